@@ -13,8 +13,8 @@
 namespace troupe::python {
 namespace {
 
-/// A batch as Python holds it: arrays of it keep it alive. It steps without the interpreter's lock, and
-/// refuses every call of another thread meanwhile.
+/// A batch owned by Python: its arrays keep it alive. It steps without the interpreter's lock, and refuses
+/// calls of other threads meanwhile.
 class HeldBatch {
  public:
   explicit HeldBatch(BatchEnv&& batch) : batch_(std::move(batch)) {}
@@ -45,7 +45,7 @@ class HeldBatch {
 };
 using BatchHolder = std::shared_ptr<HeldBatch>;
 
-/// Members of a dict, each read once; what is not read is an error.
+/// Reads the members of a dict; a member that was not read is an error.
 class Members {
  public:
   Members(std::string what, const py::handle& given) : what_(std::move(what)) {
@@ -206,18 +206,18 @@ void bind_batch(py::module_& module) {
   using Seeds = std::vector<std::optional<std::uint64_t>>;
   py::class_<HeldBatch, BatchHolder>(
       module, "BatchEnv",
-      "Many copies of one world that step side by side, each with a seed of its own (troupe/batch_env.hpp).\n"
-      "Its arrays show memory of the batch: they hold new numbers after each step and reset.")
+      "Many copies of one world that step together, each with its own seed (troupe/batch_env.hpp).\n"
+      "Its arrays refer to memory of the batch: they show new numbers after each step and reset.")
       .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
-           "world is a Simulation, of which copies are made; spec a dict: docs/learning.md.")
+           "world: a Simulation, which is copied. spec: a dict, see docs/learning.md.")
       .def_property_readonly("copies", [](const BatchHolder& b) { return b->use().copies(); })
       .def_property_readonly("threads", [](const BatchHolder& b) { return b->use().threads(); })
       .def(
           "robots", [](const BatchHolder& b, std::size_t team) { return b->use().robots(team); },
-          py::arg("team") = 0, "How many a copy has.")
+          py::arg("team") = 0, "Number of robots per copy.")
       .def(
           "names", [](const BatchHolder& b, std::size_t team) { return b->use().names(team); },
-          py::arg("team") = 0)
+          py::arg("team") = 0, "Names of the robots.")
       .def(
           "array",
           [](const BatchHolder& b, const std::string& name, std::size_t team) {
@@ -227,7 +227,7 @@ void bind_batch(py::module_& module) {
                          {extent(batch.copies()), extent(batch.robots(team)), extent(found.columns)},
                          found.bytes, b, false);
           },
-          py::arg("name"), py::arg("team") = 0, "copies x robots x columns.")
+          py::arg("name"), py::arg("team") = 0, "An array of the team: copies x robots x columns.")
       .def(
           "actions",
           [](const BatchHolder& b, std::size_t team) {
@@ -239,7 +239,7 @@ void bind_batch(py::module_& module) {
                 {extent(batch.copies()), extent(batch.robots(team)), extent(actions.size() / robots)},
                 actions, b, true);
           },
-          py::arg("team") = 0, "copies x robots x actions, from -1 to 1, to be filled.")
+          py::arg("team") = 0, "copies x robots x actions, from -1 to 1: written by the caller.")
       .def(
           "rewards",
           [](const BatchHolder& b, std::size_t team) {
@@ -247,7 +247,7 @@ void bind_batch(py::module_& module) {
             return shown(py::dtype::of<double>(), {extent(batch.copies()), extent(batch.robots(team))},
                          batch.rewards(team), b, true);
           },
-          py::arg("team") = 0, "copies x robots.")
+          py::arg("team") = 0, "copies x robots: rewards of the last step.")
       .def(
           "terminated",
           [](const BatchHolder& b, std::size_t team) {
@@ -255,7 +255,8 @@ void bind_batch(py::module_& module) {
             return shown(py::dtype::of<bool>(), {extent(batch.copies()), extent(batch.robots(team))},
                          batch.terminated(team), b, true);
           },
-          py::arg("team") = 0, "copies x robots: who is finished; more may be marked between two steps.")
+          py::arg("team") = 0,
+          "copies x robots: whether the robot is finished; may be set between two steps.")
       .def(
           "alive",
           [](const BatchHolder& b, std::size_t team) {
@@ -263,7 +264,7 @@ void bind_batch(py::module_& module) {
             return shown(py::dtype::of<bool>(), {extent(batch.copies()), extent(batch.robots(team))},
                          batch.alive(team), b, false);
           },
-          py::arg("team") = 0, "copies x robots: who is in the world.")
+          py::arg("team") = 0, "copies x robots: whether the robot is in the world.")
       .def_property_readonly("truncated",
                              [](const BatchHolder& b) {
                                BatchEnv& batch = b->use();
@@ -297,7 +298,8 @@ void bind_batch(py::module_& module) {
             b->work([&](BatchEnv& batch) { batch.reset(marks, seeds); });
           },
           py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
-          "Begins an episode in these copies, with these seeds, None for the next of the copy.")
+          "Begins an episode in the copies marked by `which`, with these seeds; None: the next seed of the "
+          "copy.")
       .def(
           "step",
           [](const BatchHolder& b, const Marks& begins) {
@@ -305,7 +307,7 @@ void bind_batch(py::module_& module) {
             b->work([&](BatchEnv& batch) { batch.step(marks); });
           },
           py::arg("begins") = py::none(),
-          "One step; the copies that are marked begin their next episode instead.")
+          "Advances all copies by one step; copies marked by `begins` begin their next episode instead.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
           py::arg("copy") = 0)
@@ -322,7 +324,7 @@ void bind_batch(py::module_& module) {
             return out;
           },
           py::arg("copy") = 0, py::arg("width") = 480, py::arg("height") = 480,
-          "A copy from above: height x width x 3, uint8.")
+          "A picture of a copy from above: height x width x 3, uint8.")
       .def("__repr__",
            [](const BatchHolder& b) { return fmt::format("<BatchEnv of {} copies>", b->use().copies()); });
 }

@@ -10,20 +10,19 @@
 #include <span>
 #include <string_view>
 
-/// The module `troupe._core`: the C++ API as Python sees it. What is more comfortable in Python than in C++
-/// is written in Python, in python/troupe.
+/// The module `troupe._core`: the C++ API for Python. Conveniences are written in Python, in python/troupe.
 namespace troupe::python {
 
 namespace py = pybind11;
 
-/// Releases the interpreter's lock for as long as it lives. Once the interpreter exits, a daemon thread stops
-/// in the constructor or the destructor and stays there until the process ends.
+/// Releases the interpreter's lock during its lifetime. After the interpreter has exited, a daemon thread
+/// blocks in the constructor or the destructor until the process ends.
 ///
-/// Python 3.13 and before end a daemon thread that wants the lock by then with pthread_exit(), which unwinds
-/// its stack: the destructor of pybind11's gil_scoped_release aborts the process then, and any other frame
-/// would give Python's objects back without the lock. A thread that has not asked for the lock yet would
-/// still step or load a world while the process destroys its static objects: the exit waits until it has
-/// finished that tick, or that world.
+/// Python 3.13 and earlier end a daemon thread that requests the lock after the exit with pthread_exit(),
+/// which unwinds its stack: the destructor of pybind11's gil_scoped_release then aborts the process, and any
+/// other frame would release Python objects without the lock. A thread that has not requested the lock yet
+/// would still step or load a world while the process destroys its static objects: therefore the exit waits
+/// until the thread has finished that tick or that world.
 class Unlocked {
  public:
   Unlocked();
@@ -35,27 +34,26 @@ class Unlocked {
   PyThreadState* state_;
 };
 
-/// function(argument), for a function that a program gave. A daemon thread that the interpreter ends in it
-/// stops there for good, as in Unlocked.
+/// Calls function(argument), a function of the program. A daemon thread that the interpreter ends inside of
+/// it blocks for good, as in Unlocked.
 py::object call(py::handle function, py::handle argument);
 
-/// A simulation as Python holds it: what Python reads of it keeps it alive.
+/// A simulation owned by Python: arrays and handles that refer to it keep it alive.
 ///
-/// Steps are taken without the interpreter's lock, so that other threads of Python run meanwhile. A
-/// simulation is not for several threads: one that is stepping refuses every call with a RuntimeError.
+/// It steps without the interpreter's lock, so that other Python threads run meanwhile. Only one thread may
+/// use a simulation: while it steps, every other call throws a RuntimeError.
 class Held {
  public:
   explicit Held(Simulation&& simulation) : simulation_(std::move(simulation)) {}
 
-  /// The simulation, for a call that comes with the interpreter's lock. Throws std::logic_error while it
-  /// steps.
+  /// The simulation, for a call that holds the interpreter's lock. Throws std::logic_error while it steps.
   Simulation& use();
-  /// Ticks, one after another; signals are looked at now and then, so that Ctrl-C ends it between two of
-  /// them. `to_its_end`: none where the run is over.
+  /// Makes ticks, and checks signals regularly, so that Ctrl-C ends it between two ticks. `to_its_end`: stops
+  /// when the run is over.
   void step(std::uint64_t ticks, bool to_its_end = false);
-  /// The simulation, for what is not to be done in a callback of on_tick(): throws std::logic_error there.
+  /// The simulation, for functions that a callback of on_tick() must not call: throws std::logic_error there.
   Simulation& use_outside(std::string_view what);
-  /// While it lives, callbacks of on_tick() are called.
+  /// Marks that callbacks of on_tick() are running.
   class Calling {
    public:
     explicit Calling(Held& held) : calling_(held.calling_) { calling_ = true; }
@@ -75,7 +73,7 @@ class Held {
 using Holder = std::shared_ptr<Held>;
 using SimulationClass = py::class_<Held, Holder>;
 
-/// A model with the simulation that it is of.
+/// A model, with its simulation.
 struct HeldModel {
   Holder held;
   Model model;
@@ -86,7 +84,7 @@ struct HeldModel {
   }
 };
 
-/// An array that shows memory of the simulation without copying it: read-only, and alive as long as it is.
+/// A read-only array that refers to memory of the simulation and keeps it alive.
 py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                const void* first, const Holder& owner);
 
@@ -96,16 +94,16 @@ py::array view(std::span<const T> values, const Holder& owner) {
               owner);
 }
 
-/// The elements of an array that is contiguous, to be filled.
+/// The elements of a contiguous array, to be written.
 template <class T, class Element>
 std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
 
-/// What NumPy calls the elements of a field.
+/// The NumPy type of an element type.
 py::dtype dtype_of(engine::Element element);
 
-/// Has the exit of the interpreter wait for other threads: see Unlocked.
+/// Makes the exit of the interpreter wait for other threads: see Unlocked.
 void bind_exit();
 void bind_errors(py::module_& module);
 py::dict dict_of(const Model::Energy& energy);

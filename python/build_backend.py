@@ -1,7 +1,7 @@
-"""What `pip install .` runs (PEP 517): CMake builds the package, and this packs what it installs into a wheel.
+"""The build backend of `pip install .` (PEP 517): CMake builds and installs the package, and this packs it into a wheel.
 
-It needs what the build needs (scripts/setup) and nothing of Python's own index. The build lies in build/pip, where a
-second one is quick; `--config-settings build-dir=build/release` takes another that is configured already.
+It needs the packages of the build (scripts/setup) and none from PyPI. It builds in build/pip, where a second build is
+quick; `--config-settings build-dir=build/release` uses another build folder that is already configured.
 """
 
 import base64
@@ -48,7 +48,7 @@ def metadata():
 
 
 def pack(folder, wheel):
-    """Everything in the folder, by name and without dates, so that equal builds give equal wheels; and the list of it."""
+    """Packs a folder and its RECORD, sorted by name and without dates, so that equal builds give equal wheels."""
     info = f"troupe-{version()}.dist-info"
     (folder / info).mkdir()
     (folder / info / "METADATA").write_text(metadata())
@@ -87,4 +87,4 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    raise RuntimeError("there is no source distribution of Python: the repository is it (git archive)")
+    raise RuntimeError("there is no source distribution: use the repository (git archive)")

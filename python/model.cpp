@@ -22,7 +22,7 @@ py::array readings(HeldModel& m, const std::string& field, const std::string& de
               reading.bytes.data(), m.held);
 }
 
-/// A value as an array of what a field of a command is made of. Refuses what that cannot hold.
+/// A value as an array with the element type of a field of a command. Throws if the field cannot hold it.
 py::array elements_of(const engine::StateField& field, const py::handle& value) {
   const py::module_ numpy = py::module_::import("numpy");
   const py::array given = numpy.attr("asarray")(value);
@@ -37,7 +37,7 @@ py::array elements_of(const engine::StateField& field, const py::handle& value) 
   return made;
 }
 
-/// All that is asked of the device, once `values` are.
+/// Sets `values` in the command of the device. Returns the whole command.
 py::dict command(HeldModel& m, const std::string& device, const py::kwargs& values) {
   const Model::Asked asked = m.use().asked(device);
   std::vector<std::pair<const engine::StateField*, py::array>> set;
@@ -65,19 +65,19 @@ py::dict command(HeldModel& m, const std::string& device, const py::kwargs& valu
 }
 
 void bind_random(py::module_& module) {
-  py::class_<Random>(module, "Random", "A sequence of random numbers.")
+  py::class_<Random>(module, "Random", "A stream of random numbers.")
       .def(
           "uniform", [](Random& random, double low, double high) { return random.uniform(low, high); },
-          py::arg("low") = 0.0, py::arg("high") = 1.0, "From low, and below high.")
-      .def("normal", &Random::normal, "Of mean 0 and standard deviation 1.")
-      .def("exponential", &Random::exponential, "Of mean 1.")
+          py::arg("low") = 0.0, py::arg("high") = 1.0, "Uniform in [low, high).")
+      .def("normal", &Random::normal, "Normal, with mean 0 and standard deviation 1.")
+      .def("exponential", &Random::exponential, "Exponential, with mean 1.")
       .def(
           "below",
           [](Random& random, std::uint32_t n) {
-            if (n == 0) throw py::value_error("no number is below 0");
+            if (n == 0) throw py::value_error("below(0): give 1 or more");
             return random.below(n);
           },
-          py::arg("n"), "A whole number from 0, and below n.");
+          py::arg("n"), "A uniform integer from 0 to n - 1.");
 }
 
 }  // namespace
@@ -92,82 +92,93 @@ py::dict dict_of(const Model::Energy& energy) {
 
 void bind_models(py::module_& module) {
   bind_random(module);
-  py::class_<HeldModel>(module, "Model", "A model of a simulation, found by its name.")
+  py::class_<HeldModel>(module, "Model", "A model of a simulation: a body, or a part of one.")
       .def_property_readonly("name", [](const HeldModel& m) { return m.model.name(); })
       .def_property_readonly("id", [](const HeldModel& m) { return m.model.id().value; })
       .def("__repr__", [](const HeldModel& m) { return fmt::format("<Model {}>", m.model.name()); })
       .def(
-          "pose", [](HeldModel& m) { return m.use().pose(); }, "In the world's frame.")
+          "pose", [](HeldModel& m) { return m.use().pose(); }, "Global pose, m and rad.")
       .def(
           "size",
           [](HeldModel& m) {
             const Eigen::Vector3d size = m.use().size();
             return py::make_tuple(size.x(), size.y(), size.z());
           },
-          "As declared, m.")
+          "Size as declared in the world, m.")
       .def(
           "set_speed",
           [](HeldModel& m, double forward, double turn, double left) {
             m.use().set_speed(forward, left, turn);
           },
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
-          "m/s and rad/s, from the next tick on until replaced; a controller of the robot overrides it.")
+          "Commands speeds, m/s and rad/s, from the next tick on until replaced; a controller overrides "
+          "them.")
       .def(
           "accelerate",
           [](HeldModel& m, double forward, double turn, double left) {
             m.use().accelerate(forward, left, turn);
           },
-          py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0, "m/s^2 and rad/s^2.")
+          py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
+          "Commands accelerations, m/s^2 and rad/s^2.")
       .def(
           "go_to", [](HeldModel& m, const Pose& goal) { m.use().go_to(goal); }, py::arg("goal"),
-          "A goal in the frame of estimate(), where it then stays.")
-      .def("speed", [](HeldModel& m) { return m.use().speed(); })
-      .def("is_alive", [](HeldModel& m) { return m.use().is_alive(); })
-      .def("stalled", [](HeldModel& m) { return m.use().stalled(); })
+          "Commands a pose in the frame of estimate(): the robot drives there and stays.")
       .def(
-          "estimate", [](HeldModel& m) { return m.use().estimate(); }, "Its estimated pose.")
+          "speed", [](HeldModel& m) { return m.use().speed(); }, "Velocity of the last tick, body frame.")
       .def(
-          "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"))
+          "is_alive", [](HeldModel& m) { return m.use().is_alive(); }, "Whether it is in the world.")
+      .def(
+          "stalled", [](HeldModel& m) { return m.use().stalled(); }, "Whether its last motion was blocked.")
+      .def(
+          "estimate", [](HeldModel& m) { return m.use().estimate(); },
+          "Estimated pose: the true one with gps, else the odometry estimate.")
+      .def(
+          "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"),
+          "Overwrites the odometry estimate.")
       .def(
           "set_pose", [](HeldModel& m, const Pose& pose) { m.use().set_pose(pose); }, py::arg("pose"),
-          "Puts it elsewhere between two steps; nothing is asked of the place.")
+          "Moves it to a pose in the world's frame, between two steps; the place need not be free.")
       .def(
-          "is_free", [](HeldModel& m, const Pose& pose) { return m.use().is_free(pose); }, py::arg("pose"))
-      .def("sensors", [](HeldModel& m) { return m.use().sensors(); })
+          "is_free", [](HeldModel& m, const Pose& pose) { return m.use().is_free(pose); }, py::arg("pose"),
+          "Whether it would fit at this pose.")
+      .def(
+          "sensors", [](HeldModel& m) { return m.use().sensors(); }, "Names of its sensors.")
       .def(
           "ranges",
           [](HeldModel& m, const std::string& sensor) { return view(m.use().ranges(sensor), m.held); },
-          py::arg("sensor") = "", "m, one a beam; not copied: the array shows new readings after each step.")
+          py::arg("sensor") = "",
+          "Readings of a ranger, m, one per beam. Not copied: the array shows new readings after each step.")
       .def(
           "intensities",
           [](HeldModel& m, const std::string& sensor) { return view(m.use().intensities(sensor), m.held); },
-          py::arg("sensor") = "")
+          py::arg("sensor") = "", "Intensities, one per value of ranges().")
       .def("readings", &readings, py::arg("field"), py::arg("device") = "",
-           "A field of any sensor, or other device, not copied: the array shows new values after each step.\n"
-           "Without a device's name that of the first that has such a field.")
+           "A field of a sensor or another device. Not copied: the array shows new values after each step.\n"
+           "Without `device`: of the first device that has this field.")
       .def(
           "fields",
           [](HeldModel& m, const std::string& device) {
             const auto fields = m.use().fields(device);
             return std::vector<engine::StateField>(fields.begin(), fields.end());
           },
-          py::arg("device"), "What readings() can tell of a device.")
+          py::arg("device"), "The fields that readings() can return of a device.")
       .def("command", &command, py::arg("device"),
-           "Asks a device for something, by the names of its command: robot.command(\"lamp\", shows=1, "
-           "red=1).\n"
-           "Gives all that is asked of it now. It acts from the next step on.")
+           "Sets fields of a device's command by name: robot.command(\"lamp\", shows=1, red=1). They take\n"
+           "effect from the next step on. Returns the whole command as a dict.")
       .def(
           "random", [](HeldModel& m, const std::string& name) { return m.use().random(name); },
           py::arg("name"),
-          "Its random numbers in this tick, of the seed, the name, the robot and the tick alone.")
+          "The random stream of this robot, name and tick; a function of these and the seed alone.")
       .def(
           "energy",
           [](HeldModel& m) -> py::object {
             if (const auto energy = m.use().energy()) return dict_of(*energy);
             return py::none();
           },
-          "Of the pack that it runs on, J; None where it runs on none.")
-      .def("flag_count", [](HeldModel& m) { return m.use().flag_count(); });
+          "Energy of the power pack that supplies it, J; None if there is none.")
+      .def(
+          "flag_count", [](HeldModel& m) { return m.use().flag_count(); },
+          "Number of flags that it holds itself.");
 }
 
 }  // namespace troupe::python

@@ -18,7 +18,7 @@
 namespace troupe::python {
 namespace {
 
-/// A class of exceptions, which lives as long as the process: who throws may outlive the module.
+/// Makes a class of exceptions. It is never released, because objects of it may outlive the module.
 py::handle new_exception(py::module_& module, const char* name, PyObject* base) {
   const py::exception<void> exception(module, name, base);
   return py::object(exception).release();
@@ -33,7 +33,7 @@ void raise_input_error(const InputError& error) {
   PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 
-/// Has kernels run on the instruction set that TROUPE_SIMD names, if it names one.
+/// Selects the instruction set of the kernels that TROUPE_SIMD names, if it is set.
 void obey_simd_variable() {
   const char* name = std::getenv("TROUPE_SIMD");
   if (name == nullptr || *name == '\0') return;
@@ -44,10 +44,10 @@ void obey_simd_variable() {
   }
 }
 
-// Of Unlocked.
-std::atomic<int> at_work = 0;  // threads that have released the lock
+// Used by Unlocked.
+std::atomic<int> at_work = 0;  // threads that have released the lock and not taken it back
 std::atomic<bool> is_ending = false;
-pthread_t ending_thread;  // the one that ends the interpreter
+pthread_t ending_thread;  // the thread that ends the interpreter
 
 bool must_stop() { return is_ending && pthread_equal(pthread_self(), ending_thread) == 0; }
 
@@ -62,7 +62,7 @@ Unlocked::Unlocked() {
     PyEval_SaveThread();
     stop_for_good();
   }
-  ++at_work;  // with the lock: the exit sees it
+  ++at_work;  // while the lock is held, so that the exit sees it
   state_ = PyEval_SaveThread();
 }
 
@@ -74,7 +74,7 @@ Unlocked::~Unlocked() {
   try {
     PyEval_RestoreThread(state_);
   } catch (const abi::__forced_unwind&) {
-    stop_for_good();  // a handler that ends goes on with the unwinding
+    stop_for_good();  // a handler that returned would continue the unwinding
   }
 #else
   PyEval_RestoreThread(state_);
@@ -84,7 +84,7 @@ Unlocked::~Unlocked() {
 py::object call(py::handle function, py::handle argument) {
   PyObject* result = nullptr;
 #ifdef __GLIBCXX__
-  try {  // around this call alone: between the two nothing may be unwound
+  try {  // only around this call: no frame of ours may be unwound in between
     result = PyObject_CallFunctionObjArgs(function.ptr(), argument.ptr(), nullptr);
   } catch (const abi::__forced_unwind&) {
     stop_for_good();
@@ -97,7 +97,8 @@ py::object call(py::handle function, py::handle argument) {
 }
 
 void bind_exit() {
-  pthread_atfork(nullptr, nullptr, [] { at_work = 0; });  // a child has one thread, which runs Python
+  // A forked child has one thread, which holds the lock.
+  pthread_atfork(nullptr, nullptr, [] { at_work = 0; });
   const auto begin_exit = [] {
     ending_thread = pthread_self();
     is_ending = true;
@@ -151,17 +152,17 @@ py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vecto
   return array;
 }
 
-/// What goes wrong in C++ comes out as what Python calls it; std::invalid_argument is a ValueError, and all
-/// other std::exceptions are RuntimeErrors, without a word from here.
+/// Maps C++ exceptions to Python ones. pybind11 already maps std::invalid_argument to ValueError and other
+/// std::exceptions to RuntimeError.
 void bind_errors(py::module_& module) {
   input_error = new_exception(module, "InputError", PyExc_ValueError);
   input_error.attr("__doc__") =
-      "Bad input: a world, a checkpoint, options. `findings` has one text for each thing that is wrong, as\n"
+      "Invalid input: a world, a checkpoint, options. `findings` lists the errors, each as\n"
       "`maze.world:41: error: ...`.";
   step_error = new_exception(module, "StepError", PyExc_RuntimeError);
   step_error.attr("__doc__") =
-      "A step met a value that is no number; the text names tick and robot. The state is of no use until "
-      "reset().";
+      "A step failed: a value was not finite, or a controller or a device threw. The text names tick and "
+      "robot.\nThe state cannot be used until reset().";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));
@@ -169,7 +170,7 @@ void bind_errors(py::module_& module) {
       raise_input_error(error);
     } catch (const engine::StepError& error) {
       PyErr_SetString(step_error.ptr(), error.what());
-    } catch (const std::out_of_range& error) {  // a name that is not there, as IndexError would not say
+    } catch (const std::out_of_range& error) {  // an unknown name, which IndexError would not express
       PyErr_SetString(PyExc_LookupError, error.what());
     } catch (const std::filesystem::filesystem_error& error) {
       PyErr_SetString(PyExc_OSError, error.what());
@@ -182,7 +183,7 @@ void bind_errors(py::module_& module) {
 PYBIND11_MODULE(_core, module) {
   using namespace troupe::python;
   obey_simd_variable();
-  module.doc() = "The C++ part of troupe; see there.";
+  module.doc() = "The C++ part of the package troupe.";
   module.attr("__version__") = troupe::k_version;
   module.def("version_line", &troupe::version_line,
              "Version, compiler, flags, instruction set and assertion state, on one line.");

@@ -24,7 +24,7 @@ struct HeldMeasures {
   }
 };
 
-/// Names stay, objects become the text that JSON worlds have.
+/// Names are kept; dicts become JSON text.
 std::vector<std::string> texts_of(const std::vector<std::variant<std::string, py::dict>>& wanted) {
   const py::object dumps = py::module_::import("json").attr("dumps");
   std::vector<std::string> texts;
@@ -70,25 +70,26 @@ void bind_observers(py::module_& module) {
   py::class_<HeldMeasures>(
       module, "Measures",
       "Measures of a simulation (docs/measures.md): names, `name:of`, or dicts with parameters.\n"
-      "None: what the world asks for, else all that need no parameters.")
+      "Without any: those of the world, or else all that need no parameters.")
       .def(py::init([](const Holder& held, const std::vector<std::variant<std::string, py::dict>>& wanted) {
              return HeldMeasures{held, Measures(held->use(), texts_of(wanted))};
            }),
            py::arg("simulation").none(false), py::arg("wanted") = py::tuple())
       .def(
-          "see", [](HeldMeasures& m) { m.use().see(); }, "To be called after every step.")
+          "see", [](HeldMeasures& m) { m.use().see(); }, "Updates the measures. Call it after every step.")
       .def_property_readonly("columns",
                              [](const HeldMeasures& m) {
                                return std::vector<std::string>(m.measures.columns().begin(),
                                                                m.measures.columns().end());
                              })
       .def(
-          "values", [](HeldMeasures& m) { return m.use().values(); }, "A number a column.")
+          "values", [](HeldMeasures& m) { return m.use().values(); }, "One number per column.")
       .def(
           "__getitem__", [](HeldMeasures& m, const std::string& name) { return m.use().value(name); },
-          py::arg("name"));
+          py::arg("name"), "The value of one column, named with or without its unit.");
 
-  py::class_<Event>(module, "Event", "Something that happened to a robot in a tick.")
+  py::class_<Event>(module, "Event",
+                    "An event of a robot in a tick: type, robot, id, and the other body or None.")
       .def_readonly("type", &Event::type)
       .def_readonly("robot", &Event::robot)
       .def_readonly("id", &Event::id)
@@ -97,16 +98,16 @@ void bind_observers(py::module_& module) {
         return "<Event " + event.type + " of " + event.robot + (event.other ? ", " + *event.other : "") + ">";
       });
 
-  py::class_<HeldEvents>(module, "Events", "What happens to robots (docs/measures.md).")
+  py::class_<HeldEvents>(module, "Events", "Detects events of robots (docs/measures.md).")
       .def(py::init([](const Holder& held) {
              return HeldEvents{held, engine::EventWatch(held->use().world())};
            }),
            py::arg("simulation").none(false))
-      .def("see", &HeldEvents::see, "The events of the last tick; to be called after every step.");
+      .def("see", &HeldEvents::see, "The events of the last tick. Call it after every step.");
 
-  py::class_<HeldRecording>(
-      module, "Recording",
-      "A recording, an HDF5 file (docs/recordings.md); also as `with Recording(...) as recording`.")
+  py::class_<HeldRecording>(module, "Recording",
+                            "A recording: an HDF5 file (docs/recordings.md). Use it as `with Recording(...) "
+                            "as recording`, or call close().")
       .def(py::init([](const std::filesystem::path& file, const Holder& held,
                        const std::vector<std::string>& fields, double every_s, bool replace) {
              return HeldRecording{held, Recording(file, held->use(), {fields, every_s, replace})};
@@ -118,12 +119,14 @@ void bind_observers(py::module_& module) {
           [](const std::filesystem::path& file, const Holder& held) {
             return HeldRecording{held, Recording::resume(file, held->use())};
           },
-          py::arg("file"), py::arg("simulation").none(false))
+          py::arg("file"), py::arg("simulation").none(false), "Continues a recording, for a resumed run.")
       .def(
           "observe", [](HeldRecording& r) { r.recording.observe(r.held->use()); },
-          "To be called after each step: adds a frame where one is due.")
-      .def("flush", [](HeldRecording& r) { r.recording.flush(); })
-      .def("close", [](HeldRecording& r) { r.recording.close(); })
+          "Adds a frame if one is due. Call it after each step.")
+      .def(
+          "flush", [](HeldRecording& r) { r.recording.flush(); }, "Writes the frames that are in memory.")
+      .def(
+          "close", [](HeldRecording& r) { r.recording.close(); }, "Flushes and closes the file.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](HeldRecording& r, const py::args&) { r.recording.close(); });
 }

@@ -39,7 +39,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const std::optional
   return settings;
 }
 
-/// A size for the only population, or name -> size.
+/// Size of the only population, or name -> size.
 using Robots = std::variant<std::monostate, std::size_t, py::dict>;
 
 std::vector<std::pair<std::string, std::size_t>> robots_of(const Robots& robots) {
@@ -76,7 +76,7 @@ SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed&
           std::move(plugin_path)};
 }
 
-/// make(), without the interpreter's lock: worlds may take long to load.
+/// Calls make() without the interpreter's lock, because worlds may take long to load.
 template <class Make>
 Holder hold(Make&& make) {
   const Unlocked unlocked;
@@ -111,22 +111,23 @@ Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set,
 
 // ---- the run
 
-/// Functions that are called at the end of each step. They are kept in the object's __dict__, where Python's
-/// collector sees them: a function may well refer to the simulation that it is called by.
+/// Attribute with the callbacks of on_tick(). They are kept in the object's __dict__, where Python's garbage
+/// collector sees them, because a callback often refers to the simulation that calls it.
 constexpr const char* k_callbacks = "_on_tick";
 
 py::list callbacks_of(const py::object& self) {
   return py::getattr(self, k_callbacks, py::list()).cast<py::list>();
 }
 
-/// A tick, and what on_tick() has added.
+/// Makes one tick and calls the callbacks of on_tick().
 void step_and_call(const py::object& self, const Holder& held, const py::list& callbacks) {
   held->step(1);
   const Held::Calling calling(*held);
   for (const py::handle callback : callbacks) call(callback, self);
 }
 
-/// Ticks, each with what on_tick() has added and `after`; to_its_end: until the run is over.
+/// Makes ticks, and calls after each the callbacks of on_tick() and `after`. to_its_end: stops when the run
+/// is over.
 void advance(const py::object& self, std::uint64_t ticks, bool to_its_end,
              const std::optional<py::function>& after = {}) {
   const Holder held = self.cast<Holder>();
@@ -147,7 +148,7 @@ bool is_time(double seconds) { return seconds >= 0 && seconds <= 1e12; }
 
 void run_for(const py::object& self, double seconds, const std::optional<py::function>& on_tick) {
   Simulation& simulation = self.cast<Holder>()->use_outside("run_for()");
-  if (!is_time(seconds)) simulation.run_for(seconds);  // says what is wrong with it
+  if (!is_time(seconds)) simulation.run_for(seconds);  // throws the error of the C++ function
   advance(self, engine::ticks_until(seconds, simulation.tick_s()), true, on_tick);
 }
 
@@ -166,7 +167,7 @@ bool run_until(const py::object& self, const py::function& done, double at_most_
 py::object on_tick(const py::object& self, const py::object& callback) {
   self.cast<Holder>()->use_outside("on_tick()");
   if (!callback.is_none() && PyCallable_Check(callback.ptr()) == 0)
-    throw py::type_error("on_tick() takes a function, or None: forget them all");
+    throw py::type_error("on_tick() takes a function, or None, which removes all callbacks");
   py::list callbacks = callback.is_none() ? py::list() : callbacks_of(self);
   if (!callback.is_none()) callbacks.append(callback);
   py::setattr(self, k_callbacks, callbacks);
@@ -186,7 +187,7 @@ Hit cast_one(const Holder& held, const Pose& start, double range_max, HeldModel*
   return {hit.range_m, hit.met() ? std::optional(hit.body.value) : std::nullopt, hit.part};
 }
 
-/// Many rays: how far each goes, and the body that it meets, -1 for none.
+/// Casts many rays. Returns the distance of each, and the id of the body that it meets, or -1.
 py::tuple cast_many(const Holder& held,
                     const py::array_t<double, py::array::c_style | py::array::forcecast>& starts,
                     double range_max, HeldModel* without) {
@@ -262,7 +263,8 @@ std::optional<HeldModel> spawn(const Holder& held, const std::string& population
 
 void bind_values(py::module_& module) {
   py::class_<Pose>(module, "Pose",
-                   "m and rad; +x forward, +y left, headings counter-clockwise. Also as (x, y, heading).")
+                   "A pose, m and rad: +x forward, +y left, headings counter-clockwise. Functions also take "
+                   "(x, y, heading).")
       .def(py::init([](double x, double y, double heading, double z) {
              return Pose{x, y, z, heading};
            }),
@@ -285,7 +287,9 @@ void bind_values(py::module_& module) {
       });
   py::implicitly_convertible<py::tuple, Pose>();
 
-  py::class_<Model::Speed>(module, "Speed", "Of the last tick, body frame: m/s forward and left, rad/s.")
+  py::class_<Model::Speed>(
+      module, "Speed",
+      "Velocity in the body frame: forward and left in m/s, turn in rad/s. Unpacks to these three.")
       .def_readonly("forward", &Model::Speed::forward)
       .def_readonly("left", &Model::Speed::left)
       .def_readonly("turn", &Model::Speed::turn)
@@ -301,7 +305,10 @@ void bind_values(py::module_& module) {
 SimulationClass bind_simulation(py::module_& module) {
   bind_values(module);
   bind_models(module);
-  py::class_<Hit>(module, "Hit", "What a ray met first.")
+  py::class_<Hit>(
+      module, "Hit",
+      "The first surface on a ray: distance range_m, id of the body (None: nothing), index of the "
+      "part.")
       .def_readonly("range_m", &Hit::range_m)
       .def_readonly("body", &Hit::body)
       .def_readonly("part", &Hit::part)
@@ -310,26 +317,27 @@ SimulationClass bind_simulation(py::module_& module) {
         return hit.body ? fmt::format("<Hit of body {} after {:g} m>", *hit.body, hit.range_m)
                         : std::string("<Hit of nothing>");
       });
-  SimulationClass simulation(module, "Simulation", "A world and its state. Of one thread at a time.",
+  SimulationClass simulation(module, "Simulation", "A world and its state. One thread at a time may use it.",
                              py::dynamic_attr());
   simulation
       .def(py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
            py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
            py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
            py::arg("plugin_path") = py::tuple(), py::arg("tile_size_m") = 0.0,
-           "Loads a world: a file, Stage's .world or JSON, or a dict as JSON would have it, whose relative "
-           "paths count\n"
-           "from the folder of `name`.")
+           "Loads a world: a file (Stage .world or JSON), or a dict with the content of a JSON world, whose "
+           "relative\n"
+           "paths are resolved from the folder of `name`. Raises InputError.")
       .def_static("from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
                   py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
                   py::arg("ranging") = py::none(), py::arg("set") = py::none(),
                   py::arg("search_path") = py::tuple(), py::arg("plugin_path") = py::tuple(),
                   py::arg("tile_size_m") = 0.0,
-                  "Loads a world from its text, in the syntax that the ending of `name` says.")
+                  "Loads a world from its text; the ending of `name`, .world or .json, selects the syntax.")
       .def_static("resume", &resume, py::arg("checkpoint"), py::kw_only(), py::arg("threads") = 0,
                   py::arg("set") = py::none(), py::arg("across_versions") = false,
                   py::arg("plugin_path") = py::tuple(), py::arg("across_plugins") = false,
-                  py::arg("tile_size_m") = 0.0, "Goes on from a checkpoint, with the same bits.")
+                  py::arg("tile_size_m") = 0.0,
+                  "Resumes a run from a checkpoint, with the same bits as if it had not stopped.")
       .def("__repr__",
            [](const Holder& held) {
              Simulation& s = held->use();
@@ -354,20 +362,22 @@ SimulationClass bind_simulation(py::module_& module) {
       .def_property_readonly("stopped", [](const Holder& held) { return held->use().stopped(); })
       .def_property_readonly("resumed_at_tick",
                              [](const Holder& held) { return held->use().resumed_at_tick(); })
-      .def("step", &step, py::arg("ticks") = 1, "So many ticks, without the interpreter's lock.")
+      .def("step", &step, py::arg("ticks") = 1, "Makes this many ticks, without the interpreter's lock.")
       .def("run_for", &run_for, py::arg("seconds"), py::arg("on_tick") = py::none(),
-           "Steps until so much world time has passed, or the run is over; calls on_tick(simulation) after "
-           "each\n"
+           "Steps until `seconds` of world time have passed or the run is over; calls on_tick(simulation) "
+           "after each\n"
            "tick.")
       .def("run_until", &run_until, py::arg("done"), py::arg("at_most_s"),
-           "Steps until done(simulation) is true behind a step, or so much world time has passed, or the run "
-           "is\n"
-           "over. Whether it became true.")
-      .def("on_tick", &on_tick, py::arg("callback").none(true),
-           "Calls callback(simulation) at the end of every step from now on, behind what record() writes; "
-           "None\n"
-           "forgets all that were added. They may do what is done between two steps, but not step or reset.\n"
-           "Gives the callback back, so that it may stand above a function: @simulation.on_tick.")
+           "Steps until done(simulation), called after each step, is true. False if `at_most_s` seconds of "
+           "world time\n"
+           "pass, or the run is over, first.")
+      .def(
+          "on_tick", &on_tick, py::arg("callback").none(true),
+          "Calls callback(simulation) at the end of every step, after record() has written; None removes all "
+          "callbacks.\n"
+          "A callback may do what a program may do between two steps, but not step or reset. Returns the "
+          "callback, so\n"
+          "that it can be a decorator: @simulation.on_tick.")
       .def(
           "reset",
           [](const Holder& held, const Seed& seed) {
@@ -378,35 +388,36 @@ SimulationClass bind_simulation(py::module_& module) {
               used.reset();
           },
           py::arg("seed") = py::none(),
-          "Back to tick 0, bit for bit; with a seed to what loading with that seed gives.")
+          "Returns to tick 0, bit for bit; with a seed to the state after loading with that seed.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
-          py::arg("checkpoint"))
+          py::arg("checkpoint"), "Saves the run in an HDF5 file for resume().")
       .def("state_hash", [](const Holder& held) { return held->use().state_hash(); })
-      .def("hashes", &hashes_of, "state, and by group: pose, velocity, sensor, memory.")
+      .def("hashes", &hashes_of, "Hash of the state, and hashes by group: pose, velocity, sensor, memory.")
       .def("statistics", &statistics_of)
       .def(
           "find",
           [](const Holder& held, const std::string& name) {
             return HeldModel{held, held->use().find(name)};
           },
-          py::arg("name"))
+          py::arg("name"), "The model of this name. Raises LookupError with similar names.")
       .def(
           "model",
           [](const Holder& held, std::uint32_t id) {
             return HeldModel{held, held->use().model(BodyId(id))};
           },
-          py::arg("id"), "The model with this id, as sensors and rays tell it.")
+          py::arg("id"), "The model with this id, as sensors and rays report it.")
       .def("cast", &cast_one, py::arg("start"), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
-           "The first surface along a ray, by exact geometry: from a pose, m and rad, no farther than "
-           "range_max,\n"
-           "at the height start.z; it passes the model `without`.")
-      .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
-           py::arg("without") = py::none(),
-           "The same of n rays: starts is n x 4, as Swarm.poses(). How far each goes, m, and the id of the "
-           "body\n"
-           "that it meets, -1 for none.")
+           "The first surface along a ray, by exact geometry: from a pose, m and rad, up to range_max, m, at "
+           "the height\n"
+           "start.z. The ray ignores the model `without`.")
+      .def(
+          "cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
+          py::arg("without") = py::none(),
+          "Casts n rays. starts: n x 4, as Swarm.poses(). Returns the distance of each, m, and the id of the "
+          "body that\n"
+          "it meets, -1 for none.")
       .def(
           "set_poses",
           [](const Holder& held, const std::vector<std::pair<HeldModel, Pose>>& poses) {
@@ -415,7 +426,7 @@ SimulationClass bind_simulation(py::module_& module) {
             held->use().set_poses(placed);
           },
           py::arg("poses"),
-          "Puts many elsewhere at once: (model, pose) each. Where one cannot be put none is.")
+          "Moves many models at once: pairs (model, pose). If one pose is invalid, no model is moved.")
       .def(
           "record",
           [](const Holder& held, const fs::path& file, const std::vector<std::string>& fields, double every_s,
@@ -431,26 +442,28 @@ SimulationClass bind_simulation(py::module_& module) {
       .def_property_readonly("robot_names", [](const Holder& held) { return held->use().robot_names(); })
       .def(
           "subscribe", [](const Holder& held, const std::string& model) { held->use().subscribe(model); },
-          py::arg("model"), "Runs every sensor of a robot; before the first step.")
-      .def("spawn", &spawn, py::arg("population"), py::arg("pose"),
-           "Spawns the next body of a population's reserve; None where that place is taken, or none is left.")
+          py::arg("model"), "Runs every sensor of a robot. Call it before the first step.")
+      .def(
+          "spawn", &spawn, py::arg("population"), py::arg("pose"),
+          "Spawns the next body of a population's reserve. None if the place is taken or the reserve is used "
+          "up.")
       .def(
           "unborn", [](const Holder& held, const std::string& p) { return held->use().unborn(p); },
-          py::arg("population"))
+          py::arg("population"), "Number of bodies of a population's reserve that are not yet born.")
       .def(
           "remove", [](const Holder& held, const HeldModel& model) { held->use().remove(model.model); },
-          py::arg("model"))
+          py::arg("model"), "Removes a body for good.")
       .def("energy", [](const Holder& held) { return dict_of(held->use().energy()); })
       .def("snapshot", &snapshot, py::arg("file"), py::arg("width") = 1280, py::arg("height") = 720,
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into a .png, or as a map into a .svg or .pdf (docs/pictures.md).")
+           "Draws the world into a .png, or from above into a .svg or .pdf (docs/pictures.md).")
       .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
            py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "The same picture: height x width x 3, uint8.");
+           "Draws the world into an array: height x width x 3, uint8.");
   return simulation;
 }
 

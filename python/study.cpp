@@ -1,4 +1,4 @@
-// What a study asks for, as `troupe sweep` reads it.
+// Reads studies for troupe.sweep(), as `troupe sweep` does.
 
 #include "worldio/json/study.hpp"
 #include "base/diagnostics.hpp"
@@ -43,7 +43,7 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
 
 void bind_study(py::module_& module) {
   module.def("_read_study", &read_study, py::arg("file"), py::arg("text") = py::none(),
-             "What a study of troupe sweep asks for: its runs as (JSON texts of parameters, seed).");
+             "Reads a study of troupe sweep. Its runs are pairs (JSON texts of parameters, seed).");
   module.def("_ticks_until", &engine::ticks_until, py::arg("end_s"), py::arg("tick_s"));
   module.def("_period_ticks", &engine::period_ticks, py::arg("period_s"), py::arg("tick_s"));
 }

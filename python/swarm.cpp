@@ -32,7 +32,7 @@ struct HeldSwarm {
                                     std::string(py::str(given.attr("shape"))), robots, wanted));
 }
 
-/// One number for all robots, or one for each.
+/// One number for all robots, or one per robot.
 class Column {
  public:
   Column(std::string_view name, const Numbers& numbers, std::size_t robots)
@@ -47,7 +47,7 @@ class Column {
   std::size_t step_;
 };
 
-/// Which robots a command is for: empty for all.
+/// The robots that a command is for; empty: all.
 std::vector<std::uint8_t> mask_of(const std::optional<py::array>& where, std::size_t robots) {
   if (!where) return {};
   if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)
@@ -110,9 +110,10 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
   static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
   py::class_<HeldSwarm>(
       module, "Swarm",
-      "Many robots of one simulation, in the order of their ids: each call is for all of them.\n"
-      "Reading gives arrays of the caller's own. In commands `where` is a bool for each robot; who is\n"
-      "not in the world is left out.")
+      "A group of robots of one simulation, in the order of their ids: the functions of Model for all of "
+      "them.\n"
+      "Results are new arrays. In commands `where` is one bool per robot; robots that are not in the world\n"
+      "are skipped.")
       .def("__len__", [](const HeldSwarm& s) { return s.swarm.size(); })
       .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
       .def_property_readonly("ids",
@@ -124,17 +125,21 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
                              })
       .def_property_readonly("names", [](const HeldSwarm& s) { return s.swarm.names(); })
       .def_property_readonly("types", [](const HeldSwarm& s) { return s.swarm.types(); })
-      .def("alive", [](HeldSwarm& s) { return flags_of(s, &Swarm::alive); })
-      .def("stalled", [](HeldSwarm& s) { return flags_of(s, &Swarm::stalled); })
+      .def(
+          "alive", [](HeldSwarm& s) { return flags_of(s, &Swarm::alive); },
+          "One bool per robot: whether it is in the world.")
+      .def(
+          "stalled", [](HeldSwarm& s) { return flags_of(s, &Swarm::stalled); },
+          "One bool per robot: whether its last motion was blocked.")
       .def(
           "poses", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::poses); },
           "n x 4: x, y, z (m), heading (rad), world frame.")
       .def(
           "estimates", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::estimates); },
-          "Estimated poses: n x 4, as poses().")
+          "Estimated poses, n x 4, as poses(): the true ones with gps, else odometry estimates.")
       .def(
           "speeds", [](HeldSwarm& s) { return rows_of(s, 3, &Swarm::speeds); },
-          "Of the last tick, body frame: n x 3: forward, left (m/s), turn (rad/s).")
+          "Velocities of the last tick, body frame, n x 3: forward, left (m/s), turn (rad/s).")
       .def(
           "ranges",
           [](HeldSwarm& s, const std::string& sensor) {
@@ -144,38 +149,42 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
             return out;
           },
           py::arg("sensor") = "",
-          "n x beams, m, float32; of the ranger of this name, or the first of each robot.")
+          "Readings, n x beams, m, float32, of the ranger of this name, or else the first of each robot.")
       .def(
           "bearings",
           [](HeldSwarm& s, const std::string& sensor) {
             const std::vector<double> bearings = s.use().bearings(sensor);
             return py::array_t<double>(static_cast<py::ssize_t>(bearings.size()), bearings.data());
           },
-          py::arg("sensor") = "", "Headings of the beams, rad, sensor's frame.")
+          py::arg("sensor") = "",
+          "Headings of the beams of the first robot's ranger, rad, in the sensor's frame.")
       .def(
           "range_bound", [](HeldSwarm& s, const std::string& sensor) { return s.use().range_bound(sensor); },
-          py::arg("sensor") = "", "No reading is more, m.")
-      .def("subscribe", [](HeldSwarm& s) { s.use().subscribe(); })
+          py::arg("sensor") = "", "Upper bound of all readings of the first robot's ranger, m.")
+      .def(
+          "subscribe", [](HeldSwarm& s) { s.use().subscribe(); },
+          "Runs every sensor of all robots. Call it before the first step.")
       .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
            py::arg("where") = py::none(),
-           "m/s and rad/s, one number or one for each; they hold until they are replaced.")
+           "Commands speeds, m/s and rad/s, one number or one per robot, until they are replaced.")
       .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
-           py::arg("where") = py::none(), "m/s^2 and rad/s^2.")
+           py::arg("where") = py::none(), "Commands accelerations, m/s^2 and rad/s^2.")
       .def("go_to", &go_to, py::arg("x").none(false), py::arg("y").none(false),
            py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
-           "Goals in the frame of estimates(), m and rad.")
+           "Commands poses in the frame of estimates(), m and rad.")
       .def("set_poses", &set_poses, py::arg("poses").none(false), py::kw_only(),
            py::arg("where") = py::none(),
-           "Puts them elsewhere: n x 4, as poses(). Where one cannot be put none is.");
+           "Moves the robots to poses, n x 4, as poses(). If one pose is invalid, no robot is moved.");
 
   simulation.def(
       "swarm",
       [](const Holder& held, const std::string& of) {
         return HeldSwarm{held, held->use().swarm(of)};
       },
-      py::arg("of") = "", "The robots of a type or a population, or one robot; of an empty name all.");
+      py::arg("of") = "",
+      "The robots of a type or a population, or one robot; all robots for an empty name.");
 }
 
 }  // namespace troupe::python

@@ -18,11 +18,11 @@ using engine::Element;
 using engine::StateField;
 using engine::StateTable;
 
-/// One of the world's state tables. They stay where they are as long as their world lives.
+/// A state table. Tables keep their addresses as long as the world lives.
 struct Table {
   Holder held;
   const StateTable* table;
-  std::string type;  ///< of its bodies, where all are of one; else empty
+  std::string type;  ///< type of its bodies; empty if they have several
 
   py::array field(const std::string& name) const {
     held->use().world().require_whole();
@@ -83,8 +83,8 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
   }
   std::vector<std::string_view> types;
   for (const Table& table : found) types.push_back(table.type);
-  throw std::invalid_argument(fmt::format("{} is a component of robots of {} types: say which: {}", component,
-                                          types.size(), comma_list(types)));
+  throw std::invalid_argument(fmt::format("{} is a component of robots of {} types; give the type: {}",
+                                          component, types.size(), comma_list(types)));
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ py::dtype dtype_of(Element element) {
 }
 
 void bind_tables(py::module_& module, SimulationClass& simulation) {
-  py::class_<StateField>(module, "Field", "One array of the state.")
+  py::class_<StateField>(module, "Field", "A field of a component of the state.")
       .def_readonly("name", &StateField::name)
       .def_readonly("columns", &StateField::columns)
       .def_readonly("unit", &StateField::unit)
@@ -114,11 +114,12 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
                            field.columns, field.unit.empty() ? "" : ", ", field.unit);
       });
 
-  py::class_<Table>(
-      module, "Table",
-      "One component of the state: table[\"ranges\"] shows a field of every body without copying it,\n"
-      "read-only, and with new values after every step. Rows are in the order of storage; `ids` says whose\n"
-      "they are.")
+  py::class_<Table>(module, "Table",
+                    "A component of the state. table[\"ranges\"] is a field, one row per body: a read-only "
+                    "array that is not\n"
+                    "copied and shows new values after every step. Rows are in the order of storage; `ids` "
+                    "has the body of\n"
+                    "each row.")
       .def_property_readonly("component", [](const Table& t) { return t.table->component(); })
       .def_property_readonly("type", [](const Table& t) { return t.type; })
       .def_property_readonly("fields",
@@ -139,9 +140,9 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
         return fmt::format("<Table {}: {} rows>", t.table->component(), t.table->rows());
       });
 
-  simulation.def("tables", &tables_of, "Every component of the state that has rows.")
+  simulation.def("tables", &tables_of, "All components of the state that have rows.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
-           "One of them, \"pose\" or \"ranger/ir\"; of several of one name that of this type of robots.");
+           "One component, \"pose\" or \"ranger/ir\"; if several types of robots have it, that of `type`.");
 }
 
 }  // namespace troupe::python

@@ -18,11 +18,11 @@ using Kind = Act::Kind;
 using engine::Element;
 using engine::StateField;
 
-constexpr double k_most_speed = 1e6;  // m/s and rad/s: beyond it a command is a mistake
+constexpr double k_most_speed = 1e6;  // m/s and rad/s: larger commands are mistakes
 
 [[noreturn]] void refuse_act(const std::string& reason) { throw ActRefused(reason); }
 
-/// A body of this name that is in the world.
+/// The body of this name; refuses the act if it is not in the world.
 Model body_of(Simulation& simulation, const Act& act) {
   const BodyId id = simulation.world().find(act.whom);
   if (!id.valid()) refuse_act(fmt::format("there is no body \"{}\"", act.whom));
@@ -33,14 +33,14 @@ Model body_of(Simulation& simulation, const Act& act) {
 
 void check_finite(const Pose& pose) {
   for (const double x : {pose.x, pose.y, pose.z, pose.heading})
-    if (!std::isfinite(x)) refuse_act("the pose is not made of finite numbers");
+    if (!std::isfinite(x)) refuse_act("the pose is not finite");
 }
 
 void move(Model& model, const Pose& pose) {
   check_finite(pose);
   if (!model.is_free(pose))
     refuse_act(fmt::format(
-        "\"{}\" cannot stand at x {:.6g} m, y {:.6g} m: a wall or another body is there, or it is "
+        "\"{}\" cannot be placed at x {:.6g} m, y {:.6g} m: a wall or another body is there, or it is "
         "outside the world's bounds",
         model.name(), pose.x, pose.y));
   model.set_pose(pose);
@@ -90,7 +90,7 @@ void command(Model& model, const Act& act) {
     }
     return *found;
   };
-  for (const auto& [name, numbers] : act.values) {  // all are checked before any is written
+  for (const auto& [name, numbers] : act.values) {  // check all before writing any
     const StateField& field = field_of(name);
     if (numbers.size() != field.columns)
       refuse_act(fmt::format("\"{}\" of \"{}\" takes {} numbers, not {}", name, act.device, field.columns,
@@ -111,8 +111,8 @@ void command(Model& model, const Act& act) {
 void check_speed(const Act& act) {
   for (const double x : act.speed)
     if (!(std::abs(x) <= k_most_speed))
-      refuse_act(fmt::format("a speed of {} m/s or rad/s: give one from -{:g} to {:g}", x, k_most_speed,
-                             k_most_speed));
+      refuse_act(
+          fmt::format("speed {} m/s or rad/s: give one from -{:g} to {:g}", x, k_most_speed, k_most_speed));
 }
 
 void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
@@ -122,7 +122,7 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
       refuse_act(fmt::format("the reserve of \"{}\" is used up", act.whom));
     if (!simulation.spawn(act.whom, act.pose))
       refuse_act(fmt::format(
-          "nothing of \"{}\" can be added at x {:.6g} m, y {:.6g} m: a wall or another body is there, "
+          "no body of \"{}\" can be added at x {:.6g} m, y {:.6g} m: a wall or another body is there, "
           "or it is outside the world's bounds",
           act.whom, act.pose.x, act.pose.y));
     return;
@@ -133,7 +133,7 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
     case Kind::speed: check_speed(act); return model.set_speed(act.speed[0], act.speed[1], act.speed[2]);
     case Kind::hold:
       check_speed(act);
-      model.set_speed(act.speed[0], act.speed[1], act.speed[2]);  // throws where it has no drive
+      model.set_speed(act.speed[0], act.speed[1], act.speed[2]);  // throws if it has no drive
       return holds.set(model.id().value, act.speed);
     case Kind::release:
       if (!holds.release(model.id().value)) refuse_act(fmt::format("\"{}\" is not held", act.whom));
@@ -198,7 +198,7 @@ void carry_out(Simulation& simulation, const Act& act, Holds& holds) {
     carry_out_checked(simulation, act, holds);
   } catch (const ActRefused&) {
     throw;
-  } catch (const std::logic_error& error) {  // what the operations of programs throw
+  } catch (const std::logic_error& error) {  // thrown by the functions of Simulation
     throw ActRefused(error.what());
   }
 }

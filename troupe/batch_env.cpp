@@ -28,9 +28,9 @@ using Of = BatchPart::Of;
 constexpr std::size_t k_most_copies = 1'000'000;
 constexpr std::size_t k_most_neighbours = 1000;
 constexpr double k_longest_episode_s = 1e12;
-constexpr std::size_t k_drive = 3;  // numbers of a command of the drive
+constexpr std::size_t k_drive = 3;  // numbers in a command of the drive
 
-/// The world's seed in an episode of a copy.
+/// The seed of the world in an episode of a copy.
 std::uint64_t episode_seed(std::uint64_t first, std::uint64_t episode) {
   return episode == 0 ? first : mix(first, hash_text("episode"), episode);
 }
@@ -52,7 +52,7 @@ double number_at(const std::byte* at, engine::Element element) {
   return read(std::uint8_t());
 }
 
-/// Integers are rounded to the nearest, and kept within what the element holds.
+/// Rounds to the nearest integer, clamped to the range of the element type.
 void put_number(std::byte* at, engine::Element element, double value) {
   const auto write = [&]<class T>(T) {
     T own;
@@ -94,10 +94,10 @@ template <class Named>
 void check_names(const std::vector<Named>& all, std::string_view what) {
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (all[i].name == all[j].name) refuse(fmt::format("two {}s are called \"{}\"", what, all[i].name));
+      if (all[i].name == all[j].name) refuse(fmt::format("{} \"{}\" is given twice", what, all[i].name));
 }
 
-/// Of a body as it is seen from a robot, m.
+/// Position of a body in the frame of a robot, m.
 struct Seen {
   double x = 0;
   double y = 0;
@@ -111,12 +111,12 @@ Seen seen_from(const Transform& own, double dx, double dy) {
 }  // namespace
 
 struct BatchEnv::Impl {
-  /// Of a team, what one of its parts needs to be read. What is found by name is found once.
+  /// How a part of an array is read; names are resolved once, in plan().
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
     engine::Element element = engine::Element::f32;  // of a reading
-    std::size_t of_kind = 0;  // its place among the readings, or the groups, or the targets of its team
+    std::size_t of_kind = 0;  // index in the readings, the groups or the targets of TeamCopy
   };
   struct ArrayData {
     std::string name;
@@ -127,14 +127,14 @@ struct BatchEnv::Impl {
 
     std::size_t row_bytes() const { return columns * engine::element_size(element); }
   };
-  /// A BatchColumn that was found.
+  /// A BatchColumn, resolved.
   struct Column {
     std::size_t array = 0;
     std::size_t column = 0;
     bool of_measure = false;
   };
   struct Action {
-    std::size_t command = 0;  // 0 to 2: of the drive; from 3 on: of devices, see TeamCopy::commands
+    std::size_t command = 0;  // 0 to 2: drive; from 3 on: devices, see TeamCopy::commands
     engine::Element element = engine::Element::f64;
     double low = 0;
     double span = 0;
@@ -149,26 +149,26 @@ struct BatchEnv::Impl {
     std::vector<Column> rewards_of;
     std::vector<Column> ends_of;
     std::vector<double> actions;  // copies x robots x actions
-    std::vector<double> rewards;  // copies x robots, as are:
+    std::vector<double> rewards;  // copies x robots, as are terminated and alive
     std::vector<std::uint8_t> terminated;
     std::vector<std::uint8_t> alive;
   };
-  /// The same team in one copy.
+  /// A team in one copy.
   struct TeamCopy {
     std::vector<Row> rows;
     std::vector<const std::byte*> readings;    // readings x robots
-    std::vector<std::vector<Row>> groups;      // among which neighbours are looked for
-    std::vector<std::vector<BodyId>> targets;  // one for all, or one a robot
+    std::vector<std::vector<Row>> groups;      // the possible neighbours, for each part `nearest`
+    std::vector<std::vector<BodyId>> targets;  // for each part `target`: one for all robots, or one per robot
     std::vector<std::byte*> commands;          // commands of devices x robots
-    std::vector<double> before;                // rewards x robots: of what they were made, a step ago
-    std::vector<std::uint8_t> was_terminated;  // of each robot, before the step, as is:
+    std::vector<double> before;                // rewards x robots: their columns one step ago
+    std::vector<std::uint8_t> was_terminated;  // per robot, before the step, as is was_alive
     std::vector<std::uint8_t> was_alive;
   };
   struct Copy {
     explicit Copy(Simulation&& s) : simulation(std::move(s)) {}
     Simulation simulation;
     std::optional<Measures> measures;
-    std::vector<std::uint8_t> learns;  // of each row
+    std::vector<std::uint8_t> learns;  // per row: 1 if its robot is in a team
     std::vector<TeamCopy> teams;
     std::uint64_t first_seed = 0;
     std::uint64_t episode = 0;
@@ -209,7 +209,7 @@ struct BatchEnv::Impl {
   double value(const TeamData& team, const Column& column, std::size_t c, std::size_t i) const;
 };
 
-// ---- made ready
+// ---- construction
 
 BatchEnv::Impl::Impl(const Simulation& world, const BatchSpec& wanted)
     : spec(wanted), parallel(wanted.threads) {
@@ -230,7 +230,7 @@ void BatchEnv::Impl::check_spec() const {
   if (!(spec.seconds > 0 && spec.seconds <= k_longest_episode_s))
     refuse(
         fmt::format("episodes of {} s: give more than 0, at most {:g}", spec.seconds, k_longest_episode_s));
-  if (spec.teams.empty()) refuse("a batch without a team: give one or more");
+  if (spec.teams.empty()) refuse("a batch has no teams: give 1 or more");
   check_names(spec.teams, "team");
   for (const BatchTeam& team : spec.teams) {
     check_names(team.arrays, fmt::format("array of team \"{}\"", team.name));
@@ -238,10 +238,8 @@ void BatchEnv::Impl::check_spec() const {
       if (array.parts.empty())
         refuse(fmt::format("array \"{}\" of team \"{}\" has no parts", array.name, team.name));
       if (array.raw && (array.parts.size() != 1 || array.parts.front().of != Of::reading))
-        refuse(
-            fmt::format("array \"{}\" of team \"{}\" keeps its elements (raw): it must have one part, a "
-                        "reading",
-                        array.name, team.name));
+        refuse(fmt::format("array \"{}\" of team \"{}\": raw needs exactly one part, a reading", array.name,
+                           team.name));
       for (const BatchPart& part : array.parts) {
         if (part.of == Of::nearest && (part.count < 1 || part.count > k_most_neighbours))
           refuse(fmt::format("array \"{}\" of team \"{}\": the {} nearest robots: give 1 to {}", array.name,
@@ -293,7 +291,7 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
     }
     bind(teams[t], copy, bound);
   }
-  // Robots of teams are told what to do from outside: their controllers are passed over.
+  // Commands of teams come from the policy, so the controllers of their robots are skipped.
   engine.on_decide([&learns = copy.learns](const engine::BodyType&,
                                            const engine::BodyType::Controller& controller,
                                            const engine::DecideBatch& batch) {
@@ -315,7 +313,8 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
   });
 }
 
-/// What the robots of a team have in common: they may be of several types, if these agree in what is asked.
+/// Resolves what the robots of a team have in common. Their types may differ if the observed fields and the
+/// commands agree; bind() checks that.
 void BatchEnv::Impl::plan(TeamData& team, Copy& first) {
   const BatchTeam& own = *team.spec;
   Simulation& simulation = first.simulation;
@@ -418,7 +417,7 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
   return {static_cast<std::size_t>(&array - team.arrays.data()), column.column, false};
 }
 
-/// Finds where in this copy's state the team's robots have what is read and written.
+/// Finds the addresses of the team's readings and commands in the state of this copy.
 void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) const {
   engine::World& world = copy.simulation.world();
   std::vector<Model> robots;
@@ -440,7 +439,7 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
         }
       if (wanted.of == Of::nearest) {
         std::vector<Row>& group = bound.groups.emplace_back();
-        const Swarm swarm = copy.simulation.swarm(wanted.name);  // throws where no robot has this name
+        const Swarm swarm = copy.simulation.swarm(wanted.name);  // throws for an unknown name
         for (const BodyId id : swarm.ids()) group.push_back(world.row(id));
       }
       if (wanted.of == Of::target) {
@@ -486,12 +485,12 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
 
 // ---- steps
 
-/// work(c) for each copy, one task for a block of copies: each runs on one thread, and what it has in caches
-/// is read while it is there. Where some throw the others are done, and the first exception comes out.
+/// Runs work(c) for each copy. A task is a block of copies: each copy runs on one thread, so that its state
+/// stays in the caches of that thread. If some throw, the others still run; the first exception is rethrown.
 template <class Work>
 void BatchEnv::Impl::for_copies(Work&& work) {
-  constexpr std::size_t k_most = 32;           // copies a task
-  constexpr std::size_t k_tasks_a_thread = 8;  // so that threads end together
+  constexpr std::size_t k_most = 32;           // copies per task
+  constexpr std::size_t k_tasks_a_thread = 8;  // enough that all threads end at about the same time
   const std::size_t n = copies.size();
   const std::size_t block = std::clamp<std::size_t>(n / (k_tasks_a_thread * parallel.threads()), 1, k_most);
   parallel.for_each((n + block - 1) / block, [&](std::size_t b) {
@@ -633,7 +632,7 @@ void BatchEnv::Impl::read(const TeamCopy& team, const Copy& copy, const ArrayDat
         thread_local std::vector<Near> nearest;
         nearest.clear();
         const double range2 = wanted.range_m * wanted.range_m;
-        for (const Row other : team.groups[part.of_kind]) {  // by id, so that of equal ones the first stays
+        for (const Row other : team.groups[part.of_kind]) {  // by id: of equal distances the lower id stays
           if (other == own || !world.is_there(other)) continue;
           const Vec2 way = world.transform(other).position - here.position;
           const double distance2 = way.x() * way.x() + way.y() * way.y();
@@ -687,7 +686,7 @@ double BatchEnv::Impl::value(const TeamData& team, const Column& column, std::si
   return number_at(row + column.column * engine::element_size(array.element), array.element);
 }
 
-/// Rewards and ends of what was observed.
+/// Computes rewards and ends from the observed columns.
 void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
   Copy& copy = *copies[c];
   const bool has_stopped = has_stepped && copy.simulation.stopped().has_value();
@@ -724,7 +723,7 @@ void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
   truncated[c] = copy.simulation.tick() >= copy.last_tick;
 }
 
-// ---- the face
+// ---- public functions
 
 BatchEnv::BatchEnv(const std::filesystem::path& world, const BatchSpec& spec,
                    const SimulationOptions& options)
@@ -791,13 +790,13 @@ std::span<const std::uint64_t> BatchEnv::seeds() const { return impl_->seeds; }
 void BatchEnv::reset(std::span<const std::uint8_t> which,
                      std::span<const std::optional<std::uint64_t>> seeds) {
   if (!which.empty() && which.size() != copies())
-    refuse(fmt::format("reset(): marks for {} of {} copies", which.size(), copies()));
+    refuse(fmt::format("reset(): which has {} values: give {}, one per copy", which.size(), copies()));
   if (!seeds.empty() && seeds.size() != copies())
-    refuse(fmt::format("reset(): seeds for {} of {} copies", seeds.size(), copies()));
+    refuse(fmt::format("reset(): seeds has {} values: give {}, one per copy", seeds.size(), copies()));
   const auto is_meant = [&](std::size_t c) { return which.empty() || which[c] != 0; };
   for (std::size_t c = 0; c < copies(); ++c)
     if (!is_meant(c) && !impl_->copies[c]->has_begun)
-      throw std::logic_error(fmt::format("reset(): copy {} has not begun yet: begin all first", c));
+      throw std::logic_error(fmt::format("reset(): copy {} has no episode yet: begin all copies first", c));
   for (std::size_t c = 0; c < copies() && !seeds.empty(); ++c)
     if (is_meant(c) && seeds[c]) {
       Impl::Copy& copy = *impl_->copies[c];
@@ -812,9 +811,9 @@ void BatchEnv::reset(std::span<const std::uint8_t> which,
 }
 
 void BatchEnv::step(std::span<const std::uint8_t> begins) {
-  if (!impl_->was_reset) throw std::logic_error("step() of a batch: reset() comes before the first step");
+  if (!impl_->was_reset) throw std::logic_error("step(): call reset() before the first step");
   if (!begins.empty() && begins.size() != copies())
-    refuse(fmt::format("step(): marks of which copies begin for {} of {} copies", begins.size(), copies()));
+    refuse(fmt::format("step(): begins has {} values: give {}, one per copy", begins.size(), copies()));
   const auto does_begin = [&](std::size_t c) { return !begins.empty() && begins[c] != 0; };
   for (const Impl::TeamData& team : impl_->teams) {
     const std::size_t row = team.actions_plan.size();

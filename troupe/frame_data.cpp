@@ -25,7 +25,7 @@ using engine::StateField;
 using engine::StateTable;
 using engine::World;
 
-/// The place of each body in Frame::mobile, by its id.
+/// The index of each body in Frame::mobile, by body id.
 std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
   std::vector<std::uint32_t> places(world.spec().bodies.size(), std::numeric_limits<std::uint32_t>::max());
   for (std::size_t i = 0; i < frame.mobile.size(); ++i)
@@ -36,6 +36,7 @@ std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
 /// `ranger` for `ranger/ir`.
 std::string_view kind_of(std::string_view component) { return component.substr(0, component.find('/')); }
 
+/// Whether a table's component has this name, or is of the kind of this name.
 bool has_name(const StateTable& table, std::string_view name) {
   return table.component() == name || kind_of(table.component()) == name;
 }
@@ -70,7 +71,7 @@ std::vector<std::string> value_names(const World& world) {
   return names;
 }
 
-/// visit(place among the bodies, row, device) for every device that a body in the picture carries.
+/// Calls visit(index in Frame::mobile, row, device) for every device of every body of the frame.
 template <class Visit>
 void for_each_device(const World& world, const Frame& frame, Visit&& visit) {
   for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
@@ -80,14 +81,14 @@ void for_each_device(const World& world, const Frame& frame, Visit&& visit) {
   }
 }
 
-/// What a device of a body was made from.
+/// The spec that a device was made from.
 const engine::DeviceSpec& spec_of(const World& world, BodyId body, const BodyType::Device& device) {
   const std::uint32_t type = world.spec().bodies[body.index()].type.value;
   const auto d = static_cast<std::size_t>(&device - world.types()[type].devices.data());
   return world.spec().types[type].devices[d];
 }
 
-/// The transducers of a device, where it has such; in the order of its readings.
+/// The transducers of a device, in the order of its readings; empty if it has none.
 std::vector<FrameTransducer> transducers_of(const engine::DeviceSpec& spec, const BodyType::Device& device) {
   std::vector<FrameTransducer> transducers;
   for (const engine::Transducer& t : device.prepared.transducers)
@@ -103,7 +104,7 @@ struct Ranger {
   std::size_t readings = 0;
 };
 
-/// By type, then by device.
+/// All rangers, by type, then by device.
 std::vector<Ranger> rangers_of(const World& world) {
   std::vector<Ranger> rangers;
   for (std::size_t t = 0; t < world.types().size(); ++t) {
@@ -118,7 +119,7 @@ std::vector<Ranger> rangers_of(const World& world) {
   return rangers;
 }
 
-/// Takes what is described on a joint at rest to where that has carried it, in the body's frame.
+/// How the joint of a device has moved it from its pose at rest, in the body's frame.
 Pose moved_by_joints(const World& world, Row row, const BodyType::Device& device) {
   if (device.joint == engine::k_rigid) return {};
   return compose(inverse(engine::Mount(world.poses()[row.index()])), world.mount(row, device.joint)).pose();
@@ -211,7 +212,7 @@ void add_charges(const World& world, Frame& frame) {
   frame.charges.assign(frame.mobile.size(), std::numeric_limits<double>::quiet_NaN());
   for_each_device(world, frame, [&](std::uint32_t body, Row row, const BodyType::Device& device) {
     double& charge = frame.charges[body];
-    if (device.kind->energy && std::isnan(charge))  // of several the first
+    if (device.kind->energy && std::isnan(charge))  // the first of several devices
       charge = device.kind->energy(world.percepts(device), world.slot(row)).proportion_remaining();
   });
 }

@@ -15,7 +15,7 @@ using engine::FrameBody;
 using engine::FrameSquare;
 
 constexpr double k_trail_points = 50;
-constexpr double k_most_squares = 2e9;  // from the origin: they are counted in 32 bits
+constexpr double k_most_squares = 2e9;  // from the origin: indices have 32 bits
 
 std::uint64_t key_of(std::int32_t x, std::int32_t y) {
   return std::uint64_t{static_cast<std::uint32_t>(x)} << 32 | static_cast<std::uint32_t>(y);
@@ -48,7 +48,7 @@ void Trails::add_to(Frame& frame) const {
   frame.trails.resize(frame.mobile.size());
   for (std::size_t i = 0; i < frame.mobile.size(); ++i) frame.trails[i].body = static_cast<std::uint32_t>(i);
   for (const Seen& seen : seen_) {
-    // Both are in the order of ids, and some may have come or gone between.
+    // Both lists are in the order of ids; bodies may have been born or have died in between.
     std::size_t k = 0;
     for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
       while (k < seen.ids.size() && seen.ids[k] < frame.mobile[i].id) ++k;

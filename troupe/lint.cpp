@@ -18,7 +18,7 @@
 namespace troupe {
 namespace {
 
-constexpr std::size_t k_most_listed = 100;  // of findings that there may be one of for each robot
+constexpr std::size_t k_most_listed = 100;  // limit for findings that may concern every robot
 constexpr double k_scene_cell_m = 0.5;
 
 constexpr ZInterval k_no_heights{std::numeric_limits<double>::infinity(),
@@ -28,7 +28,7 @@ ZInterval united(const ZInterval& a, const ZInterval& b) {
   return {std::min(a.min, b.min), std::max(a.max, b.max)};
 }
 
-/// How many things there are at a height.
+/// Counts solids by height.
 class Heights {
  public:
   void add(const ZInterval& z, std::size_t count) {
@@ -36,7 +36,7 @@ class Heights {
     ends_.push_back({z.max, count});
     extent_ = united(extent_, z);
   }
-  /// To be called between the last add() and the first at().
+  /// Call it after the last add() and before the first at().
   void sort() {
     for (auto* list : {&begins_, &ends_}) {
       std::ranges::sort(*list, {}, &Step::z);
@@ -71,7 +71,7 @@ bool is_in(const ConvexPrism& piece, const Vec2& point) {
   return true;
 }
 
-/// True when no beam leaves the body, where nothing else can be that does not overlap it.
+/// Whether no beam leaves the body. Such beams detect nothing but bodies that overlap it.
 bool stays_inside(const sensors::RangerBeams& ranger, const partition::ObstacleShape& body) {
   const auto stays = [&](const sensors::BeamGroup& group, std::size_t beam) {
     const Vec2 from = ranger.reference + Vec2(group.ox[beam], group.oy[beam]);
@@ -114,7 +114,7 @@ class Lint {
   const engine::World& world_;
   const engine::WorldSpec& spec_;
   Diagnostics& diagnostics_;
-  std::vector<std::map<double, std::size_t>> levels_;  // of each type: how many bodies stand at which z
+  std::vector<std::map<double, std::size_t>> levels_;  // per type: z -> number of bodies
 };
 
 void Lint::check_types() {
@@ -145,22 +145,23 @@ std::string heights_text(const ZInterval& z) {
   return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
 }
 
-/// Why who looks at these heights meets none of what is `there`, which the sentence calls one or the other.
+/// The reason why a sensor at these heights detects none of the solids in `there`. `nothing` and `what` name
+/// the solids in the sentence.
 std::string missed_text(const Heights& there, const ZInterval& looks, std::string_view nothing,
                         std::string_view what) {
   if (there.empty() || there.extent().contains(looks.min))
-    return fmt::format("{} stands at its height, {}", nothing, heights_text(looks));
-  return fmt::format("it looks at a height of {}, {} stands at {}", heights_text(looks), what,
+    return fmt::format("{} is at its height, {}", nothing, heights_text(looks));
+  return fmt::format("it looks at a height of {}, {} are at {}", heights_text(looks), what,
                      heights_text(there.extent()));
 }
 
-/// In Stage's worlds a model may be nothing but a sensor.
+/// The name of a sensor. In worlds of Stage a model may be a sensor only, which has the name of its type.
 std::string called_text(std::string_view sensor, std::string_view type) {
   return sensor.empty() ? fmt::format("sensor \"{}\" sees nothing: ", type)
                         : fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor, type);
 }
 
-/// Whether anything that another body has is marked for the finder, and stands at its height.
+/// Warns if no other body has a fiducial mark with the finder's key at its height.
 void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
                         const engine::SoughtMarks& sought) {
   const std::string called = called_text(sensor.name, spec_.types[type].name);
@@ -195,7 +196,7 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
     looks = united(looks, {z, z});
   }
   diagnostics_.warning(sensor.where,
-                       called + missed_text(marked, looks, "nothing else that is marked", "what is marked"));
+                       called + missed_text(marked, looks, "no other marked body", "marked bodies"));
 }
 
 void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
@@ -224,14 +225,15 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
       const auto meets = [&](const engine::RayOutline& outline) {
         return outline.z.shifted(level.first).contains(z);
       };
-      // A robot's beams pass the robot itself.
+      // Beams ignore their own robot.
       if (visible.at(z) > static_cast<std::size_t>(std::ranges::count_if(body.outlines, meets))) return;
       looks = united(looks, {z, z});
     }
-  diagnostics_.warning(where, called + missed_text(visible, looks, "nothing else", "what could be seen"));
+  diagnostics_.warning(where,
+                       called + missed_text(visible, looks, "no other visible body", "visible bodies"));
 }
 
-/// Whether it can ever block a robot; else why not.
+/// Whether a floor plan can block a robot; the error states why not.
 Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const {
   if (!plan.returns.obstacle) return Error{"it is no obstacle"};
   const double height = body.pose_world_body.z;
@@ -256,7 +258,7 @@ Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& p
 
 void Lint::check_floor_plans() {
   if (world_.robots() == 0) return;
-  std::vector<BodyId> open;  // robots pass them
+  std::vector<BodyId> open;  // robots drive through them
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const engine::BodySpec& body = spec_.bodies[b];
     if (world_.row(BodyId(b)).valid()) continue;
@@ -273,7 +275,7 @@ void Lint::check_floor_plans() {
   if (!open.empty()) check_who_stands_in(open);
 }
 
-/// Robots in walls that block none: engine::World reports those in walls that do block.
+/// Warns of robots in floor plans that are not obstacles; engine::World warns of those in obstacles.
 void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
   std::vector<partition::FixedSolid> solids;
   for (const BodyId plan : plans) {

@@ -11,7 +11,7 @@ namespace troupe {
 
 class Simulation;
 
-/// Measures of a simulation, docs/measures.md: what `troupe run --measure` writes, for programs.
+/// Measures of a simulation (docs/measures.md), as `troupe run --measure` writes them:
 ///
 ///   troupe::Measures measures(simulation, {"coverage", "stalls", "displacement:leaders"});
 ///   while (simulation.time_s() < 60) {
@@ -20,32 +20,34 @@ class Simulation;
 ///   }
 ///   std::cout << measures.value("coverage") << '\n';
 ///
-/// They change no state. Not thread-safe; the simulation, on whose workers they run, must outlive them.
+/// They change no state. Not thread-safe. They run on the simulation's workers; the simulation must outlive
+/// them.
 class Measures {
  public:
-  /// wanted: names, of a type, population or robot `name:of`, or objects as a JSON world has them
-  /// (`{"kind": "coverage", "cell_m": 0.5}`). Of an empty list those that the world asks for; where it asks
-  /// for none, all that need no parameters.
-  /// Throws InputError that lists what is wrong.
+  /// wanted: names, for a type, population or robot `name:of`, or objects as in a JSON world
+  /// (`{"kind": "coverage", "cell_m": 0.5}`). If empty: the measures of the world, or, if it has none, all
+  /// that need no parameters. Throws InputError that lists all errors.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
-  Measures(Measures&&) noexcept;             ///< the one moved from is of no use
-  Measures& operator=(Measures&&) noexcept;  ///< as that
+  Measures(Measures&&) noexcept;             ///< the source may only be destroyed or assigned
+  Measures& operator=(Measures&&) noexcept;  ///< the source may only be destroyed or assigned
 
-  /// To be called after every step: some measures remember where robots have been. After a reset they begin
-  /// again.
+  /// Updates measures that remember where robots have been. Call it after every step. After a reset they
+  /// start again.
   void see();
-  /// Names with their units behind them: `displacement_m`, `stalls:leaders`.
+  /// Names with their units appended: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const;
-  /// A number a column, of the state that was seen last; NaN where there is none.
+  /// One number per column, for the current state, after see(); NaN if a column has no value.
   std::vector<double> values();
-  /// One of them, with its unit or without. Throws std::out_of_range with the columns there are.
+  /// The value of one column, named with or without its unit. Throws std::out_of_range, with the known
+  /// columns, if there is none.
   double value(std::string_view name);
 
-  /// What is remembered of earlier ticks, for a checkpoint, and back, into measures that were made alike of a
-  /// simulation in the saved state. False for what no such measures have saved.
+  /// The remembered history, to be stored in a checkpoint.
   std::vector<std::byte> memory() const;
-  bool remember(std::span<const std::byte> memory);  ///< puts it back
+  /// Restores memory() into equal measures of a simulation in the saved state. False, without a change, if
+  /// the size is not that of these measures.
+  bool remember(std::span<const std::byte> memory);
 
  private:
   struct Impl;

@@ -33,32 +33,32 @@ constexpr std::array<std::string_view, 4> k_backgrounds = {"paper", "white", "da
 
 constexpr std::array<PictureLayer, 24> k_layers = {{
     {"grid", true, "lines on the floor"},
-    {"shadows", true, "of what stands, on the floor"},
+    {"shadows", true, "shadows of bodies on the floor"},
     {"headings", true, "a mark at the front of each robot"},
     {"stalls", true, "a red outline with a white rim around robots that are blocked"},
-    {"scale", true, "a bar of a round length, or how far apart the grid's lines are"},
+    {"scale", true, "a bar of a round length, or the distance of the grid lines"},
     {"clock", true, "the simulated time"},
-    {"speed", false, "times real time, beside the clock: of a film the film's, else the run's"},
-    {"legend", true, "of --color-by: a bar of the colours, with the unit"},
-    {"bounds", true, "the line beyond which no robot may go, where the world gives one"},
+    {"speed", false, "multiples of real time, next to the clock: of the film, else of the run"},
+    {"legend", true, "the colour scale of --color-by, with the unit"},
+    {"bounds", true, "the outline of the world's bounds, if it has them"},
     {"types", false, "a legend of the types of robots: colour, name and number"},
-    {"scans", false, "what rangers see, filled and transparent"},
-    {"beams", false, "the same, a line a beam"},
-    {"sights", false, "lines from fiducial finders to what they have found"},
-    {"blobs", false, "what blob finders see, in its colours"},
-    {"grips", false, "light beams of grippers, red where broken, and what they hold"},
-    {"links", false, "lines from carriers to what they carry"},
-    {"trails", false, "where robots were in the last 20 s, the older the paler"},
-    {"names", false, "of robots"},
-    {"energy", false, "bars of what power packs hold"},
+    {"scans", false, "areas that rangers scan, filled and transparent"},
+    {"beams", false, "scans of rangers, one line per beam"},
+    {"sights", false, "lines from fiducial finders to the bodies they detect"},
+    {"blobs", false, "blobs of blob finders, in their colours"},
+    {"grips", false, "light beams of grippers, red if broken, and the bodies they hold"},
+    {"links", false, "lines from carriers to the bodies they carry"},
+    {"trails", false, "paths of robots in the last 20 s, older parts paler"},
+    {"names", false, "names of robots"},
+    {"energy", false, "bars with the charges of power packs"},
     {"footprints", false, "outlines of bodies on the floor"},
-    {"coverage", false, "squares of 1 m on which robots have been, the longer ago the paler"},
-    {"density", false, "how many robots there are in squares of the floor"},
-    {"tiles", false, "how many there are in each tile, the unit of parallel work"},
-    {"cells", false, "cells of the index in which robots are"},
+    {"coverage", false, "squares of 1 m that robots have visited, older visits paler"},
+    {"density", false, "number of robots per square of the floor"},
+    {"tiles", false, "number of robots per tile, the unit of parallel work"},
+    {"cells", false, "cells of the index that contain robots"},
 }};
 
-/// A layer and whether it is to be shown; false where a word is none.
+/// A layer that a list adds (`on`) or removes.
 struct LayerSwitch {
   std::string_view name;
   bool on = true;
@@ -111,7 +111,7 @@ Result<> check_background(const std::string& background) {
 namespace {
 
 constexpr double k_default_pitch = 40 * k_pi / 180;
-constexpr double k_follow_widths = 24;  // radii of the model that is followed, across the picture
+constexpr double k_follow_widths = 24;  // width of the picture in radii of the followed model
 constexpr double k_least_followed_m = 0.05;
 constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical
 
@@ -129,7 +129,7 @@ bool* switch_of(render::Layers& layers, std::string_view name) {
   return found == all.end() ? nullptr : found->second;
 }
 
-/// What a world's window says, by the names of its fields.
+/// Reads the fields of a world's window by their names.
 class Window {
  public:
   explicit Window(const engine::Record& record) : record_(record) {}
@@ -143,8 +143,8 @@ class Window {
   const engine::Record& record_;
 };
 
-/// In both of its cameras yaw turns the camera counter-clockwise and pitch tilts it up from straight down, as
-/// in ours.
+/// Sets the view of a world's window. In both of its cameras yaw turns counter-clockwise and pitch tilts up
+/// from straight down, as in render::Camera.
 void look_through(const Window& window, render::View& view) {
   const auto& size = window.numbers("size_px");
   if (size[0] >= 1 && size[1] >= 1) {
@@ -177,7 +177,7 @@ void look_through(const Window& window, render::View& view) {
   layers.grips = shows_data && window.on("show_gripper_data");
 }
 
-/// A body of this id, where there is one in the list, which is in their order.
+/// The body with this id in a list sorted by id; null if there is none.
 const engine::FrameBody* find_body(const std::vector<engine::FrameBody>& bodies, std::uint32_t id) {
   const auto found = std::ranges::lower_bound(bodies, id, {}, &engine::FrameBody::id);
   return found == bodies.end() || found->id != id ? nullptr : &*found;
@@ -190,7 +190,7 @@ namespace {
 namespace fs = std::filesystem;
 using Texts = std::vector<std::pair<std::string, std::string>>;
 
-/// None: pixels.
+/// The format of a file with vector graphics; empty for a PNG.
 std::optional<render::VectorFormat> vector_format(const fs::path& file) {
   if (file.extension() == ".svg") return render::VectorFormat::svg;
   if (file.extension() == ".pdf") return render::VectorFormat::pdf;
@@ -201,20 +201,20 @@ std::optional<render::VectorFormat> vector_format(const fs::path& file) {
 
 struct Pictures::ShotData {
   engine::Frame frame;
-  std::optional<Eigen::Vector3d> center;  // of what is followed
-  std::optional<double> across_m;         // for it
-  std::optional<Box> region;              // in which robots are, where that is shown
+  std::optional<Eigen::Vector3d> center;  // of the followed model
+  std::optional<double> across_m;         // for the followed model
+  std::optional<Box> region;              // contains the robots; for the cameras fit and follow:all
   std::vector<std::pair<std::string, std::string>> text;
 };
 
 struct Pictures::Impl {
   PictureOptions options;
   render::View view;
-  std::string file;                     // of the source, for people
+  std::string file;                     // of the source, for errors
   std::optional<std::uint32_t> follow;  // BodyId
   std::optional<Eigen::Vector3d> last_center;
   std::optional<double> last_across_m;
-  bool shows_robots = false;  // and no more than where they are
+  bool shows_robots = false;  // the cameras fit and follow:all
   std::optional<Box> last_region;
   FrameWishes wishes;
   double tick_s;
@@ -308,10 +308,10 @@ struct Pictures::Impl {
     return body.type < known ? scene.types[body.type] : frame.types[body.type - known];
   }
 
-  /// Where robots are, and some room around them. Where none is, the last were there.
+  /// Shows the region of the robots with a margin; without robots the last such region.
   void show_robots_in(ShotData& shot) {
-    constexpr double k_margin = 0.06;     // of the larger side
-    constexpr double k_least_side_m = 1;  // a robot alone does not fill a picture
+    constexpr double k_margin = 0.06;     // fraction of the larger side
+    constexpr double k_least_side_m = 1;  // a single robot does not fill the picture
     Box region;
     for (const engine::FrameBody& body : shot.frame.mobile)
       if (const engine::FrameType& type = type_of(shot.frame, body); type.mobile)
@@ -324,7 +324,7 @@ struct Pictures::Impl {
     shot.region = last_region;
   }
 
-  /// Has the picture show what is followed. A model that is not there any more was last seen somewhere.
+  /// Centres the picture on the followed model, or on its last place if it is not in the world any more.
   void follow_in(ShotData& shot) {
     if (shows_robots) show_robots_in(shot);
     if (!follow) return;
@@ -358,14 +358,14 @@ struct Pictures::Impl {
     return ready_painter().draw(shot.frame, view_of(shot)).rgba;
   }
 
-  /// `name`: what `to` will be called.
+  /// name: final name of the file `to`, for errors.
   void write(const engine::Frame& frame, const render::View& from, const Texts& texts, const fs::path& to,
              const fs::path& name) {
     if (const auto format = vector_format(to)) {
       if (!render::is_from_above(from.camera))
         refuse(fmt::format(
-            "{} cannot hold solids: a .svg or .pdf is a map, of the camera top or fit, without an "
-            "angle; a .png holds both",
+            "{}: .svg and .pdf need a view from straight above: the camera top or fit, without an "
+            "angle; a .png takes any view",
             name.filename().string()));
       const std::string text = ready_painter().draw_vector(frame, from, *format, texts);
       try {
@@ -442,7 +442,8 @@ Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double 
   const engine::Frame& next = later->frame;
   frame.time_s = mix(frame.time_s, next.time_s);
   for (std::size_t i = 0, k = 0; i < frame.mobile.size(); ++i) {
-    // Both are in the order of ids; who dies in between stays until then, who is born comes then.
+    // Both lists are sorted by id. A body that dies in between is shown until `later`, one that is born from
+    // then on.
     while (k < next.mobile.size() && next.mobile[k].id < frame.mobile[i].id) ++k;
     if (k == next.mobile.size() || next.mobile[k].id != frame.mobile[i].id) continue;
     Pose& pose = frame.mobile[i].pose_world_body;
@@ -459,7 +460,8 @@ Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double 
   if (shot->region && later->region)
     shot->region = Box{shot->region->min + share * (later->region->min - shot->region->min),
                        shot->region->max + share * (later->region->max - shot->region->max)};
-  std::erase_if(shot->text, [](const auto& entry) { return entry.first == "state_hash"; });  // of no state
+  // An interpolated state has no hash.
+  std::erase_if(shot->text, [](const auto& entry) { return entry.first == "state_hash"; });
   for (auto& [key, value] : shot->text)
     if (key == "time_s") value = fmt::format("{}", frame.time_s);
   return shot;

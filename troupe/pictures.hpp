@@ -17,102 +17,103 @@ namespace troupe {
 
 class PictureSource;
 
-/// How pictures of a simulation look. Nothing of it changes a result.
+/// How a simulation is drawn. No option changes a result.
 struct PictureOptions {
-  /// Pixels; 0: 1280 x 720, or what the world's window asks for where the camera is that.
+  /// Width, pixels. 0: 1280 x 720, or the size of the world's window with the camera `window`.
   int width = 0;
-  int height = 0;  ///< as that
-  /// `top`: straight down, as a map. `fit`: the same of the part in which robots are. `perspective`: solids,
-  /// seen from the side. `follow:all`: the same of the part in which robots are. `follow:NAME`: in
-  /// perspective, with that model in the middle. `window`: as the world's own `window` says.
+  int height = 0;  ///< height, pixels; 0 as for `width`
+  /// `top`: straight down, as a map. `fit`: straight down on the region that contains the robots.
+  /// `perspective`: solid bodies from an oblique angle. `follow:all`: perspective on the region that contains
+  /// the robots. `follow:NAME`: perspective, centred on that model. `window`: as the world's `window`.
   std::string camera = "top";
-  /// What is in the picture's middle, world metres. Not given: everything is in the picture.
+  /// Point at the centre of the picture, m, in the world frame. Not given: the whole world is shown.
   std::optional<std::array<double, 2>> center_m;
-  /// Pitch (0 straight down, pi/2 level) and yaw (counter-clockwise; 0: +y is far), rad.
+  /// Pitch (0: straight down, pi/2: level) and yaw (counter-clockwise; 0: +y is far), rad.
   std::optional<std::array<double, 2>> angle_rad;
-  /// Metres that the picture's width shows in its middle.
+  /// World length across the width of the picture at its centre, m.
   std::optional<double> across_m;
-  /// `scans,trails,-grid`: layers to be shown beside those that are, and with a minus not to be shown.
+  /// Layers to add to the default ones, and, with a minus, to remove: `scans,trails,-grid`.
   std::string layers;
-  /// Robots have the colour of a value of the state, `velocity.x`; of a field of several columns one:
-  /// `ranger/ir.ranges.0`. Empty: their own colours.
+  /// Colours robots by a value of the state, `velocity.x`; for a field of several columns by one of them:
+  /// `ranger/ir.ranges.0`. Empty: robots keep their own colours.
   std::string color_by;
-  /// The values at the ends of the scale of colours. Not given: those of each picture.
+  /// Values at the ends of the colour scale. Not given: the least and the greatest value of each picture.
   std::optional<std::array<double, 2>> color_range;
-  /// `paper` (warm white), `white`, `dark`, or `transparent`: nothing is opaque but what is drawn.
+  /// `paper` (warm white), `white`, `dark`, or `transparent` (opaque only where something is drawn).
   std::string background = "paper";
 
   bool operator==(const PictureOptions&) const = default;
 };
 
-/// One of the layers of a picture.
+/// A layer of a picture.
 struct PictureLayer {
-  std::string_view name;  ///< as `layers` says it
-  bool on;                ///< unless it is asked for otherwise
-  std::string_view text;  ///< what it shows
+  std::string_view name;  ///< its name in PictureOptions::layers
+  bool on;                ///< whether it is shown by default
+  std::string_view text;  ///< description
 };
-/// All that there are.
+/// All layers.
 std::span<const PictureLayer> picture_layers();
-/// Whether all of a list of layers are known; else `unknown layer "scan"; known: ...`.
+/// Whether all names of a list of layers are known; else the error `unknown layer "scan"; known: ...`.
 Result<> check_layers(const std::string& layers);
-/// The names of backgrounds.
+/// The names of all backgrounds.
 std::span<const std::string_view> picture_backgrounds();
-/// Whether there is such a background; else which there are.
+/// Whether a background has this name; else an error that lists the known ones.
 Result<> check_background(const std::string& background);
-/// Whether a camera may have this name, whatever the world; else which there are.
+/// Whether a camera may have this name, whatever the world; else an error that lists the known ones.
 Result<> check_camera(const std::string& camera);
 
-/// Pictures of one simulation, any number:
+/// Draws pictures of one simulation:
 ///
 ///     troupe::Pictures pictures(simulation, {.camera = "perspective", .layers = "scans"});
 ///     simulation.run_for(60);
 ///     pictures.write(pictures.take(simulation), "after-a-minute.png");
 ///
-/// take() copies a tick; draw() and write() then work on the copy, on another thread if that is wanted, while
-/// the simulation goes on. They change nothing of it.
+/// take() copies a tick; draw() and write() work on the copy, possibly on another thread, while the
+/// simulation goes on. None of them changes the simulation.
 class Pictures {
  public:
-  /// Throws InputError for what the world has not (a model to follow, a window, a field to colour by), and
-  /// std::runtime_error where the build draws no pictures.
+  /// Throws InputError for options that name something that the world does not have (a model to follow, a
+  /// window, a field to colour by), and std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
-  /// Of a recording, or whatever else there is to see. What is not in it is an InputError, too.
+  /// Draws a recording or another source. Throws InputError also for what the source does not contain.
   Pictures(const PictureSource& source, PictureOptions options);
   ~Pictures();
-  Pictures(Pictures&&) noexcept;             ///< the one moved from is of no use
-  Pictures& operator=(Pictures&&) noexcept;  ///< as that
+  Pictures(Pictures&&) noexcept;             ///< the source may only be destroyed or assigned
+  Pictures& operator=(Pictures&&) noexcept;  ///< the source may only be destroyed or assigned
 
-  /// In pixels, as the options or the world's window say.
+  /// Width of the pictures, pixels, from the options or the world's window.
   int width() const;
-  int height() const;  ///< as that
+  int height() const;  ///< height of the pictures, pixels
 
-  /// To be called after every step, where trails or coverage are to be shown: they are made of what is seen
-  /// here. Does nothing else.
+  /// Collects data for the layers `trails` and `coverage`; without these layers it does nothing. Call it
+  /// after every step.
   void see(const Simulation& simulation);
-  void see(const PictureSource& source);  ///< the same
-  /// Forgets what it saw: trails, coverage, where a robot was that is not there any more.
+  void see(const PictureSource& source);  ///< collects data of another source
+  /// Discards the collected data: trails, coverage, last poses of robots that have left the world.
   void forget();
-  /// How far back see() should reach, simulated seconds: 0 where nothing is made of it, infinity for all.
+  /// Simulated time, s, before a picture for which see() must be called: 0 if no layer needs it, infinity for
+  /// the whole run.
   double history_s() const;
 
   struct ShotData;
-  using Shot = std::shared_ptr<const ShotData>;  ///< a tick, as it will be drawn
-  /// Copies one. `times_real_time` is what the clock tells with the layer `speed`; 0: nothing.
+  using Shot = std::shared_ptr<const ShotData>;  ///< the copy of a tick to be drawn
+  /// Copies the current tick. `times_real_time` is the speed that the layer `speed` shows; 0: none.
   Shot take(const Simulation& simulation, double times_real_time = 0);
-  Shot take(const PictureSource& source, double times_real_time = 0);  ///< the same
-  /// Between two ticks, where `share` goes from 0 to 1: bodies at poses between theirs, everything else as in
-  /// the earlier.
+  Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of another source
+  /// Interpolates between two ticks, with `share` from 0 to 1: poses of bodies are interpolated, everything
+  /// else is that of `earlier`.
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
-  /// Throws what write() would throw for a file of this name, before there is anything to draw: writes a
-  /// small picture beside it and removes that.
+  /// Throws the errors of write() for a file of this name before there is anything to draw: it writes a small
+  /// picture next to the file and removes it.
   void rehearse(const std::filesystem::path& file);
-  /// 8-bit RGBA, row 0 on top. Throws std::runtime_error where OSMesa is missing, with the package to
-  /// install, and where the size is beyond what it draws. Of one thread at a time.
+  /// Draws 8-bit RGBA, row 0 on top. Throws std::runtime_error if OSMesa is missing, with the package to
+  /// install, and if the size exceeds its limit. Call it from one thread at a time.
   std::vector<std::uint8_t> draw(const Shot& shot);
-  /// A picture that says of which world, time, seed and state it is; written beside its name and renamed when
-  /// it is whole. A file `.svg` or `.pdf` holds paths and letters (docs/pictures.md), any other is a PNG.
-  /// Throws InputError where paths are wanted of what is no map, std::runtime_error where a PDF is wanted and
-  /// cairo is missing, with the package to install, and where the file cannot be written.
+  /// Writes a picture that states its world, time, seed and state hash. It is written under a temporary name
+  /// and renamed when complete. A file `.svg` or `.pdf` holds vector graphics (docs/pictures.md), any other
+  /// is a PNG. Throws InputError for vector graphics of a perspective view; std::runtime_error if a PDF is
+  /// requested and cairo is missing, with the package to install, and if the file cannot be written.
   void write(const Shot& shot, const std::filesystem::path& file);
 
  private:

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-/// All that a controller or a sensor in a plug-in includes (docs/controllers.md):
+/// Everything that a controller or a sensor in a plug-in includes (docs/controllers.md):
 ///
 ///     #include <troupe/plugin.hpp>
 ///
@@ -23,17 +23,17 @@
 ///     };
 ///     TROUPE_CONTROLLER("dancer", Dancer)
 ///
-/// The class may also have `static constexpr std::string_view text`, parameters (`struct Params`, described:
-/// engine/description.hpp), `choose` and a form that decides for many robots at once (engine/controller.hpp).
-/// The library links troupe::plugin, and is called dancer.so.
+/// The class may also have `static constexpr std::string_view text`, described parameters (`struct Params`,
+/// engine/description.hpp), `choose` and a batch form that decides for many robots at once
+/// (engine/controller.hpp). The library links troupe::plugin and is called dancer.so.
 ///
-/// A sensor, or another device, is a function that makes its kind (docs/extending.md), of a class
+/// A sensor, or another device, is a function that returns its kind (docs/extending.md), made from a class
 /// (engine/device_kind.hpp) or by hand:
 ///
 ///     troupe::DeviceKind compass() { return troupe::make_device_kind<Compass>("compass", "..."); }
 ///     TROUPE_DEVICE("compass", compass)
 ///
-/// What a kind may look at stands in engine/world.hpp and engine/sight.hpp.
+/// engine/world.hpp and engine/sight.hpp state what a kind can read of the world.
 
 namespace troupe {
 
@@ -66,24 +66,24 @@ using sensors::Ranger;
 using sensors::ranger_kind;
 namespace facts = engine::facts;
 
-// Hidden: what two plug-ins of one process have of this are two.
+// Hidden, so that each plug-in of a process has its own copy of the following.
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// A controller, or a device, of this library, in the list of all of its sort.
+/// A controller or a device of this library, in the linked list of its sort.
 template <class Kind>
 struct Entry {
-  using Make = Kind (*)(std::string_view name);  ///< makes the kind
+  using Make = Kind (*)(std::string_view name);  ///< returns the kind
 
-  /// Puts itself in front of the list.
+  /// Prepends itself to the list.
   Entry(std::string_view its_name, Make its_make) : name(its_name), make(its_make), next(first) {
     first = this;
   }
 
-  std::string_view name;                                 ///< of the kind
-  Make make;                                             ///< what makes it
-  const Entry* next;                                     ///< null: it is the last
-  static inline constinit const Entry* first = nullptr;  ///< of the list
+  std::string_view name;                                 ///< name of the kind
+  Make make;                                             ///< makes the kind
+  const Entry* next;                                     ///< null at the end of the list
+  static inline constinit const Entry* first = nullptr;  ///< head of the list
 };
 
 template <class C>
@@ -92,7 +92,7 @@ engine::ControllerKind kind_of(std::string_view name) {
   if constexpr (requires { C::text; }) text = C::text;
   static_assert(
       !requires { C::parameters(); },
-      "parameters are a described `struct Params` now, docs/controllers.md: parameters() is not called");
+      "parameters() is not called any more: describe a `struct Params` instead, docs/controllers.md");
   return engine::make_controller_kind<C>(name, text);
 }
 
@@ -114,8 +114,9 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
   list_all(devices);
 }
 
-/// Of a product that has to be rounded: 2^-54 is left where it was not. Volatile, so that it is computed as
-/// a controller's arithmetic is, not by the compiler.
+/// Whether the compiler contracts a product and a sum to one fused operation: the product here must be
+/// rounded, and a fused operation leaves a remainder of 2^-54. Volatile, so that it is computed as the
+/// arithmetic of a controller is, not by the compiler.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;
   const volatile double rounded_square = 0x1.0000004p0;
@@ -130,26 +131,26 @@ inline constexpr Library library{k_interface, k_version, k_build, layout(), cont
 #pragma GCC visibility pop
 }  // namespace troupe
 
-/// What the program that loads a plug-in asks it for: k_symbol.
+/// The symbol k_symbol, which the loading program calls.
 extern "C" __attribute__((used, visibility("default"))) inline const troupe::plugin::Library*
 troupe_plugin() {
   return &troupe::plugin::library;
 }
 
-/// Makes a class a controller that world files know by this name. At namespace scope, once a controller; a
+/// Registers a class as the controller of this name. Use it at namespace scope, once per controller; a
 /// library may have several.
 #define TROUPE_CONTROLLER(name, ...)                                                                       \
   static_assert(::troupe::plugin::is_name(name),                                                           \
-                "a controller's name is one word, without / : = and a dot first");                         \
+                "a controller's name is one word, without / : = and without a leading dot");               \
   static const ::troupe::plugin::Entry<::troupe::engine::ControllerKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::kind_of<__VA_ARGS__>);
 
-/// Makes a sensor, or another device, of a function `DeviceKind make()`: worlds in JSON know it by this name,
-/// whatever name the kind has. At namespace scope, once a device; a library may have several, and controllers
-/// beside them.
+/// Registers a function `DeviceKind make()` as the sensor, or another device, of this name; JSON worlds know
+/// it by this name, not by that of the kind. Use it at namespace scope, once per device; a library may have
+/// several, and controllers as well.
 #define TROUPE_DEVICE(name, make)                                                                      \
   static_assert(::troupe::plugin::is_name(name),                                                       \
-                "a device's name is one word, without / : = and a dot first");                         \
+                "a device's name is one word, without / : = and without a leading dot");               \
   static const ::troupe::plugin::Entry<::troupe::engine::DeviceKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::device_of<make>);
 

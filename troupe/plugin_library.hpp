@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-/// What a plug-in and the program that loads it must agree on. Both sides compile this header: the plug-in
-/// writes down what it was compiled with, and the loader (troupe/plugins.cpp) compares that with its own.
+/// Checks that a plug-in matches the program that loads it. Both compile this header: the plug-in stores what
+/// it was compiled with, and the loader (troupe/plugins.cpp) compares that with its own values.
 
 #if defined(_LIBCPP_VERSION)
 #define TROUPE_PLUGIN_STANDARD_LIBRARY "libc++"
@@ -33,15 +33,15 @@
 
 namespace troupe::plugin {
 
-/// Of struct Library and of what the functions in it mean.
+/// Version of struct Library and of its functions.
 inline constexpr std::uint32_t k_interface = 4;
 
-/// What changes types or bits without changing a header.
+/// Build settings that change types or bits without a change of a header.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
     ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
 
-/// A mixture of the sizes of all that passes between the two: headers of another state of Troupe are
-/// detected even where their version is the same.
+/// A hash of the sizes of all types that plug-in and program exchange. It detects headers of another state of
+/// Troupe even if their version is the same.
 constexpr std::uint64_t layout() {
   using namespace engine;
   constexpr std::array k_sizes{sizeof(ControllerKind), sizeof(ControllerKind::Prepared),
@@ -59,27 +59,27 @@ constexpr std::uint64_t layout() {
   return mixture;
 }
 
-/// What a plug-in's one symbol gives. The first two members stay where they are in every version.
+/// The interface of a plug-in. The first two members stay where they are in every version.
 struct Library {
   std::uint32_t interface;  ///< k_interface
   const char* version;      ///< k_version
   const char* build;        ///< k_build
   std::uint64_t layout;     ///< layout()
-  /// Whether the plug-in's compiler made one operation of a multiplication and an addition.
+  /// Whether the plug-in's compiler contracts a product and a sum to one fused operation.
   bool (*contracts)();
-  /// Appends its controllers, and its sensors and other devices, each under its own name.
+  /// Appends the controllers and the devices of the library, each under its own name.
   void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices);
-  /// The loader's note of which file this is: a hash of the contents; 0 before the first load. It lies in the
-  /// library since that is loaded once in a process, however often it is asked for.
+  /// Written by the loader: a hash of the file's contents; 0 before the first load. It lies in the library
+  /// because a process loads a library once, however often it is requested.
   std::atomic<std::uint64_t>* contents;
 };
 
-/// The symbol: a function without arguments that gives a `const Library*`.
+/// The exported symbol: a function without arguments that returns a `const Library*`.
 inline constexpr const char* k_symbol = "troupe_plugin";
 using Symbol = const Library* (*)();
 
-/// A kind's name, or a plug-in's: one word that can be told from a path and from a controller's
-/// parameters.
+/// Whether a text can be the name of a kind or a plug-in: one word that cannot be confused with a path or the
+/// parameters of a controller.
 constexpr bool is_name(std::string_view name) {
   return !name.empty() && name.find_first_of("/:=\"\\ \t\n") == std::string_view::npos && name.front() != '.';
 }

@@ -26,13 +26,13 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, fault);
 }
 
-/// Whether a library exports a symbol of this name, or at least seems to: whether its bytes hold the name.
+/// Whether the bytes of a library contain the name of a symbol: a cheap test for an export, before loading.
 bool mentions(std::string_view library, std::string_view symbol) {
   return library.find(std::string(symbol) + '\0') != library.npos;
 }
 
-/// Whether a library holds all that is to be loaded of it. The system takes that on trust: it maps what is
-/// not there, and the process dies when it is read.
+/// Whether a library contains all of its loadable segments. The dynamic loader does not check that: it maps
+/// pages beyond the end of the file, and the process is killed when it reads them.
 bool is_whole(std::string_view bytes) {
   const auto read = [&bytes](auto& value, std::size_t offset) {
     if (offset > bytes.size() || bytes.size() - offset < sizeof(value)) return false;
@@ -51,46 +51,45 @@ bool is_whole(std::string_view bytes) {
   return true;
 }
 
-/// Whether a file may be loaded, which runs code of it.
+/// Whether a file may be loaded; loading runs its code.
 Result<> check_contents(std::string_view bytes) {
-  if (!bytes.starts_with("\177ELF")) return Error{"is no shared library"};
-  if (!is_whole(bytes)) return Error{"is cut off"};
+  if (!bytes.starts_with("\177ELF")) return Error{"is not a shared library"};
+  if (!is_whole(bytes)) return Error{"is truncated"};
   if (mentions(bytes, plugin::k_symbol)) return {};
   if (mentions(bytes, "Init"))
     return Error{fmt::format(
-        "is a controller of Stage (it has Init, and no {}): these are written against Stage itself; "
-        "docs/controllers.md tells how to write one for Troupe",
+        "is a controller of Stage (it has Init, and no {}) and needs Stage itself; docs/controllers.md shows "
+        "how to write one for Troupe",
         plugin::k_symbol)};
   return Error{fmt::format(
-      "is no plug-in of Troupe: it has no symbol {}, which TROUPE_CONTROLLER and TROUPE_DEVICE make",
+      "is not a Troupe plug-in: it has no symbol {}, which TROUPE_CONTROLLER and TROUPE_DEVICE define",
       plugin::k_symbol)};
 }
 
-/// Whether what was loaded can be used. Only what stands first in every version is read before that is known.
+/// Whether a loaded library fits this program. Until interface and version are known to be equal, only those
+/// two members are read, because their place is the same in every version.
 Result<> check_build(const plugin::Library& library) {
   if (library.interface != plugin::k_interface || std::string_view(library.version) != k_version)
-    return Error{fmt::format(
-        "was built for troupe {} (interface {}), this is troupe {} (interface {}): build it again",
-        library.version, library.interface, k_version, plugin::k_interface)};
+    return Error{
+        fmt::format("was built for troupe {} (interface {}), this is troupe {} (interface {}): rebuild it",
+                    library.version, library.interface, k_version, plugin::k_interface)};
   if (std::string_view(library.build) != plugin::k_build)
     return Error{
-        fmt::format("was built with {}, Troupe with {}: link it with troupe::plugin, which brings the flags",
+        fmt::format("was built with {}, Troupe with {}: link it with troupe::plugin, which sets the flags",
                     library.build, plugin::k_build)};
   if (library.layout != plugin::layout())
-    return Error{
-        fmt::format("was built with the headers of another state of troupe {}: build it again", k_version)};
+    return Error{fmt::format("was built with other headers of troupe {}: rebuild it", k_version)};
   if (library.contracts())
     return Error{
-        "was compiled so that a * b + c is rounded once, which gives other bits: link it with "
-        "troupe::plugin, "
-        "which brings -ffp-contract=off"};
+        "was compiled with fused multiply-add (a * b + c is rounded once), which changes results: link it "
+        "with troupe::plugin, which sets -ffp-contract=off"};
   return {};
 }
 
-/// `cannot be loaded: undefined symbol: ...`. The system's words name the file once more.
+/// `cannot be loaded: undefined symbol: ...`, without the file name that dlerror() repeats.
 Error load_error(const fs::path& file) {
   const char* said = dlerror();
-  std::string_view reason = said ? said : "for no reason that the system tells";
+  std::string_view reason = said ? said : "the system gives no reason";
   const std::string prefix = file.string() + ": ";
   if (reason.starts_with(prefix)) reason.remove_prefix(prefix.size());
   return {fmt::format("cannot be loaded: {}{}", reason,
@@ -100,21 +99,21 @@ Error load_error(const fs::path& file) {
 }  // namespace
 
 struct Plugins::Loaded : Library {
-  Result<> found;   ///< else where it was looked for
-  Result<> opened;  ///< whether a library that was found can be used
+  Result<> found;   ///< the error lists the searched folders
+  Result<> opened;  ///< whether the found library can be used
   bool is_usable() const { return found && opened; }
 
   template <class K>
   struct Kinds {
     using Kind = K;
-    std::string_view what;  ///< they are, for people
+    std::string_view what;  ///< the sort, for errors
     std::vector<Kind> kinds;
-    std::deque<std::string> names;  ///< of the kinds, which keep references
+    std::deque<std::string> names;  ///< names of the kinds; a deque, because the kinds refer to them
     std::vector<std::string_view> known() const { return {names.begin(), names.end()}; }
   };
   Kinds<engine::ControllerKind> controllers{"controller"};
   Kinds<engine::DeviceKind> devices{"sensor or device"};
-  /// What it has, where that is not what was asked for.
+  /// The kinds of the other sort, for the error if the requested sort has none.
   std::string has_else() const {
     return controllers.names.empty()
                ? fmt::format("no controller, but {}", comma_list(devices.known()))
@@ -159,7 +158,7 @@ auto Plugins::find(std::string_view name, Kinds Loaded::*kinds, std::string unkn
 }
 
 Result<const Plugins::Library*> Plugins::load(std::string_view name) {
-  if (!plugin::is_name(name)) return Error{fmt::format("\"{}\" is no name of a plug-in", name)};
+  if (!plugin::is_name(name)) return Error{fmt::format("\"{}\" is not a valid name of a plug-in", name)};
   const Loaded& library = loaded(name);
   if (!library.found) return library.found.error();
   if (!library.opened) return library.opened.error();
@@ -174,7 +173,7 @@ std::vector<Plugins::Library> Plugins::libraries() const {
   return in_use;
 }
 
-/// What is known of a library, found out once.
+/// The library of this name. The first call searches and opens it.
 Plugins::Loaded& Plugins::loaded(std::string_view name) {
   for (const auto& library : loaded_)
     if (library->name == name) return *library;
@@ -189,7 +188,7 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
     return library;
   }
   if (path_.empty()) {
-    library.found = Error{fmt::format("no --plugin-path says where to look for {}", file_name)};
+    library.found = Error{fmt::format("no --plugin-path is given to search for {}", file_name)};
     return library;
   }
   std::vector<std::string> folders;
@@ -197,44 +196,43 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   std::string missing = fmt::format("there is no {} in {}", file_name, fmt::join(folders, ", "));
   for (const fs::path& folder : path_)
     if (is_file(folder / ("lib" + file_name)))
-      missing +=
-          fmt::format(" (a plug-in's name has no \"lib\": {})", (folder / ("lib" + file_name)).string());
+      missing += fmt::format(" (the file name of a plug-in has no \"lib\": {})",
+                             (folder / ("lib" + file_name)).string());
   library.found = Error{std::move(missing)};
   return library;
 }
 
-/// Loads it and takes its kinds.
+/// Loads a library and reads its kinds.
 Result<> Plugins::open(Loaded& library) {
   const std::optional<std::string> bytes = worldio::read_file(library.file);
   if (!bytes) return Error{"cannot be read"};
   if (Result<> ours = check_contents(*bytes); !ours) return ours;
   library.contents = hash_text(*bytes);
 
-  const fs::path absolute = fs::absolute(library.file);  // a bare name would be looked for elsewhere
+  const fs::path absolute = fs::absolute(library.file);  // dlopen() would search a bare name in other folders
   const bool was_right = static_cast<bool>(check_fp_environment());
   void* const handle = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (const Result<> is_right = check_fp_environment(); was_right && !is_right) {
     restore_fp_environment();
     warnings_.push_back(
         fmt::format("{}: warning: was linked with -ffast-math, which changed the arithmetic of the thread "
-                    "that loaded it ({}); it "
-                    "was changed back",
+                    "that loaded it ({}); this was undone",
                     library.file.string(), is_right.error().text));
   }
   if (!handle) return load_error(absolute);
   const auto symbol = reinterpret_cast<plugin::Symbol>(dlsym(handle, plugin::k_symbol));
-  if (!symbol) return Error{fmt::format("is no plug-in of Troupe: it has no symbol {}", plugin::k_symbol)};
-  // From here on code of the plug-in's author runs, which may throw anything.
+  if (!symbol) return Error{fmt::format("is not a Troupe plug-in: it has no symbol {}", plugin::k_symbol)};
+  // From here on code of the plug-in runs, which may throw anything.
   try {
     const plugin::Library* const described = symbol();
     if (!described) return Error{fmt::format("cannot be used: {} returns null", plugin::k_symbol)};
     if (Result<> fits = check_build(*described); !fits) return fits;
     std::uint64_t before = 0;
     if (!described->contents->compare_exchange_strong(before, library.contents) && before != library.contents)
-      return Error{"was built again since this process loaded it: start it again"};
+      return Error{"was rebuilt since this process loaded it: restart the process"};
     return read_kinds(library, described->list);
   } catch (...) {
-    return Error{fmt::format("cannot say what it holds: it {}", engine::thrown_text())};
+    return Error{fmt::format("cannot list its kinds: it {}", engine::thrown_text())};
   }
 }
 
@@ -244,7 +242,8 @@ Result<> Plugins::read_kinds(Loaded& library, List list) const {
   list(controllers, devices);
   Result<> all_right;
   const auto keep = [&](auto kinds, const std::vector<std::string>& taken, auto& own) {
-    std::ranges::sort(kinds, {}, [](const auto& kind) { return kind.name; });  // the linker's order before
+    std::ranges::sort(kinds, {},
+                      [](const auto& kind) { return kind.name; });  // the linker's order is arbitrary
     for (auto& kind : kinds) {
       std::string name(kind.name);
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
@@ -252,8 +251,8 @@ Result<> Plugins::read_kinds(Loaded& library, List list) const {
       if (std::ranges::find(own.names, name) != own.names.end())
         all_right = Error{fmt::format("has two of the name \"{}\", each a {}", name, own.what)};
       if (std::ranges::find(taken, name) != taken.end())
-        all_right = Error{
-            fmt::format("has a {} \"{}\", a name that Troupe's own has: give it another", own.what, name)};
+        all_right =
+            Error{fmt::format("has a {} \"{}\", but Troupe has one of that name: rename it", own.what, name)};
       kind.name = own.names.emplace_back(std::move(name));
     }
     own.kinds = std::move(kinds);

@@ -13,40 +13,40 @@
 
 namespace troupe {
 
-/// Controllers and devices in shared libraries (docs/controllers.md), found by name: "dancer" is the
-/// controller, or the sensor, of that name in dancer.so, "swarm:leader" one of those in swarm.so; the file is
-/// the first of its name on a path.
+/// Loads controllers and devices from shared libraries (docs/controllers.md) by name: "dancer" is the kind of
+/// that name in dancer.so, "swarm:leader" the kind "leader" in swarm.so. The first file of that name on the
+/// path is used.
 ///
-/// A library that was loaded stays loaded as long as the process lives. After each load the floating-point
-/// environment of the calling thread is what it was: a library linked with -ffast-math switches denormal
-/// numbers off. Not thread-safe.
+/// A loaded library stays loaded until the process ends. Each load restores the floating-point environment of
+/// the calling thread, because a library linked with -ffast-math switches denormal numbers off. Not
+/// thread-safe.
 class Plugins {
  public:
-  /// A library in use.
+  /// A loaded library.
   struct Library {
-    std::string name;            ///< of the file, without .so
+    std::string name;            ///< name of the file, without .so
     std::filesystem::path file;  ///< where it was found
     std::uint64_t contents = 0;  ///< hash of the file's bytes
   };
 
-  /// Looks in these folders, in their order. Names of the registry's controllers, and of its devices, are not
-  /// given away again.
+  /// Searches these folders, in this order. Kinds of the registry keep their names: plug-ins cannot replace
+  /// them.
   Plugins(std::vector<std::filesystem::path> path, const engine::Registry& registry);
   ~Plugins();
   Plugins(const Plugins&) = delete;
   Plugins& operator=(const Plugins&) = delete;
 
-  /// Registry::plugged_controllers.
+  /// The controller of this name, for Registry::plugged_controllers.
   Result<const engine::ControllerKind*> controller(std::string_view name, std::string unknown);
-  /// Registry::plugged_devices.
+  /// The device of this name, for Registry::plugged_devices.
   Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
-  /// The library of this name, loaded, never null; where there is none that can be used, why:
+  /// Loads the library of this name; the pointer is never null. The error states why it cannot be used:
   /// `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0, ...`.
   Result<const Library*> load(std::string_view name);
 
-  /// Those in use, in the order of their names.
+  /// The loaded libraries, in the order of their names.
   std::vector<Library> libraries() const;
-  /// What loading them did that should not be, as `dancer.so: warning: ...`.
+  /// Warnings about side effects of loading, `dancer.so: warning: ...`.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -65,7 +65,7 @@ class Plugins {
   std::vector<std::string> warnings_;
 };
 
-/// Lets a registry, and its copies, find controllers and devices on this path.
+/// Lets a registry, and its copies, load controllers and devices from this path.
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path);
 
 }  // namespace troupe

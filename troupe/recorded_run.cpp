@@ -32,7 +32,7 @@ using worldio::RecordingReader;
 using Array = RecordingReader::Array;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-// 0.3 s of 0.1 s ticks may be a little later than 0.3.
+// Times closer than this are equal: 3 ticks of 0.1 s may be slightly later than 0.3 s.
 constexpr double k_same_s = 1e-9;
 
 template <class T>
@@ -56,7 +56,8 @@ void convert(Element element, std::span<const std::byte> bytes, std::span<double
   }
 }
 
-/// What a world calls `ranger/eye` is `sensors/minibot/eye` in the recording of minibots.
+/// Whether an array is of the component of this name: `ranger/eye` of the world is `sensors/minibot/eye` in
+/// the recording of minibots.
 bool has_name(const Array& array, std::string_view name) {
   const std::string_view component = array.component;
   if (component == name || component.substr(0, component.find('/')) == name) return true;
@@ -83,11 +84,11 @@ struct RecordedRun::Impl {
   std::optional<engine::Record> window;
   std::array<const Array*, 4> pose{};  // x, y, z, heading; z may be null
   const Array* stalled = nullptr;
-  /// What each ranger of the scene reads: null where that was not recorded.
+  /// Readings of each ranger of the scene; null if not recorded.
   std::vector<const Array*> readings;
-  std::vector<std::uint32_t> rows;         // of each body: its row of the recording, or k_none
-  std::vector<const Array*> shown_colors;  // of each type: null where none was recorded
-  /// Where the joints of each type were, four numbers each; empty where that was not recorded.
+  std::vector<std::uint32_t> rows;         // per body: its row of the recording, or k_none
+  std::vector<const Array*> shown_colors;  // per type; null if not recorded
+  /// States of the joints of each type, four arrays per joint; empty if not recorded.
   std::vector<std::vector<std::array<const Array*, 4>>> joints;
   std::size_t frame = 0;
 
@@ -104,7 +105,7 @@ struct RecordedRun::Impl {
       refuse("the recording has no poses: --record-fields chooses what is recorded");
     stalled = find("stall", "stalled");
     for (const RecordedScene::Type& type : world.types) {
-      // Recordings tell types of one name apart by "~2": `type_name` is what /bodies/type says.
+      // Recordings append "~2" to the second type of a name, so use `type_name`, the name in /bodies/type.
       for (const RecordedScene::Eye& eye : type.eyes) {
         const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), eye.name), "ranges");
         std::size_t beams = 0;
@@ -126,7 +127,7 @@ struct RecordedRun::Impl {
     throw InputError(fmt::format("{}: error: {}", reader.file().string(), message));
   }
 
-  /// What /bodies/type calls it; empty where no recorded body is of it.
+  /// The name of a type in /bodies/type; empty if no recorded body has the type.
   std::string type_name(const RecordedScene::Type& type) const {
     for (std::size_t row = 0; row < reader.ids().size(); ++row)
       if (&world.types[world.bodies[reader.ids()[row]].type] == &type) return reader.types()[row];
@@ -143,7 +144,7 @@ struct RecordedRun::Impl {
     return {find(component, "x"), find(component, "y"), find(component, "z"), find(component, "heading")};
   }
 
-  /// Row-major: a row each of its bodies.
+  /// Reads an array at the current frame, row-major, one row per body.
   std::vector<double> read(const Array& array) const {
     std::vector<std::byte> bytes(array.bodies.size() * array.row_bytes());
     std::vector<double> values(array.bodies.size() * array.field.columns);
@@ -152,7 +153,7 @@ struct RecordedRun::Impl {
     return values;
   }
 
-  /// A component with the fields of a pose, a row each of the recording.
+  /// A component with the fields of a pose, one row per row of the recording.
   class Poses {
    public:
     Poses(const Impl& run, const std::array<const Array*, 4>& arrays) {
@@ -177,14 +178,14 @@ struct RecordedRun::Impl {
       const RecordedScene::Body& body = world.bodies[id];
       const Pose at = poses.of(row, body.pose_world_body.z);
       if (alive[row] == 0 || !std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.heading))
-        continue;  // it was not there then
+        continue;  // not in the world at that time
       shown.mobile.push_back({body.type, at, body.color, row < stalls.size() && stalls[row] > 0, id});
     }
     color(shown);
     return shown;
   }
 
-  /// Bodies with a device that shows a colour have that one.
+  /// Sets the colours of bodies with a device that shows a colour.
   void color(Frame& shown) const {
     const std::vector<std::uint32_t> places = places_in(shown);
     for (const Array* array : shown_colors) {
@@ -199,8 +200,8 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// Where the joints of a type have carried what stands on them, in the body's frame: of each recorded row a
-  /// list; empty where that is not known.
+  /// How the joints of a type have moved the parts on them, in the body's frame: a list per recorded row;
+  /// empty if not recorded.
   std::vector<std::vector<engine::Mount>> mounts(std::size_t type) const {
     std::vector<std::vector<engine::Mount>> mounts;
     if (joints[type].empty()) return mounts;
@@ -222,7 +223,7 @@ struct RecordedRun::Impl {
     return mounts;
   }
 
-  /// Bodies of which parts have moved look as they then did.
+  /// Gives bodies with moved parts a type of their own, with the shapes where the joints have moved them.
   void move_parts(Frame& shown) const {
     for (std::uint32_t type = 0; type < world.types.size(); ++type) {
       const auto moved = mounts(type);
@@ -245,7 +246,7 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// Of each recorded row: its place among the frame's bodies, or none.
+  /// The index of each recorded row in Frame::mobile, or k_none.
   std::vector<std::uint32_t> places_in(const Frame& shown) const {
     std::vector<std::uint32_t> places(reader.ids().size(), k_none);
     for (std::size_t row = 0, i = 0; row < places.size() && i < shown.mobile.size(); ++row)
@@ -266,7 +267,8 @@ struct RecordedRun::Impl {
         const std::size_t columns = array.field.columns;
         for (std::size_t r = 0; r < array.bodies.size(); ++r) {
           const std::uint32_t place = places[array.bodies[r]];
-          if (place == k_none || columns == 0 || !(ranges[r * columns] > 0)) continue;  // it did not look
+          if (place == k_none || columns == 0 || !(ranges[r * columns] > 0))
+            continue;  // the ranger did not run
           Pose by_joint;
           if (eye.joint >= 0 && !moved.empty())
             by_joint = moved[array.bodies[r]][static_cast<std::size_t>(eye.joint)].pose();
@@ -276,11 +278,11 @@ struct RecordedRun::Impl {
         }
       }
     }
-    // A robot's own follow one another, as they do in a simulation.
+    // The scans of one robot are consecutive, as in frames of a simulation.
     std::ranges::stable_sort(shown.scans, {}, &engine::FrameScan::body);
   }
 
-  /// A number each of the frame's bodies, from every array that the name means.
+  /// One number per body of the frame, from all arrays that have this name.
   std::vector<double> values(const Frame& shown, std::string_view component, std::string_view field,
                              std::size_t column) const {
     const std::vector<std::uint32_t> places = places_in(shown);
@@ -299,7 +301,7 @@ struct RecordedRun::Impl {
 
 namespace {
 
-/// What libraries throw of a file that is damaged, said as of any other input.
+/// Turns errors of HDF5 in a damaged file into InputError.
 template <class Work>
 auto checked(Work&& work) {
   try {
@@ -333,8 +335,8 @@ std::size_t RecordedRun::first_within(double history_s) const {
 void RecordedRun::go_to(double time_s) {
   const std::span<const double> times = impl_->reader.times_s();
   if (times.front() > time_s + k_same_s || times.back() < time_s - k_same_s)
-    impl_->refuse(fmt::format("{:g} s is not in it: it goes from {:g} s to {:g} s", time_s, times.front(),
-                              times.back()));
+    impl_->refuse(fmt::format("{:g} s is not recorded: the recording has {:g} s to {:g} s", time_s,
+                              times.front(), times.back()));
   const auto later = std::ranges::upper_bound(times, time_s + k_same_s);
   go_to_frame(static_cast<std::size_t>(later - times.begin()) - 1);
 }
@@ -388,7 +390,7 @@ FrameScene RecordedRun::scene() const {
 }
 
 std::optional<std::uint32_t> RecordedRun::find_body(std::string_view name) const {
-  for (std::size_t b = impl_->world.bodies.size(); b-- > 0;)  // of equal names the last body has it
+  for (std::size_t b = impl_->world.bodies.size(); b-- > 0;)  // the last of several bodies of one name
     if (impl_->world.bodies[b].name == name) return static_cast<std::uint32_t>(b);
   return std::nullopt;
 }

@@ -9,31 +9,31 @@
 
 namespace troupe {
 
-/// A recording, seen again. It holds all that it takes: neither the world's file nor its plug-ins are needed,
-/// and nothing is simulated. Of what beside poses was recorded (--record-fields) pictures can show who is
-/// stalled (`stall`), what rangers read (`ranges`), what power packs hold (`power_pack`), and any number as
-/// colour. Parts that move are drawn where they were with `joint`, else at rest.
+/// A recording as a source of pictures. It needs neither the world's file nor its plug-ins, and simulates
+/// nothing. If the fields were recorded (--record-fields), pictures show stalls (`stall`), scans of rangers
+/// (`ranges`), charges of power packs (`power_pack`), and any number as colour. Parts on joints are drawn as
+/// recorded with `joint`, else at rest.
 class RecordedRun : public PictureSource {
  public:
-  /// Throws InputError for what is no recording, has no poses or no frame, or was recorded before scenes were
-  /// kept.
+  /// Throws InputError for a file that is not a recording, has no poses or no frame, or comes from a version
+  /// that did not store scenes.
   explicit RecordedRun(const std::filesystem::path& recording);
   ~RecordedRun() override;
-  RecordedRun(RecordedRun&&) noexcept;             ///< the one moved from is of no use
-  RecordedRun& operator=(RecordedRun&&) noexcept;  ///< as that
+  RecordedRun(RecordedRun&&) noexcept;             ///< the source may only be destroyed or assigned
+  RecordedRun& operator=(RecordedRun&&) noexcept;  ///< the source may only be destroyed or assigned
 
-  /// Goes to the last frame that is not later than this. Throws InputError for a time before the first frame
-  /// or after the last one, s.
+  /// Goes to the last frame at or before this time, s. Throws InputError for a time before the first frame or
+  /// after the last one.
   void go_to(double time_s);
-  /// Of all its frames, rising, s.
+  /// Times of all frames, rising, s.
   std::span<const double> times_s() const;
-  /// The frame it stands at.
+  /// Index of the current frame; at first the last one.
   std::size_t frame_index() const;
-  void go_to_frame(std::size_t frame);  ///< the last one where there are not so many
-  /// The first frame that is not earlier than so long before where it stands, s.
+  void go_to_frame(std::size_t frame);  ///< goes to this frame, or to the last one if there are fewer
+  /// The first frame at or after the current time less `history_s`, s.
   std::size_t first_within(double history_s) const;
 
-  // What PictureSource says, of the frame it stands at: the last one, at first.
+  // PictureSource, for the current frame.
   std::string file() const override;
   std::string world() const override;
   std::uint64_t seed() const override;
@@ -41,7 +41,7 @@ class RecordedRun : public PictureSource {
   const engine::Record* window() const override;
   engine::FrameScene scene() const override;
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
-  /// Of what was recorded.
+  /// Resolves a name among the recorded fields.
   Result<ChosenValue> find_value(const std::string& name) const override;
   Result<> check(const FrameWishes& wishes) const override;
   double time_s() const override;

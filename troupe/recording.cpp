@@ -21,7 +21,7 @@ namespace {
 constexpr double k_every_s = 0.1;
 constexpr const char* k_fields = "pose";
 
-/// What is recorded, by the options, else the world, else by default.
+/// Interval and fields from the options, or else the world, or else the defaults.
 worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
   const engine::WorldSpec& spec = simulation.world().spec();
   const engine::RecordSpec record = spec.record.value_or(engine::RecordSpec{});
@@ -35,7 +35,7 @@ worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOpti
   return head;
 }
 
-/// The components, or an InputError that says where the wrong name stands.
+/// The components of these fields. The InputError for an unknown field names the place of its definition.
 std::vector<worldio::RecordedComponent> components_of(const std::filesystem::path& file,
                                                       const Simulation& simulation,
                                                       const std::vector<std::string>& fields,
@@ -52,8 +52,8 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
-/// Two runs may have the same bodies: a recording is of the simulation's run if it was begun by it. What was
-/// changed when it was resumed belongs to the ticks from there on.
+/// Throws unless the recording was begun by the simulation's run; equal bodies alone do not suffice. Options
+/// that change no result, or that a resumed run may change for later ticks, are not compared.
 void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {
   const worldio::RecordingReader recording(file);
   const auto is_free = [](std::string_view key) {
@@ -73,11 +73,11 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
       recording.hashes()[static_cast<std::size_t>(tick - recording.ticks().begin())] !=
           simulation.state_hash())
     throw std::runtime_error(
-        fmt::format("{}: error: tick {} has another state than here: this is the recording of another run",
+        fmt::format("{}: error: the state hash of tick {} differs: this is the recording of another run",
                     file.string(), simulation.tick()));
 }
 
-/// A recording has one interval and one list of fields: those it was begun with.
+/// Throws if the options give another interval or other fields than those of the recording, which keeps them.
 void check_same_options(const std::filesystem::path& file, const Simulation& simulation,
                         const RecordingOptions& options) {
   const worldio::RecordingReader recording(file);
@@ -85,17 +85,17 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
     const std::uint64_t ticks = engine::period_ticks(options.every_s, simulation.tick_s());
     if (ticks != recording.every_ticks())
       throw std::runtime_error(
-          fmt::format("{}: error: the recording has a frame every {:.10g} s, and goes on so: --record-every "
-                      "asks for {:.10g} s",
+          fmt::format("{}: error: the recording has a frame every {:.10g} s, which cannot change: "
+                      "--record-every gives {:.10g} s",
                       file.string(), static_cast<double>(recording.every_ticks()) * simulation.tick_s(),
                       options.every_s));
   }
   const std::string fields = fmt::format("{}", fmt::join(options.fields, ","));
   const auto recorded = recording.meta().find("record_fields");
   if (!fields.empty() && recorded != recording.meta().end() && recorded->second != fields)
-    throw std::runtime_error(
-        fmt::format("{}: error: the recording is of {}, and goes on so: --record-fields asks for {}",
-                    file.string(), recorded->second, fields));
+    throw std::runtime_error(fmt::format(
+        "{}: error: the recording has the fields {}, which cannot change: --record-fields gives {}",
+        file.string(), recorded->second, fields));
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 namespace troupe {
 
-/// Every model, sensor, drive, controller and measure that Troupe ships: the explicit list.
+/// A registry of every model, sensor, drive, controller and measure that Troupe ships.
 engine::Registry make_registry();
 
 }  // namespace troupe

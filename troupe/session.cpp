@@ -22,9 +22,9 @@ namespace troupe {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int k_most_sessions = 100000;  // of one name in a folder
+constexpr int k_most_sessions = 100000;  // with one name in a folder
 
-/// Options that change no result.
+/// Options that do not change results.
 constexpr std::array<std::string_view, 5> k_free{"world", "threads", "tile_m", "simd", "resumed_at_tick"};
 
 std::string_view program_of(std::string_view line) { return line.substr(0, line.find(" (")); }
@@ -35,7 +35,7 @@ std::string value_of(const std::vector<std::pair<std::string, std::string>>& opt
   return "not given";
 }
 
-/// The options that the two do not have in common, in words; empty where there is none.
+/// The options in which session and simulation differ, as text; empty if there are none.
 std::string difference(const worldio::SessionHeader& header, const Simulation& simulation) {
   const std::vector<std::pair<std::string, std::string>> here = simulation.effective_options();
   std::string text;
@@ -121,10 +121,11 @@ struct SessionReplay::Impl {
                   header.tick));
     if (simulation.tick() > header.tick) return;
     if (const std::string hash = hex(simulation.state_hash()); hash != header.hash)
-      fail(1, fmt::format(
-                  "the session began at tick {} from the state {}, here it is {}: this is another world, or "
-                  "another run of it",
-                  header.tick, header.hash, hash));
+      fail(1,
+           fmt::format(
+               "the session began at tick {} with state hash {}, this run has {}: it is of another world or "
+               "another run",
+               header.tick, header.hash, hash));
   }
 };
 
@@ -135,8 +136,8 @@ SessionReplay::SessionReplay(const fs::path& file, const Simulation& simulation)
   const worldio::SessionHeader& header = impl_->session.header;
   const std::string here = version_line();
   if (const std::string_view then = program_of(header.version), now = program_of(here); then != now)
-    impl_->fail(1, fmt::format("{} wrote this session, this is {}: other versions may go on with other bits",
-                               then, now));
+    impl_->fail(
+        1, fmt::format("{} wrote this session, this is {}: its results may differ in their bits", then, now));
   if (const std::string unlike = difference(header, simulation); !unlike.empty())
     impl_->fail(1, fmt::format("the session is of another run: {}", unlike));
   impl_->check_state(simulation);

@@ -32,35 +32,35 @@ namespace troupe {
 namespace {
 
 constexpr double k_longest_run_s =
-    1e12;  // longer than the age of the universe; its ticks still count in 64 bits
+    1e12;  // longer than the age of the universe; its ticks still fit in 64 bits
 constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest world
 
-/// "troupe 0.1.0", of a version line.
+/// The part "troupe 0.1.0" of a version line.
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
-/// Refuses a checkpoint of another version unless it is wanted; a warning where another build of this version
-/// made it.
+/// Refuses a checkpoint of another version unless `across_versions`. Returns a warning if another version or
+/// another build of this version made it, else an empty text.
 std::string check_version(const worldio::Checkpoint& checkpoint, bool across_versions) {
   const std::string made_by = checkpoint.header("version");
   const std::string here = version_line();
   if (made_by == here) return {};
   const bool is_other = version_of(made_by) != version_of(here);
   if (is_other && !across_versions)
-    throw InputError(fmt::format(
-        "{}: error: {} made this checkpoint, this is {}: other versions may go on with other bits; "
-        "--across-versions resumes it all the same",
-        checkpoint.file().string(), version_of(made_by), version_of(here)));
+    throw InputError(
+        fmt::format("{}: error: {} made this checkpoint, this is {}: the results may differ in their bits; "
+                    "--across-versions resumes it",
+                    checkpoint.file().string(), version_of(made_by), version_of(here)));
   return fmt::format(
       "{}: warning: made by {}; this is {}{}", checkpoint.file().string(), made_by, here,
       is_other ? "" : ": the bits are the same for every compiler and processor (tiers T1, T2)");
 }
 
-constexpr const char* k_spare = "spare";          // key of a header
-constexpr const char* k_holds = "holds";          // of a checkpoint's memories
-constexpr std::string_view k_plugin = "plugin ";  // keys of a header: plugin NAME
+constexpr const char* k_spare = "spare";          // key in a header
+constexpr const char* k_holds = "holds";          // key in the memories of a checkpoint
+constexpr std::string_view k_plugin = "plugin ";  // prefix of keys in a header: plugin NAME
 
-/// Loads the plug-ins with which a checkpoint was made. Refuses other builds of them unless they are wanted;
-/// a warning for each then.
+/// Loads the plug-ins with which a checkpoint was made. Refuses other builds of them unless `across_plugins`;
+/// then returns a warning for each.
 std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plugins& plugins,
                                       bool across_plugins) {
   std::vector<std::string> warnings;
@@ -78,8 +78,8 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
                     library->file.string(), name);
     if (!across_plugins)
       throw InputError(
-          fmt::format("{}: error: {} (its hash is {}, not {}): it may go on with other bits; "
-                      "--across-plugins resumes it all the same",
+          fmt::format("{}: error: {} (its hash is {}, not {}): the results may differ in their bits; "
+                      "--across-plugins resumes it",
                       checkpoint.file().string(), text, hex(library->contents), contents));
     warnings.push_back(fmt::format("{}: warning: {}", checkpoint.file().string(), text));
   }
@@ -90,7 +90,7 @@ void append(std::vector<std::string>& lines, const std::vector<std::string>& mor
   lines.insert(lines.end(), more.begin(), more.end());
 }
 
-/// The first device that a part carries itself and whose kind declares this; null where it carries none.
+/// The first device on this part itself whose kind declares the capability; null if there is none.
 template <class Capability>
 const engine::BodyType::Device* device_on(const engine::BodyType& type, std::size_t part,
                                           Capability engine::DeviceKind::*declared) {
@@ -106,7 +106,7 @@ std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
   return engine::ticks_until(seconds, tick_s);
 }
 
-/// Whether these are the members that a struct lists with TROUPE_FIELDS.
+/// Whether the fields are those that a struct lists with TROUPE_FIELDS.
 bool are_listed(std::span<const engine::StateField> fields, std::string_view names) {
   for (const engine::StateField& field : fields) {
     const std::size_t comma = names.find(',');
@@ -118,33 +118,33 @@ bool are_listed(std::span<const engine::StateField> fields, std::string_view nam
   return names.empty();
 }
 
-/// Of whom Swarm::for_each() is calling on this thread; null where it is not.
+/// The robot that Swarm::for_each() visits on this thread; null outside of it.
 thread_local const Model* visited_robot = nullptr;
 
 }  // namespace
 
 struct Simulation::Impl {
-  std::shared_ptr<engine::Registry> registry;  ///< of all simulations that another() made of one
-  std::shared_ptr<Plugins> plugins;            ///< the registry's
+  std::shared_ptr<engine::Registry> registry;  ///< shared with simulations from another()
+  std::shared_ptr<Plugins> plugins;            ///< those of the registry
   std::unique_ptr<engine::World> world;
   std::vector<std::string> warnings;
-  std::filesystem::path file;       ///< that the world was loaded from
-  double tile_size_m = 0;           ///< as SimulationOptions said
-  worldio::PlaceAgain place_again;  ///< empty where no place depends on the seed
-  /// What --set changed, pointer and value; with the tick where a run was resumed with it.
+  std::filesystem::path file;       ///< world file
+  double tile_size_m = 0;           ///< from SimulationOptions
+  worldio::PlaceAgain place_again;  ///< empty if no place depends on the seed
+  /// Changes of --set, pointer and value, with the tick if a run was resumed with them; and `spare`.
   std::vector<std::pair<std::string, std::string>> changes;
-  /// Where the run was taken up from a checkpoint.
+  /// Tick of the checkpoint that the run was resumed from.
   std::optional<std::uint64_t> resumed_at;
-  /// What it remembered that looked on then, and who remembers now.
+  /// Memories of observers in that checkpoint, and the current observers with a memory.
   worldio::Memories memories;
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
-  /// Where the world has conditions with which its run is over.
+  /// Null if the world has no `stop_when`.
   std::unique_ptr<engine::StopConditions> stop;
-  /// What record() began.
+  /// Started by record().
   std::unique_ptr<Recording> recording;
   std::deque<std::function<void(Simulation&)>> on_tick;
   bool in_callbacks = false;
-  /// Of the last call of snapshot() or picture().
+  /// Renderer of the last call of snapshot() or picture().
   std::unique_ptr<Pictures> pictures;
   PictureOptions picture_options;
 
@@ -158,14 +158,14 @@ struct Simulation::Impl {
     return *pictures;
   }
   std::function<void(Simulation&)> before_tick;
-  /// Robots that act() drives.
+  /// Robots held by act().
   Holds holds;
 
   void refuse_in_callbacks(std::string_view what) const {
     if (in_callbacks) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
   }
 
-  /// Makes the world of a spec in which nothing is wrong.
+  /// Makes the world of a valid spec.
   void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics) {
     tile_size_m = options.tile_size_m;
     spec.mortal = spec.mortal || options.mortal;
@@ -180,7 +180,7 @@ struct Simulation::Impl {
     warnings = diagnostics.warnings();
     append(warnings, plugins->warnings());
   }
-  /// Once the world is made.
+  /// Sets up `stop_when`; the world must exist.
   void watch_for_the_end(Diagnostics& diagnostics) {
     const std::vector<engine::StopSpec>& conditions = world->spec().experiment.stop_when;
     if (conditions.empty()) return;
@@ -196,43 +196,44 @@ struct Model::Place {
   std::size_t part;
   std::string name;
 
-  /// For what reads its state, or continues it.
+  /// The row of the body, for functions that read its state or continue it.
   Row row() const {
     world->require_whole();
     const Row row = world->row(body);
     if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" has no drive and no sensor", name));
     return row;
   }
-  /// The row of a model that is moved as a whole.
+  /// The row of a whole body, for functions that do not apply to parts.
   Row whole() const {
-    if (part > 0) throw std::logic_error(fmt::format("\"{}\" is a part of a model: move that", name));
+    if (part > 0)
+      throw std::logic_error(fmt::format("\"{}\" is a part of a model: use the model itself", name));
     const Row row = world->row(body);
-    if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" never moves", name));
+    if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" is static", name));
     return row;
   }
   const engine::BodyType& type() const {
     return world->types()[world->spec().bodies[body.index()].type.index()];
   }
   std::size_t slot() const { return world->slot(row()); }
-  /// The drive that a part has for itself; null where it has none.
+  /// The drive of the part itself; null if it has none.
   const engine::BodyType::Device* wheels() const {
     for (const engine::BodyType::Device& device : type().devices)
       if (part > 0 && device.part == part && device.kind->drives) return &device;
     return nullptr;
   }
-  /// A body has the devices of all its parts, a part its own.
+  /// Whether a device belongs to this model: a body owns the devices of all its parts, a part only its own.
   bool owns(const engine::BodyType::Device& device) const {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
     return part == 0 || device.name == parts[part].name;
   }
-  /// The first of its devices that is `wanted`; null where none is.
+  /// The first of its devices that satisfies `wanted`; null if there is none.
   template <class Wanted>
   const engine::BodyType::Device* find(Wanted&& wanted) const {
     for (const engine::BodyType::Device& device : type().devices)
       if (owns(device) && wanted(device)) return &device;
     return nullptr;
   }
-  /// `"r0" has no sensor "eye"; it has: ...`, with those of its devices that are `counted`.
+  /// Throws `"r0" has no sensor "eye"; it has: ...`, which lists the devices that satisfy `counted`.
   template <class Counted>
   [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const {
     std::vector<std::string_view> known;
@@ -271,8 +272,8 @@ Model::Visit::~Visit() { visited_robot = before_; }
 void Model::refuse_in_for_each(const engine::World& world, std::string_view what) {
   if (visited_robot != nullptr && visited_robot->place_->world == &world)
     throw std::logic_error(fmt::format(
-        "{} in a call of for_each() for \"{}\": the calls run side by side, and may change their own "
-        "robots' commands alone; keep what is to be done, and do it behind for_each()",
+        "{} in a call of for_each() for \"{}\": the calls run in parallel and may change only the commands "
+        "of their own robot; collect such changes and apply them after for_each()",
         what, visited_robot->name()));
 }
 
@@ -526,7 +527,7 @@ Simulation::Simulation(const worldio::WorldDocument& world, const std::filesyste
                                                 kinds, how, found);
                })) {}
 
-/// files: what the places of findings point into; null: nothing yet
+/// files: the source files of a document, which the places of errors refer to; null: none yet
 Simulation Simulation::load(const std::filesystem::path& file, const SimulationOptions& options,
                             engine::Registry registry, std::shared_ptr<SourceFiles> files,
                             const ReadWorld& read) {
@@ -590,7 +591,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   Diagnostics diagnostics;
   engine::WorldSpec spec = checkpoint.spec(*impl->registry, options.set, diagnostics);
   diagnostics.throw_if_errors();
-  // What the world's maker was warned of when it was loaded is not said again.
+  // Warnings about the world were reported when it was loaded, and are not repeated here.
   impl->world = std::make_unique<engine::World>(std::move(spec), *impl->registry,
                                                 engine::WorldOptions{options.threads, options.tile_size_m},
                                                 diagnostics);
@@ -607,7 +608,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
       holds != impl->memories.end() &&
       !impl->holds.remember(holds->second, impl->world->spec().bodies.size()))
     throw InputError(
-        fmt::format("{}: error: its holds are of no such world: the file is damaged", file.string()));
+        fmt::format("{}: error: its holds do not fit its world: the file is damaged", file.string()));
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
@@ -622,7 +623,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   worldio::FileHeader header = effective_options();
   header.insert(header.begin(), {"version", version_line()});
   header.emplace_back("title", title());
-  if (impl_->recording) impl_->recording->flush();  // a resumed recording must reach as far as the checkpoint
+  if (impl_->recording) impl_->recording->flush();  // a resumed recording must reach the checkpoint's tick
   worldio::Memories memories;
   for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
   if (impl_->stop) memories[impl_->stop->memory_name()] = impl_->stop->memory();
@@ -672,7 +673,7 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
 void Simulation::step() {
   impl_->refuse_in_callbacks("step()");
   Model::refuse_in_for_each(*impl_->world, "step()");
-  // A library that was loaded since the last step may have switched flush-to-zero on for this thread.
+  // A library loaded since the last step may have switched on flush-to-zero for this thread.
   if (!check_fp_environment()) restore_fp_environment();
   impl_->world->before_tick([this] {
     if (impl_->before_tick) impl_->before_tick(*this);
@@ -752,11 +753,11 @@ void Simulation::reset() {
   if (impl_->stop) impl_->stop->begin();
 }
 
-/// call: who asks.
+/// call: name of the calling function, for errors.
 std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, std::string_view call) const {
   if (impl_->resumed_at)
     throw std::logic_error(fmt::format(
-        "{}: the run was resumed from a checkpoint, which does not keep how its bodies were placed", call));
+        "{}: the run was resumed from a checkpoint, which does not store how its bodies were placed", call));
   std::vector<engine::BodySpec> bodies = impl_->world->spec().bodies;
   if (impl_->place_again) impl_->place_again(bodies, seed);
   return bodies;
@@ -814,7 +815,7 @@ Model Simulation::find(std::string_view name) {
     return place(global->second.body, static_cast<std::size_t>(part - parts.begin()));
   }
   std::vector<std::string> known;
-  // A part is named below its body: "r0.ranger:1".
+  // The name of a part follows that of its body: "r0.ranger:1".
   for (std::size_t dot = name.rfind('.'); dot != std::string_view::npos && dot > 0;
        dot = name.rfind('.', dot - 1)) {
     const BodyId body = world.find(name.substr(0, dot));
@@ -841,8 +842,7 @@ Model Simulation::model(BodyId id) {
 RayHit Simulation::cast(const Pose& from, double range_max, const Model* without) const {
   impl_->world->require_whole();
   for (const double value : {from.x, from.y, from.z, from.heading})
-    if (!std::isfinite(value))
-      throw std::invalid_argument("cast(): the pose that the ray starts from is not finite");
+    if (!std::isfinite(value)) throw std::invalid_argument("cast(): the start pose of the ray is not finite");
   if (!(range_max >= 0 && range_max <= k_longest_ray_m))
     throw std::invalid_argument(
         fmt::format("cast(): range_max {} m: give one from 0 to {:g} m", range_max, k_longest_ray_m));
@@ -925,7 +925,7 @@ void Simulation::subscribe(std::string_view model) {
   Model::refuse_in_for_each(*impl_->world, "subscribe()");
   if (tick() > 0) throw std::logic_error("subscribe before the first step");
   const BodyId body = find(model).place_->body;
-  // What neither moves nor senses nor decides has no row, and no sensor that could run.
+  // A body without drive, sensor and controller has no row, and no sensor to run.
   if (impl_->world->row(body).valid()) impl_->world->subscribe(body);
 }
 
@@ -1024,8 +1024,8 @@ std::vector<std::uint8_t> Simulation::picture(int width, int height) const {
 std::vector<std::uint8_t> Simulation::picture(const PictureOptions& options) const {
   if (options.background == "transparent")
     throw std::invalid_argument(
-        "picture(): red, green and blue have no opacity: give the background paper, white or "
-        "dark, or draw a file");
+        "picture(): RGB cannot hold the background transparent: give paper, white or dark, or draw to "
+        "a file");
   Pictures& pictures = impl_->pictures_of(*this, options);
   const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(*this));
   std::vector<std::uint8_t> rgb(rgba.size() / 4 * 3);

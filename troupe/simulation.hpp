@@ -40,72 +40,71 @@ struct WorldDocument;
 
 namespace troupe {
 
-/// What finds ranges: exact geometry, or a walk through cells (docs/sensing.md).
+/// How ranges are computed: by exact geometry, or by a walk through a grid of cells (docs/sensing.md).
 using engine::RangingEngine;
 
-/// How a world is loaded and run. Nothing here but `seed`, `ranging`, `robots`, `set` and `spare`
-/// changes a result.
+/// How a world is loaded and run. Only `seed`, `ranging`, `robots`, `set` and `spare` change results.
 struct SimulationOptions {
-  /// Worker threads, at most 1,024; 0: one for each processor that the process may use, by its affinity mask
-  /// and its control groups. More throw std::invalid_argument.
+  /// Worker threads, at most 1,024. 0: one per processor that the process may use, by its affinity mask and
+  /// its control groups. More than 1,024 throw std::invalid_argument.
   unsigned threads = 0;
-  /// Edge of the tiles that are the unit of parallel work, m; 0: chosen from body sizes and sensor ranges.
+  /// Edge of the tiles that are the unit of parallel work, m. 0: chosen from body sizes and sensor ranges.
   double tile_size_m = 0;
   /// Replaces the world's seed.
   std::optional<std::uint64_t> seed;
-  /// Replaces the world's ray engine.
+  /// Replaces the world's ranging engine.
   std::optional<RangingEngine> ranging;
   /// Population sizes: name -> count; an empty name means the world's only population.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// JSON pointer -> value ("/populations/0/count" -> "500").
   std::vector<std::pair<std::string, std::string>> set;
-  /// Directories searched, by base name, for worlds and includes that are not where they were said to be.
+  /// Directories in which worlds and includes are searched by base name if their own path does not exist.
   std::vector<std::filesystem::path> search_path;
-  /// Directories searched for plug-ins with the controllers and sensors that Troupe has not
+  /// Directories searched for plug-ins: controllers and sensors that Troupe does not ship
   /// (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path;
-  /// Programs may remove, disable and enable bodies of any world, as if it said `"mortal": true`. Bodies that
-  /// are there from the start, and sound, add nothing to the hash for it.
+  /// Lets the program remove, disable and enable bodies, as `"mortal": true` in the world does. The hash
+  /// stays the same while every body of tick 0 is alive and enabled.
   bool mortal = false;
-  /// So many bodies of each population of robots without a reserve may be added while the world runs: a
-  /// reserve, behind all other bodies (docs/lives.md). A world with one has other hashes.
+  /// Adds a reserve of this many bodies to each population of robots without one, after all other bodies, so
+  /// that spawn() can add robots to a running world (docs/lives.md). A world with a reserve has other hashes.
   std::uint32_t spare = 0;
 };
 
-/// How a saved run goes on. Nothing here but `set` changes a result.
+/// How a saved run is resumed. Only `set` changes results.
 struct ResumeOptions {
-  /// As in SimulationOptions.
+  /// Worker threads, as in SimulationOptions.
   unsigned threads = 0;
-  double tile_size_m = 0;  ///< as there
+  double tile_size_m = 0;  ///< edge of the tiles, m, as in SimulationOptions
   /// JSON pointer into the checkpoint's /world -> value ("/types/1/drive/params/velocity_max_x_mps" ->
-  /// "0.5"), for what keeps the shape of the state (docs/checkpoints.md lists it): the run goes on as
-  /// another one from here.
+  /// "0.5"), for values that keep the shape of the state (docs/checkpoints.md lists them). The resumed run
+  /// then differs from the original.
   std::vector<std::pair<std::string, std::string>> set;
-  /// Takes a checkpoint of another version of Troupe, which may go on with other bits than the version that
-  /// made it.
+  /// Accepts a checkpoint of another version of Troupe. The results may then differ in their bits from those
+  /// of the version that wrote it.
   bool across_versions = false;
-  /// As in SimulationOptions; the run's plug-ins must be on it.
+  /// Directories searched for plug-ins, as in SimulationOptions; must contain the plug-ins of the run.
   std::vector<std::filesystem::path> plugin_path;
-  /// Takes other builds of the plug-ins than those with which the checkpoint was made.
+  /// Accepts plug-ins of another build than those that the checkpoint was written with.
   bool across_plugins = false;
 };
 
-/// The phases of a tick, in their order: engine/phase.hpp.
+/// The phases of a tick, in order: engine/phase.hpp.
 using engine::k_phases;
 using engine::Phase;
 using engine::phase_name;
 
-/// Counters of a run, since tick 0.
+/// Counters of a run since tick 0.
 struct Statistics {
-  std::size_t robots = 0;             ///< that are in the world
-  std::uint64_t ticks = 0;            ///< made
-  double time_s = 0;                  ///< on the world's clock
-  std::uint64_t beams = 0;            ///< rays cast, counted where they are cast
-  std::size_t stalled = 0;            ///< robots whose last motion was refused
-  std::size_t held_at_bounds = 0;     ///< robots whose last motion would have left the world
-  double mean_displacement_m = 0;     ///< of robots, straight from where they started, or were born
-  std::uint64_t conflict_rounds = 0;  ///< rounds in which motions were settled, all ticks together
-  std::size_t state_bytes = 0;        ///< of all state tables
+  std::size_t robots = 0;             ///< robots in the world
+  std::uint64_t ticks = 0;            ///< completed ticks
+  double time_s = 0;                  ///< world time, s
+  std::uint64_t beams = 0;            ///< rays cast by sensors
+  std::size_t stalled = 0;            ///< robots whose last motion was blocked
+  std::size_t held_at_bounds = 0;     ///< robots whose last motion was out of bounds
+  double mean_displacement_m = 0;     ///< mean straight-line distance of robots from their start or birth, m
+  std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution, summed over all ticks
+  std::size_t state_bytes = 0;        ///< size of all state tables
 };
 
 class Recording;
@@ -115,119 +114,123 @@ class WorldBuilder;
 struct PictureOptions;
 struct RecordingOptions;
 
-/// A model of a simulation, found by its name. A light handle: valid while its simulation lives.
+/// A handle of one model of a simulation: a body, or a part of one. Cheap to copy; valid while the simulation
+/// lives.
 class Model {
  public:
-  const std::string& name() const;  ///< as the world gives it, or as Stage would
-  /// Of its body: what fiducial finders, bumpers, radios and cast() tell of who was met, and what
-  /// Simulation::model() takes.
+  const std::string& name() const;  ///< from the world, or the one that Stage would generate
+  /// Id of its body, as fiducial finders, bumpers, radios and cast() report it and Simulation::model() takes
+  /// it.
   BodyId id() const;
-  /// Global pose, m and rad; of a part of a body where the joint that it stands on has carried it. Of a body
-  /// that died: where that was; of one not born yet: not a number.
+  /// Global pose, m and rad. A part on a joint is where the joint has moved it. Of a dead body: its last
+  /// pose; of an unborn one: NaN.
   Pose pose() const;
-  /// Extent as declared in the world, m.
+  /// Size as declared in the world, m.
   Eigen::Vector3d size() const;
-  /// Commanded speeds: forward and left in m/s, turn in rad/s (the steering angle in rad for a car). They act
-  /// from the next tick on, within the drive's bounds, until replaced; a controller of the robot overrides
-  /// them. Throws std::logic_error for one without a drive, or that is not in the world, as do all commands.
+  /// Commands speeds: forward and left in m/s, turn in rad/s (for a car: the steering angle, rad). They take
+  /// effect from the next tick on, within the limits of the drive, until replaced. A controller of the robot
+  /// overrides them. Throws std::logic_error, as all commands do, for a model that has no drive or is not in
+  /// the world.
   void set_speed(double forward, double left, double turn);
-  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< the same
-  /// Lets its speeds grow: m/s^2 and rad/s^2 (for a car `turn` is the steering angle, rad), from the next
-  /// tick on, within the drive's bounds of acceleration and speed, until replaced.
+  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< with `left` = 0
+  /// Commands accelerations: m/s^2 and rad/s^2 (for a car `turn` is the steering angle, rad). They take
+  /// effect from the next tick on, within the drive's limits of acceleration and speed, until replaced.
   void accelerate(double forward, double left, double turn);
-  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< the same
-  /// Sends it to a pose in the frame of estimate(), m and rad, where it stays until replaced. How each drive
-  /// goes there: docs/driving.md.
+  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< with `left` = 0
+  /// Commands a pose in the frame of estimate(), m and rad: the robot drives there and stays until the
+  /// command is replaced. docs/driving.md describes the path of each drive.
   void go_to(double x, double y, double heading);
-  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }  ///< the same
+  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }  ///< ignores goal.z
   /// Velocity of the last tick, body frame.
   struct Speed {
     double forward = 0;  ///< m/s
     double left = 0;     ///< m/s
     double turn = 0;     ///< rad/s
   };
-  Speed speed() const;  ///< of the last tick
-  /// Whether it is in the world: born, where it was not there from the start, and not dead. docs/lives.md.
+  Speed speed() const;  ///< velocity of the last tick, body frame
+  /// Whether it is in the world: born and not dead (docs/lives.md).
   bool is_alive() const;
-  /// True when the last motion was refused.
+  /// Whether its last motion was blocked.
   bool stalled() const;
-  /// Estimated pose, m and rad: its true pose with localization `gps`, what its wheels counted with
-  /// `odom`, in the frame of the world's localization_origin.
+  /// Estimated pose, m and rad: with localization `gps` the true global pose; with `odom` the odometry
+  /// estimate, in the frame of the world's localization_origin.
   Pose estimate() const;
-  /// Overwrites the odometry estimate. Throws std::logic_error if the robot has no odometry.
+  /// Overwrites the odometry estimate. Throws std::logic_error if the robot has no `odom`.
   void set_estimate(const Pose& pose);
 
-  /// Puts it elsewhere in the world's frame, between two steps. That is no motion: its odometry does not see
-  /// it, its speed stays, it is not stalled any more; sensors see it from the next step on. Nothing is asked
-  /// of the place: is_free() tells beforehand. Whatever it then overlaps it may leave, but not enter deeper.
-  /// What it carries goes with it. Throws std::invalid_argument for a pose that is not finite or outside the
-  /// world's bounds, and for what is carried by another; std::logic_error for a part of a model, for a
-  /// static body, and within Swarm::for_each(), as all do that change more than one robot. To move many at
-  /// once, see Simulation::set_poses.
+  /// Moves it to a pose in the world's frame, between two steps. This is not a motion: odometry does not
+  /// measure it, the speed stays, a stall ends, and sensors see it from the next step on. What the model
+  /// carries moves with it. The place need not be free (is_free() tells): the model may leave bodies that it
+  /// then overlaps, but not move deeper into them. Throws std::invalid_argument for a pose that is not finite
+  /// or is out of bounds, and for a carried body; std::logic_error for a part of a model, for static
+  /// geometry, and within Swarm::for_each(), like every function that changes more than one robot. To move
+  /// many models at once, see Simulation::set_poses().
   void set_pose(const Pose& pose);
-  /// Whether it could stand there: within the world's bounds, and free of every wall and every other body.
+  /// Whether it would fit at this pose: within the world's bounds, and touching no wall and no other body.
   bool is_free(const Pose& pose) const;
 
-  /// Its random numbers in this tick, for a program that drives it: a function of the seed, the name (one for
-  /// each use), the robot and the tick alone. Asked for twice, they are the same twice.
+  /// The random stream of this robot, name and tick, for a program that drives the robot; use one name per
+  /// purpose. A function of the seed, the name, the robot and the tick alone: a second call returns the same
+  /// numbers.
   Random random(std::string_view name) const;
 
-  /// Names of its sensors, in the order of the world: of a robot those of all its parts, of a part its own.
+  /// Names of its sensors, in the order of the world: those of all parts of a robot, or those of one part.
   std::vector<std::string> sensors() const;
-  /// Readings of a ranger, m, one a beam: the whole sensor, counter-clockwise within each transducer.
-  /// Empty `sensor`: the first. The span stays valid, and shows new readings after each step.
-  /// Throws std::out_of_range with the known names when there is no such sensor, and std::logic_error when it
-  /// is not running (subscribe first).
+  /// Readings of a ranger, m, one per beam, counter-clockwise within each transducer. Empty `sensor`: the
+  /// first sensor. The span stays valid and shows new readings after each step. Throws std::out_of_range,
+  /// with the known names, if there is no such sensor, and std::logic_error if it does not run (subscribe
+  /// first).
   std::span<const float> ranges(std::string_view sensor = {}) const;
-  /// Intensities beside ranges(); empty unless the ranger has `intensity` switched on.
+  /// Intensities, one per value of ranges(). Empty unless the ranger has `intensity` switched on.
   std::span<const float> intensities(std::string_view sensor = {}) const;
-  /// What a sensor, or another device, of it tells, whatever its kind:
+  /// Readings of a sensor or another device of any kind:
   ///
-  ///     robot.readings<float>("depth");             // of its camera, m, a value a pixel
+  ///     robot.readings<float>("depth");             // depth image of its camera, m, one value per pixel
   ///     robot.readings<std::int32_t>("id", "eye");  // of the fiducial finder "eye"
   ///
-  /// field   by its name; docs/library.md lists those of all kinds, fields() those of one device
-  /// device  by its name; empty: the first that has such a field
-  /// shape   the field's columns, in its unit. The span stays valid, and shows new readings after each step
-  /// errors  std::out_of_range with the known names where there is none of such a name; std::logic_error for
-  ///         a sensor that is not running; std::invalid_argument where T is not what the field is made of
+  /// field   its name; docs/library.md lists the fields of all kinds, fields() those of one device
+  /// device  its name; empty: the first device that has this field
+  /// shape   the columns of the field, in its unit. The span stays valid and shows new readings after each
+  ///         step
+  /// errors  std::out_of_range, with the known names, for an unknown field or device; std::logic_error for a
+  ///         sensor that does not run; std::invalid_argument if T is not the element type of the field
   template <class T>
   std::span<const T> readings(std::string_view field, std::string_view device = {}) const {
     const std::span<const std::byte> bytes = cell(field, device, engine::element_of<T>());
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
-  /// The same for who learns only at run time what a field is made of: its description, and its bytes.
+  /// One field of a device as bytes, for callers that learn its element type at run time.
   struct Reading {
-    std::string_view device;                    ///< its name
-    const engine::StateField* field = nullptr;  ///< both live as long as the simulation
-    std::span<const std::byte> bytes;           ///< of all its columns
+    std::string_view device;                    ///< its name; lives as long as the simulation
+    const engine::StateField* field = nullptr;  ///< element type, columns, unit; lives as long as `device`
+    std::span<const std::byte> bytes;           ///< all columns
   };
-  Reading reading(std::string_view field, std::string_view device = {}) const;  ///< errors as of readings()
-  /// What readings() can tell of a device: names, elements, columns, units. Throws std::out_of_range with the
-  /// known names when there is no such device.
+  Reading reading(std::string_view field, std::string_view device = {}) const;  ///< throws as readings() does
+  /// The fields that readings() can return of a device: names, element types, columns, units. Throws
+  /// std::out_of_range, with the known names, if there is no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
-  /// What is asked of a device, to be written between two steps; it acts from the next one on. Command is the
-  /// struct of its kind (models::GripperCommand, models::LedCommand, ...). Empty `device`: the first that
-  /// takes commands of this struct. A controller that uses the device overrides it. Throws std::out_of_range
-  /// with the known names where none is called so, and std::invalid_argument where it takes other commands:
-  /// of other names (TROUPE_FIELDS), or of another size.
+  /// The command of a device, to be written between two steps; it takes effect from the next step on. Command
+  /// is the command struct of the kind (models::GripperCommand, models::LedCommand, ...). Empty `device`: the
+  /// first device that takes this struct. A controller that uses the device overrides the command. Throws
+  /// std::out_of_range, with the known names, if there is no such device, and std::invalid_argument if its
+  /// command has other field names (TROUPE_FIELDS) or another size.
   template <class Command>
   Command& command(std::string_view device = {}) {
     return *reinterpret_cast<Command*>(asked(device, sizeof(Command), Command::troupe_field_names()));
   }
-  /// The same for who learns only at run time what it takes.
+  /// The command of a device as bytes, for callers that learn its fields at run time.
   struct Asked {
-    std::span<const engine::StateField> fields;  ///< with their places among the bytes
-    std::span<std::byte> bytes;                  ///< of the struct of the kind
+    std::span<const engine::StateField> fields;  ///< with their offsets in `bytes`
+    std::span<std::byte> bytes;                  ///< the command struct of the kind
   };
-  Asked asked(std::string_view device);  ///< std::out_of_range where no device of this name takes commands
+  Asked asked(std::string_view device);  ///< throws std::out_of_range if no such device takes commands
 
-  /// What a power pack holds, and what has gone through it since tick 0, J (docs/energy.md).
+  /// Charge of a power pack, and energy that passed through it since tick 0, J (docs/energy.md).
   using Energy = engine::Energy;
-  /// Of the pack that it runs on: its own, or else the nearest one that it stands on. Nothing where it runs
-  /// on none.
+  /// Energy of the power pack that supplies it: its own, or else that of the nearest part below it. Empty if
+  /// there is none.
   std::optional<Energy> energy() const;
-  /// How many flags it holds itself, not what stands on it; 0 where it cannot hold any.
+  /// Number of flags that this part itself holds, without the parts on it; 0 if it cannot hold flags.
   std::size_t flag_count() const;
 
  private:
@@ -239,7 +242,7 @@ class Model {
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
   std::byte* asked(std::string_view device, std::size_t bytes, std::string_view fields);
-  /// One robot's turn in Swarm::for_each(), on its thread.
+  /// Marks the robot that Swarm::for_each() visits on this thread.
   class Visit {
    public:
     explicit Visit(const Model& robot);
@@ -256,254 +259,251 @@ class Model {
   std::shared_ptr<const Place> place_;
 };
 
-/// What a ray met first.
+/// The first surface that a ray meets.
 struct RayHit {
-  double range_m = 0;      ///< to its surface; the length of the ray where it met nothing
-  BodyId body;             ///< whose it is: Simulation::model(); not valid where it met nothing
-  std::uint32_t part = 0;  ///< of the body's type; 0: its root
+  double range_m = 0;      ///< distance to the surface, m; the length of the ray if it met nothing
+  BodyId body;             ///< the body, for Simulation::model(); not valid if the ray met nothing
+  std::uint32_t part = 0;  ///< index in the parts of the body's type; 0: the root
 
-  bool met() const { return body.valid(); }  ///< anything at all
+  bool met() const { return body.valid(); }  ///< whether the ray met a surface
 };
 
-/// A world and its state. Not thread-safe: one thread calls it; it runs on `threads` workers of its own.
-/// Several may live in one process.
+/// A world and its state. Not thread-safe: call it from one thread. It runs on `threads` workers of its own.
+/// Several simulations may live in one process.
 class Simulation {
  public:
-  /// Loads a world file (Stage `.world` or Troupe JSON).
-  /// Throws InputError that lists everything wrong with it, each finding as `file:line: error: ...`.
+  /// Loads a world file (Stage `.world` or Troupe JSON). Throws InputError that lists all errors in it, each
+  /// as `file:line: error: ...`.
   explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
-  /// The same with kinds of the caller's own: make_registry() (troupe/registry.hpp), and what was added to
-  /// it.
+  /// Loads a world file with additional kinds: `registry` is make_registry() (troupe/registry.hpp) plus the
+  /// kinds of the caller.
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
-  /// Loads a world from its text. `name` stands for the file: its ending, .world or .json, says which syntax
-  /// the text has, relative paths in it count from its folder, and findings read `name:line: error: ...`.
+  /// Loads a world from its text. `name` stands for the file: its ending, .world or .json, selects the
+  /// syntax, relative paths are resolved from its folder, and errors read `name:line: error: ...`.
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options = {});
-  /// The same with kinds of the caller's own.
+  /// Loads a world from its text, with additional kinds.
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world that a program describes (troupe/world_builder.hpp). Errors as of from_text(), in the
-  /// lines of WorldBuilder::json().
+  /// Makes a world that a program described (troupe/world_builder.hpp). Throws as from_text() does; lines are
+  /// those of WorldBuilder::json().
   explicit Simulation(const WorldBuilder& world, const SimulationOptions& options = {});
-  /// The same with kinds of the caller's own.
+  /// Makes a world that a program described, with additional kinds.
   Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world that a document describes: what a world file in JSON says, as plain data
-  /// (worldio/json/world_document.hpp). `name` stands for the file, as of from_text(). Errors as of that, at
-  /// the places that the document has.
+  /// Makes a world from a document: the content of a JSON world file as plain data
+  /// (worldio/json/world_document.hpp). `name` stands for the file, as in from_text(). Throws as from_text()
+  /// does, at the places that the document states.
   explicit Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name = "world.json",
                       const SimulationOptions& options = {});
-  /// The same with kinds of the caller's own.
+  /// Makes a world from a document, with additional kinds.
   Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
              const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world from a spec (engine/world_spec.hpp): one that a program filled by hand, or that a loader
-  /// made. Throws InputError that lists what no world can have, each by the path of the value and, where the
-  /// spec has it, its file and line: `types[0].parts[2].size: must be ..., found nan`. Of the options
-  /// `robots`, `set` and `search_path` are for files: std::invalid_argument.
+  /// Makes a world from a spec (engine/world_spec.hpp) that a program or a loader filled. Throws InputError
+  /// that lists all invalid values, each by its path and, if the spec has them, file and line:
+  /// `types[0].parts[2].size: must be ..., found nan`. The options `robots`, `set` and `search_path` are for
+  /// files and throw std::invalid_argument here.
   explicit Simulation(engine::WorldSpec world, const SimulationOptions& options = {});
-  /// The same with kinds of the caller's own.
+  /// Makes a world from a spec, with additional kinds.
   Simulation(engine::WorldSpec world, const SimulationOptions& options, engine::Registry registry);
-  /// Goes on from a checkpoint that save() or `troupe run --checkpoint` wrote: the same bits as if the run
-  /// had never stopped, on any number of threads, and without the files that its world was loaded from.
-  /// Throws InputError, `run.h5: error: ...`, for a file that is no checkpoint, was cut off, is damaged, or
-  /// comes from a newer version.
+  /// Resumes a run from a checkpoint of save() or `troupe run --checkpoint`: with the same bits as if it had
+  /// never stopped, on any number of threads, and without the files that its world was loaded from. Throws
+  /// InputError, `run.h5: error: ...`, for a file that is not a checkpoint, is truncated or damaged, or comes
+  /// from a newer version.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
-  /// The same with the kinds of the caller's own that the world was loaded with.
+  /// Resumes a run of a world that was loaded with additional kinds.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
                            engine::Registry registry);
   ~Simulation();
-  Simulation(Simulation&&) noexcept;             ///< handles stay valid; the one moved from is of no use
-  Simulation& operator=(Simulation&&) noexcept;  ///< as that
+  Simulation(Simulation&&) noexcept;  ///< handles stay valid; the source may only be destroyed or assigned
+  Simulation& operator=(
+      Simulation&&) noexcept;  ///< handles stay valid; the source may only be destroyed or assigned
 
-  /// What the loader warned of, as `file:line: warning: ...`, of plug-ins as `file: warning: ...`.
+  /// Warnings of the loader, `file:line: warning: ...`, and of plug-ins, `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
-  /// Options as they took effect, `key=value` each, for logs.
+  /// The options in effect, as key and value, for logs.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
   /// The condition of the world's `stop_when` that holds, as `coverage >= 0.9`: the run is over
-  /// (docs/experiments.md). Asked after each step, and of a run that was resumed at once; nothing before the
-  /// first step.
+  /// (docs/experiments.md). Conditions are evaluated after each step, and once when a run is resumed; the
+  /// result is empty before the first step.
   std::optional<std::string> stopped() const;
 
-  /// One tick: sense, decide, move, index. Also where the run is over. Throws engine::StepError, a
-  /// std::runtime_error that names tick and robot, where a commanded speed is not a finite number and where a
-  /// controller or a device threw; what a callback of on_phase() throws comes out as it is. The
-  /// state is then half made: until reset() every function of the simulation, its models, swarms and
-  /// observers that reads or continues the state throws std::logic_error.
+  /// Advances the world by one tick: sense, decide, move, index; also after the run is over. Throws
+  /// engine::StepError, a std::runtime_error that names tick and robot, if a commanded speed is not finite or
+  /// if a controller or a device throws. An exception of an on_phase() callback passes through unchanged.
+  /// After an exception the state is incomplete: until reset() every function of the simulation, its models,
+  /// swarms and observers that reads or continues the state throws std::logic_error.
   void step();
-  /// Steps until `seconds` more of world time have passed, or the run is over: see stopped(). A time between
-  /// two ticks is rounded up. Throws
-  /// std::invalid_argument for what is no time (negative, not a number, beyond 1e12 s).
+  /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or the run is over
+  /// (stopped()). Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
-  /// Steps until `done`, asked after each step, says so. True then; false where `at_most_s` seconds of world
-  /// time have passed, or the run is over, before. Throws std::invalid_argument as run_for() does.
+  /// Steps until `done`, called after each step, returns true; then returns true. Returns false if
+  /// `at_most_s` seconds of world time pass, or the run is over, first. Throws std::invalid_argument as
+  /// run_for() does.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
-  /// Called with this simulation at the end of every step, also of those that run_for() and run_until() make:
-  /// several in the order in which they were added, behind stopped() and what record() writes, which so see
-  /// the state as the step left it. What the program does between two steps it may do here (read, command,
-  /// set_poses(), spawn(), remove(), save()), but not step(), reset() or on_tick(): std::logic_error. An
-  /// exception comes out of step(), with the tick complete; callbacks behind it are not called. Null: all
-  /// that were added are forgotten.
+  /// Adds a callback that is called at the end of every step, also of steps of run_for() and run_until().
+  /// Callbacks run in the order in which they were added, after stopped() is evaluated and record() has
+  /// written, so they see the state that the step left. They may do what a program may do between two steps
+  /// (read, command, set_poses(), spawn(), remove(), save()), but step(), reset() and on_tick() throw
+  /// std::logic_error. An exception leaves step() with the tick complete, and the remaining callbacks are not
+  /// called. Null removes all callbacks.
   void on_tick(std::function<void(Simulation&)> callback);
-  /// Called in every step when what the world's file asks for (`at`, faults) has been done, and before the
-  /// tick begins. It may do what programs do between two steps, and act(), but not step() or reset(). An
-  /// exception comes out of step(), and leaves the state half made. Null: nothing is called any more.
+  /// Sets a callback that is called in every step after the world's own events (`at`, faults) and before the
+  /// tick begins. It may do what a program may do between two steps, and act(), but not step() or reset(). An
+  /// exception leaves step() with an incomplete state. Null removes it.
   void before_tick(std::function<void(Simulation&)> callback);
-  /// Does what a person may do to a running world (docs/live.md): between two steps, or in before_tick(),
-  /// where it comes after what the world's file asks for. Holds last until they are released, are saved in
-  /// checkpoints, and end with reset(). Throws ActRefused (troupe/acts.hpp), and changes nothing, for what
-  /// cannot be done.
+  /// Applies an act of a user to a running world (docs/live.md): between two steps, or in before_tick(),
+  /// where it comes after the world's own events. A hold lasts until it is released, is saved in checkpoints,
+  /// and ends with reset(). Throws ActRefused (troupe/acts.hpp), and changes nothing, if the act is
+  /// impossible.
   void act(const engine::Act& act);
-  /// Back to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles stay
-  /// valid; callbacks and subscriptions stay as they are; speeds that were set do not. Reads no file and
-  /// allocates nothing, so that thousands of trials of one world cost what their steps cost; but conditions
-  /// with which a run is over restart, which takes memory. A step that threw is forgotten: only this leads
-  /// on from it. What record() began is closed.
+  /// Returns to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles,
+  /// callbacks and subscriptions stay; commanded speeds do not. A recording of record() is closed. Also
+  /// recovers from a step that threw. Reads no file and allocates nothing, so thousands of trials of one
+  /// world cost only their steps; but the conditions of `stop_when` restart, which allocates.
   void reset();
-  /// To the state that the world has after loading with another seed: populations are placed again, and every
-  /// draw follows the new seed. The run is that of a simulation loaded with it, bit for bit. All else as
-  /// reset(); it allocates. Throws InputError, and changes nothing, where the populations of the world find
-  /// no place with this seed; std::logic_error for a run that was resumed from a checkpoint, which does not
-  /// know how its bodies were placed.
+  /// Returns to the state that the world has after loading with another seed, bit for bit: populations are
+  /// placed again, and every draw follows the new seed. Otherwise as reset(), but it allocates. Throws
+  /// InputError, and changes nothing, if the populations find no place with this seed; std::logic_error for a
+  /// resumed run, because a checkpoint does not store how bodies were placed.
   void reset(std::uint64_t seed);
-  /// Another simulation of the same world with this seed, at tick 0, as if it had been loaded with it. Reads
-  /// no file, and shares kinds and plug-ins with this one, which it may outlive. Callbacks and subscriptions
-  /// are not copied. threads: as in SimulationOptions. Errors as of reset(seed).
+  /// Makes another simulation of the same world at tick 0, as if it had been loaded with this seed. Reads no
+  /// file, and shares kinds and plug-ins with this one, which it may outlive. Callbacks and subscriptions are
+  /// not copied. threads: as in SimulationOptions. Throws as reset(seed) does.
   Simulation another(std::uint64_t seed, unsigned threads) const;
 
-  /// Saves everything that the run goes on from, between two steps, in one HDF5 file that resume() takes: it
-  /// needs neither the world's file nor its bitmaps. Written beside the name and renamed when it is whole and
-  /// on the disk, so that a checkpoint of this name is the one before or the new one, whenever the process
-  /// dies. Callbacks are not saved; subscriptions, and speeds that were set, are. Throws std::runtime_error,
-  /// `run.h5: error: ...`, where the file cannot be written or the build has no HDF5; the checkpoint before
-  /// is still there then.
+  /// Saves the whole state, between two steps, in one HDF5 file for resume(), which then needs neither the
+  /// world's file nor its bitmaps. The file is written under a temporary name and renamed once it is complete
+  /// and on the disk: if the process dies, the name holds the previous checkpoint or the new one. Callbacks
+  /// are not saved; subscriptions and commanded speeds are. Throws std::runtime_error, `run.h5: error: ...`,
+  /// if the file cannot be written or the build has no HDF5; the previous checkpoint then remains.
   void save(const std::filesystem::path& checkpoint) const;
 
-  /// What looks on may remember earlier ticks: `memory` is called by each save(), and what it gives is kept
-  /// in the checkpoint under this name, beside the state. Null: no more.
+  /// Saves the memory of an observer with the state: each save() calls `memory` and stores its bytes in the
+  /// checkpoint under `name`. Null removes it.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
-  /// What was kept under this name in the checkpoint that the run was resumed from; nothing where nothing
-  /// was.
+  /// The bytes stored under `name` in the checkpoint that the run was resumed from; empty if there are none.
   std::optional<std::vector<std::byte>> saved_memory(const std::string& name) const;
 
-  /// The tick of the checkpoint that the run was resumed from, if it was.
+  /// The tick of the checkpoint that the run was resumed from; empty if it was not resumed.
   std::optional<std::uint64_t> resumed_at_tick() const;
 
-  double time_s() const;       ///< on the world's clock
-  std::uint64_t tick() const;  ///< how many there have been
-  double tick_s() const;       ///< length of a tick
-  /// That are in the world.
+  double time_s() const;       ///< world time, s
+  std::uint64_t tick() const;  ///< number of completed ticks
+  double tick_s() const;       ///< length of a tick, s
+  /// Number of robots in the world.
   std::size_t robots() const;
-  std::uint64_t seed() const;  ///< of all random draws
-  std::string title() const;   ///< the world's, else its file's name
-  /// Where the world itself asks to end.
+  std::uint64_t seed() const;  ///< seed of all random draws
+  std::string title() const;   ///< title of the world, or else the name of its file
+  /// The `quit_time_s` of the world, s; empty if it has none.
   std::optional<double> quit_time_s() const;
 
-  /// The model of this name: a body, or a part below it ("r0.ranger:1"), under the name that the world gives
-  /// or the one that Stage would generate. Throws std::out_of_range with near names when there is none.
+  /// Finds a model by name: a body, or a part below it ("r0.ranger:1"), by its name in the world or the one
+  /// that Stage would generate. Throws std::out_of_range, with similar names, if there is none.
   Model find(std::string_view name);
-  /// The model with this id, as sensors and cast() tell it. Throws std::out_of_range when there is none.
+  /// The body with this id, as sensors and cast() report it. Throws std::out_of_range if there is none.
   Model model(BodyId id);
-  /// The first surface along a ray, by exact geometry, in worlds that ask for the grid engine, too.
-  /// from       where it starts, m, and where it goes, rad: world frame; it stays at the height from.z
-  /// range_max  m; what is as far or farther is not met
-  /// without    a model that it passes, with all that this carries: who looks from within a robot
-  /// meets      what rangers meet (ranger_return >= 0), where the closed z interval holds the height, from
-  ///            both sides; computed in doubles, so that it may differ from a reading in the last bits of a
-  ///            float
-  /// ties       two surfaces at one distance: the lower (id, part)
-  /// errors     std::invalid_argument for what is not finite, and a range below 0 or beyond 300 km
-  /// cost       a walk along the ray. Changes nothing: several threads may cast at once, between two steps
+  /// The first surface along a ray, by exact geometry, also in worlds that use the grid engine.
+  /// from       start, m, and direction, rad, in the world frame; the ray stays at the height from.z
+  /// range_max  m; surfaces at this distance or beyond are not met
+  /// without    a model that the ray ignores, with everything that it carries: for rays from within a robot
+  /// meets      what rangers meet (ranger_return >= 0), if the closed z interval holds the height, from both
+  ///            sides; computed in doubles, so it may differ from a reading in the last bits of a float
+  /// ties       of two surfaces at one distance, the lower (id, part)
+  /// errors     std::invalid_argument for a pose that is not finite, and a range below 0 or beyond 300 km
+  /// cost       one walk along the ray. Changes nothing: several threads may cast at once, between two steps
   RayHit cast(const Pose& from, double range_max, const Model* without = nullptr) const;
-  /// Many robots at once (troupe/swarm.hpp), in the order of their ids: those of the type or the population
-  /// of this name, or the one robot; of an empty text all. Throws std::out_of_range with the known names
-  /// where no robot is called so.
+  /// A group of robots (troupe/swarm.hpp), in the order of their ids: those of the type or the population of
+  /// this name, or one robot; empty: all robots. Throws std::out_of_range, with the known names, for an
+  /// unknown name.
   Swarm swarm(std::string_view of = {});
-  /// Model::set_pose of many, at little more than the cost of one: bodies are indexed once. Where one of them
-  /// cannot be put none is.
+  /// Model::set_pose() for many models at little more than the cost of one, because bodies are indexed once.
+  /// If one pose is invalid, no model is moved.
   void set_poses(std::span<const std::pair<Model, Pose>> poses);
-  /// Bears the next body of a population's reserve, between two steps, at a pose in the world's frame, m and
-  /// rad, where it touches nothing solid: sensors see it from the next step on, in which its life begins as
-  /// that of others at tick 0. Nothing where that place is taken or outside of the world, or no body of the
-  /// reserve is left. Throws std::out_of_range for a population without a reserve, and std::invalid_argument
-  /// for a pose that is not finite. Costs the indexing of all bodies.
+  /// Spawns the next body of a population's reserve, between two steps, at a pose in the world's frame, m and
+  /// rad. Sensors see it from the next step on, in which its life begins as that of other bodies at tick 0.
+  /// Returns nothing if the place is out of bounds or touches a solid body, or if the reserve is used up.
+  /// Throws std::out_of_range for a population without a reserve, and std::invalid_argument for a pose that
+  /// is not finite. Costs the indexing of all bodies.
   std::optional<Model> spawn(std::string_view population, const Pose& pose);
-  /// How many of a population's reserve are still to be born.
+  /// Number of bodies of a population's reserve that are not yet born.
   std::size_t unborn(std::string_view population) const;
-  /// Ends a life, between two steps: the body is no longer met or seen, what it carried lies where it
-  /// was, and its id is never used again. Does nothing to a body that is not there. Throws std::logic_error
-  /// for a part of a model, for a static body, and in a world in which no body is born or dies: a world with
-  /// a reserve, or with `"mortal": true`, is another. Costs the indexing of all bodies.
+  /// Removes a body for good, between two steps: nothing meets or senses it any more, bodies that it carried
+  /// lie where they were, and its id is never used again. Does nothing for a body that is not in the world.
+  /// Throws std::logic_error for a part of a model, for static geometry, and in a world without a reserve and
+  /// without `"mortal": true`. Costs the indexing of all bodies.
   void remove(const Model& model);
-  /// Stops all of a body, between two steps: controllers, drive, sensors, which keep their readings, and
-  /// other devices. It stands where it is, and is met and seen. False where it is disabled already, or not in
-  /// the world. Throws std::logic_error for a part of a model, for a static body, and in a world in which
-  /// nothing is ever disabled: one with faults, with `disable` in its `at`, or with `"mortal": true`, is
-  /// another.
+  /// Disables a body, between two steps: its controllers, drive, sensors and other devices stop; sensors keep
+  /// their readings. The body stays where it is, and others still meet and sense it. Returns false if it is
+  /// disabled already or not in the world. Throws std::logic_error for a part of a model, for static
+  /// geometry, and in a world without faults, without `disable` in its `at` and without `"mortal": true`.
   bool disable(const Model& model);
-  /// What disable() stopped goes on with what it was told last. False where it is not disabled. Throws as
-  /// that.
+  /// Enables a disabled body: it continues with its last commands. Returns false if it is not disabled.
+  /// Throws as disable() does.
   bool enable(const Model& model);
-  /// Names of all robots that are in the world, in id order.
+  /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
-  /// Runs every sensor of a robot, as Stage's Subscribe does; before the first step.
+  /// Runs every sensor of a robot, as Stage's Subscribe does. Call it before the first step.
   void subscribe(std::string_view model);
 
-  /// Records this run from now on (troupe/recording.hpp): the state as it is now, and then of each step whose
-  /// tick is due, until stop_recording(), reset() or its own end. Throws as Recording does, and
-  /// std::logic_error where it records already.
+  /// Records this run from now on (troupe/recording.hpp): the current state, and then each step whose tick is
+  /// due, until stop_recording(), reset() or the end of this object. Throws as Recording does, and
+  /// std::logic_error if it records already.
   void record(const std::filesystem::path& file);
-  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< as that
-  /// Closes it; plain tools read the file from now on. Throws std::runtime_error where that fails; does
-  /// nothing where nothing is recorded.
+  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< records, with options
+  /// Closes the recording; other HDF5 tools can then read the file. Throws std::runtime_error if that fails;
+  /// does nothing if nothing is recorded.
   void stop_recording();
 
-  /// Hash of the whole state, docs/determinism.md.
+  /// Hash of the whole state (docs/determinism.md).
   std::uint64_t state_hash() const;
-  /// The same by group: pose, velocity, sensor, memory.
+  /// The hash of the state, and its parts by group.
   struct Hashes {
     std::uint64_t state = 0;     ///< the sum of the others, modulo 2^64
-    std::uint64_t pose = 0;      ///< poses, who carries whom, who lives
-    std::uint64_t velocity = 0;  ///< velocities, what is asked of drives and devices, stalls
+    std::uint64_t pose = 0;      ///< poses, which body carries which, which bodies are alive
+    std::uint64_t velocity = 0;  ///< velocities, commands of drives and devices, stalls
     std::uint64_t sensor = 0;    ///< readings, and the state of other devices
-    std::uint64_t memory = 0;    ///< of controllers; odometry; what keeps bodies from working
+    std::uint64_t memory = 0;    ///< memory of controllers, odometry, faults and disabled bodies
   };
-  Hashes hashes() const;  ///< of the state that it is in
-  /// First lines of a hash log: `# key: value` each, free to differ between runs that agree.
+  Hashes hashes() const;  ///< hashes of the current state
+  /// First lines of a hash log: `# key: value` each. Logs of equal runs may differ in them.
   std::string hash_log_header() const;
   /// One line of a hash log: `tick state pose=... velocity=... sensor=... memory=...`.
   std::string hash_log_line() const;
 
-  Statistics statistics() const;  ///< until now; costs a look at each robot
-  /// The sums over all power packs of the world, in the order of ids; `infinite` and `charging` where any is.
+  Statistics statistics() const;  ///< counters since tick 0; visits every robot
+  /// The sums over all power packs of the world; `infinite` and `charging` are true if they are for any pack.
   Model::Energy energy() const;
-  unsigned threads() const;  ///< of the parallel loop
-  /// Called as each phase begins, and once more with no phase as the tick ends; for timing.
+  unsigned threads() const;  ///< number of worker threads
+  /// Sets a callback for timing that is called as each phase begins, and with no phase as the tick ends.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
-  /// Called on its worker as a task of a parallel loop begins (true) and ends (false), with the task's index
-  /// in its loop; on several workers at once, so it must be thread-safe. For profiles; set between steps.
+  /// Sets a callback for profiles that is called as each task of a parallel loop begins (true) and ends
+  /// (false), with the index of the task in its loop. Workers call it concurrently: it must be thread-safe.
+  /// Set it between steps.
   void on_task(std::function<void(std::size_t task, bool begins)> callback);
-  /// Called on the thread that steps as each parallel loop begins (true) and ends (false), also of loops that
-  /// run between steps (hashes, measures); for timing. Set between steps.
+  /// Sets a callback for timing that is called on the stepping thread as each parallel loop begins (true) and
+  /// ends (false), also for loops between steps (hashes, measures). Set it between steps.
   void on_loop(std::function<void(bool begins)> callback);
 
-  /// The engine's view of it (engine/world.hpp): types, state tables and hooks, for tools that compare or
-  /// save a state without knowing it. Lives as long as the simulation does.
+  /// The engine's view of the world (engine/world.hpp): types, state tables and hooks, for tools that compare
+  /// or save states of any kind. Lives as long as the simulation.
   engine::World& world();
-  const engine::World& world() const;  ///< the same
-  /// The kinds it was made of. Lives as long as the simulation does.
+  const engine::World& world() const;  ///< the engine's view of the world, to read
+  /// The kinds that the world was made of. Lives as long as the simulation.
   const engine::Registry& registry() const;
 
-  /// Draws the world from above into a PNG. Throws std::runtime_error where OSMesa is missing, the build has
-  /// no render, or the file cannot be written.
+  /// Draws the world from above into a PNG file. Throws std::runtime_error if OSMesa is missing, the build
+  /// has no renderer, or the file cannot be written.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
-  /// The same as the options say (troupe/pictures.hpp): from where, of what size, with which layers. Throws
-  /// also InputError for what the world has not.
+  /// Draws the world as `options` say (troupe/pictures.hpp): camera, size, layers. Throws also InputError for
+  /// options that name something that the world does not have.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
-  /// The same picture in memory: 8-bit RGB, three bytes a pixel, row 0 on top. Throws also
-  /// std::invalid_argument for a size below 1. What pictures of one scene have in common is made with the
-  /// first and kept for the next of the same options, so these calls must not be made on two threads at once.
+  /// A picture of the world from above in memory: 8-bit RGB, three bytes per pixel, row 0 on top. Throws as
+  /// snapshot() does, and std::invalid_argument for a size below 1. The renderer is kept for later calls with
+  /// the same options, so do not call these functions from two threads at once.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
-  std::vector<std::uint8_t> picture(const PictureOptions& options) const;  ///< the same
+  /// A picture as `options` say, in memory. Throws also std::invalid_argument for a transparent background.
+  std::vector<std::uint8_t> picture(const PictureOptions& options) const;
 
  private:
   friend class Model;

@@ -6,7 +6,7 @@ namespace troupe {
 
 class Simulation;
 
-/// A simulation as it stands. Refers to it.
+/// The current state of a simulation as a source of pictures. Refers to the simulation.
 class SimulationSource : public PictureSource {
  public:
   explicit SimulationSource(const Simulation& simulation) : simulation_(simulation) {}

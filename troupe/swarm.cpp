@@ -16,7 +16,8 @@ namespace {
 
 void check_size(std::string_view what, std::size_t given, std::size_t robots) {
   if (given != robots)
-    throw std::invalid_argument(fmt::format("{} {} for a swarm of {} robots", given, what, robots));
+    throw std::invalid_argument(
+        fmt::format("{} {} for a swarm of {} robots: give one per robot", given, what, robots));
 }
 
 bool is_ranger(const engine::BodyType::Device& device) { return !device.prepared.bearings.empty(); }
@@ -34,7 +35,7 @@ Swarm Simulation::swarm(std::string_view of) {
   return Swarm(world, std::move(robots));
 }
 
-/// The ranger of one type that is asked for.
+/// The requested ranger of one type.
 struct Swarm::Ranger {
   const engine::BodyType::Device* device = nullptr;
   const engine::StateTable* readings = nullptr;
@@ -60,7 +61,7 @@ std::vector<std::string> Swarm::types() const {
   return types;
 }
 
-/// one(row, i) for each robot, where there is room for as many.
+/// Calls one(row, i) for each robot. room: size of the caller's span, which must be size().
 template <class Read>
 void Swarm::read(std::size_t room, Read&& one) const {
   world_->require_whole();
@@ -68,13 +69,13 @@ void Swarm::read(std::size_t room, Read&& one) const {
   for (std::size_t i = 0; i < size(); ++i) one(rows_[i], i);
 }
 
-/// one(row, i) for each robot that is chosen, and in the world.
+/// Calls one(row, i) for each robot that `where` selects and that is in the world.
 template <class Write>
 void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const {
   Model::refuse_in_for_each(*world_, "a command for a swarm");
   world_->require_whole();
   check_size("elements", given, size());
-  if (!where.empty()) check_size("marks of where to act", where.size(), size());
+  if (!where.empty()) check_size("elements of `where`", where.size(), size());
   for (std::size_t i = 0; i < size(); ++i)
     if ((where.empty() || where[i] != 0) && world_->is_there(rows_[i])) one(rows_[i], i);
 }
@@ -116,7 +117,7 @@ Swarm::Ranger Swarm::ranger_of(Row row, std::string_view sensor) const {
       fmt::format("\"{}\" has no ranger \"{}\"; it has: {}", name, sensor, comma_list(known)));
 }
 
-/// visit(ranger, row, i) for each robot.
+/// Calls visit(ranger, row, i) for each robot.
 template <class Visit>
 void Swarm::for_rangers(std::string_view sensor, Visit&& visit) const {
   const engine::BodyType* type = nullptr;
@@ -147,7 +148,7 @@ void Swarm::ranges(std::span<float> out, std::string_view sensor) const {
   const std::size_t count = beams(sensor);
   if (out.size() != count * size())
     throw std::invalid_argument(
-        fmt::format("room for {} readings of {} robots with {} beams each", out.size(), size(), count));
+        fmt::format("a span of {} elements for {} robots with {} beams each", out.size(), size(), count));
   for_rangers(sensor, [&](const Ranger& ranger, Row row, std::size_t i) {
     if (!world_->senses(row, *ranger.device))
       throw std::logic_error(fmt::format("sensor \"{}\" of \"{}\" does not run: subscribe to the robot first",
@@ -172,7 +173,7 @@ void Swarm::subscribe() {
 }
 
 void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& visit) {
-  constexpr std::size_t k_batch = 32;  // calls that are worth waking a thread for
+  constexpr std::size_t k_batch = 32;  // calls per task, enough to be worth waking a thread
   world_->require_whole();
   if (robots_.empty()) {
     robots_.reserve(size());

@@ -14,77 +14,81 @@
 
 namespace troupe {
 
-/// Many robots of one simulation at once: what Model is for one, in one call for all.
+/// A group of robots of one simulation: the functions of Model, for all robots in one call.
 ///
 ///     troupe::Swarm swarm = simulation.swarm("minibots");
 ///     std::vector<float> ranges(swarm.size() * swarm.beams());
 ///     std::vector<troupe::Model::Speed> speeds(swarm.size());
 ///     while (simulation.time_s() < 60) {
 ///       simulation.step();
-///       swarm.ranges(ranges);  // robot i's from i * swarm.beams() on
+///       swarm.ranges(ranges);  // those of robot i start at i * swarm.beams()
 ///       steer(ranges, speeds);
 ///       swarm.set_speeds(speeds);
 ///     }
 ///
-/// order     of rising ids, the world file's, in whatever order their data lie: robot i is the same one in
-///           every run, on any number of threads
-/// members   those who are there, those still to be born, and the dead; they never change. Who is not there
-///           has readings of 0, and a pose of no number before its birth
-/// sizes     what is given, or to be filled, has one element for each robot, ranges one for each beam of
-///           each; else std::invalid_argument
-/// where     of commands: one byte for each robot, 0 leaves it out; empty: all. Who is not there is left out
-/// valid     while its simulation lives, also after a reset
+/// order     of rising ids, as in the world file, whatever the order of storage: robot i is the same in every
+///           run, on any number of threads
+/// members   fixed: the living, the unborn and the dead. Robots that are not in the world have readings of 0;
+///           unborn ones have a pose of NaN
+/// sizes     spans have one element per robot, spans of ranges one per beam of each robot; other sizes throw
+///           std::invalid_argument
+/// where     for commands: one byte per robot, 0 skips the robot; empty: all. Robots that are not in the
+///           world are always skipped
+/// valid     while the simulation lives, also after a reset
 ///
-/// Reading copies; the state tables themselves, without a copy but in the order of storage, are
-/// Simulation::world().tables().
+/// The readers copy. Simulation::world().tables() gives the state tables themselves, without a copy, in the
+/// order of storage.
 class Swarm {
  public:
-  std::size_t size() const { return rows_.size(); }     ///< robots, in the world or not
-  std::span<const BodyId> ids() const { return ids_; }  ///< rising
-  std::vector<std::string> names() const;               ///< in that order
-  /// The types that they are of, each once, in the order of the world.
+  std::size_t size() const { return rows_.size(); }     ///< number of robots, in the world or not
+  std::span<const BodyId> ids() const { return ids_; }  ///< in rising order
+  std::vector<std::string> names() const;               ///< in the order of ids()
+  /// The types of the robots, each once, in the order of the world.
   std::vector<std::string> types() const;
 
-  /// 1 for who is in the world (docs/lives.md), else 0.
+  /// 1 if the robot is in the world (docs/lives.md), else 0.
   void alive(std::span<std::uint8_t> out) const;
-  /// 1 where the last motion was refused.
+  /// 1 if the last motion was blocked, else 0.
   void stalled(std::span<std::uint8_t> out) const;
   /// Global poses, m and rad.
   void poses(std::span<Pose> out) const;
-  /// Estimated poses: Model::estimate().
+  /// Estimated poses, m and rad: Model::estimate().
   void estimates(std::span<Pose> out) const;
   /// Velocities of the last tick, body frame, m/s and rad/s.
   void speeds(std::span<Model::Speed> out) const;
 
-  /// Readings of a ranger, a robot: the same number for all. `sensor` names it; empty: the first ranger of
-  /// each. Throws std::out_of_range where one of them has no such ranger, and std::invalid_argument where
-  /// they have different numbers of beams.
+  /// Number of readings of a ranger, equal for all robots. Empty `sensor`: the first ranger of each robot.
+  /// Throws std::out_of_range if a robot has no such ranger, and std::invalid_argument if the numbers of
+  /// beams differ.
   std::size_t beams(std::string_view sensor = {}) const;
-  /// Readings, m: robots x beams, row-major. Throws also std::logic_error where the ranger of one of them is
-  /// not running (subscribe first).
+  /// Readings, m: robots x beams, row-major. Throws as beams() does, and std::logic_error if the ranger of a
+  /// robot does not run (subscribe first).
   void ranges(std::span<float> out, std::string_view sensor = {}) const;
-  /// Headings of the beams in the sensor's frame, rad, of the first robot.
+  /// Headings of the beams of the first robot's ranger, in the frame of the sensor, rad.
   std::vector<double> bearings(std::string_view sensor = {}) const;
-  /// No reading is more, m, of the first robot.
+  /// Upper bound of all readings of the first robot's ranger, m.
   double range_bound(std::string_view sensor = {}) const;
-  /// Runs every sensor of all of them; before the first step.
+  /// Runs every sensor of all robots. Call it before the first step.
   void subscribe();
 
-  /// visit(i, robot) for each that is in the world, on all threads of the simulation, in any order. Each
-  /// call may read the whole state, cast rays and draw its robot's random numbers, but change nothing than
-  /// its own robot's commands and estimate and what is the caller's own of robot i (an array's element i):
-  /// then the outcome is the same on any number of threads. Where calls throw, the others are still made, and
-  /// the exception of the first robot comes out. Between two steps, also in a callback of on_tick().
-  /// A call that commands another robot of the simulation, puts one elsewhere, or bears, removes, steps,
-  /// resets or subscribes gets a std::logic_error: what it finds to be done is kept, and done behind.
+  /// Calls visit(i, robot) for each robot in the world, on all threads of the simulation, in any order. A
+  /// call may read the whole state, cast rays and draw random numbers of its robot, but change only the
+  /// commands and the estimate of its own robot, and data of the caller that belong to robot i (element i of
+  /// an array). The result is then the same on any number of threads. If calls throw, the remaining calls are
+  /// still made, and the exception of the first robot is rethrown. Use it between two steps, also in a
+  /// callback of on_tick(). A call that commands another robot of the simulation, moves or spawns or removes
+  /// a robot, steps, resets or subscribes throws std::logic_error: collect such changes, and apply them after
+  /// for_each().
   void for_each(const std::function<void(std::size_t i, Model& robot)>& visit);
 
-  /// Model::set_speed, accelerate and go_to of each.
+  /// Model::set_speed() for each robot.
   void set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where = {});
-  void accelerate(std::span<const Model::Speed> accelerations,
-                  std::span<const std::uint8_t> where = {});                          ///< as that
-  void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});  ///< as that
-  /// Model::set_pose of each, with one indexing of all bodies. Where one of them cannot be put none is.
+  /// Model::accelerate() for each robot.
+  void accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where = {});
+  /// Model::go_to() for each robot.
+  void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});
+  /// Model::set_pose() for each robot, with one indexing of all bodies. If one pose is invalid, no robot is
+  /// moved.
   void set_poses(std::span<const Pose> poses, std::span<const std::uint8_t> where = {});
 
  private:
@@ -102,7 +106,7 @@ class Swarm {
   engine::World* world_;
   std::vector<Row> rows_;  // by id
   std::vector<BodyId> ids_;
-  std::vector<Model> robots_;  // made when for_each() is first called
+  std::vector<Model> robots_;  // filled by the first for_each()
 };
 
 }  // namespace troupe

@@ -1,6 +1,6 @@
 #pragma once
 
-/// The public face of Troupe: one include for programs that use the library.
+/// Includes all public headers that programs need.
 #include "base/diagnostics.hpp"
 #include "troupe/acts.hpp"
 #include "troupe/batch_env.hpp"

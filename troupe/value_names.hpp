@@ -9,13 +9,13 @@
 
 namespace troupe {
 
-/// A name of a field and its column, `COMPONENT.FIELD` or `COMPONENT.FIELD.COLUMN`, in every way that it can
-/// be read: components may have dots in their names, too. Empty where it can be none.
+/// All ways to read a name `COMPONENT.FIELD` or `COMPONENT.FIELD.COLUMN`; there may be several, because names
+/// of components may contain dots. Empty if there is none.
 std::vector<ChosenValue> readings_of(const std::string& name);
 
-/// "velocity.x (m/s)".
+/// Appends the unit: "velocity.x (m/s)".
 std::string with_unit(const std::string& name, std::string_view unit);
-/// What is said of a column beyond a field's. columns: the field's.
+/// The error for a column beyond those of a field. columns: number of columns of the field.
 Error no_such_column(const ChosenValue& value, std::size_t columns);
 
 }  // namespace troupe

@@ -23,9 +23,9 @@ std::shared_ptr<const JsonNode> shared(JsonNode node) {
   return std::make_shared<const JsonNode>(std::move(node));
 }
 
-/// What a file would say, and a reader make of it: a number without a fraction is a whole one.
+/// The node that reading the number from a file would give: a number without a fraction is an integer.
 JsonNode number_node(double value) {
-  const std::string text = fmt::format("{}", value);  // the shortest text that is this number
+  const std::string text = fmt::format("{}", value);  // the shortest text that reads as this number
   std::int64_t whole = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
   return error == std::errc() && end == text.data() + text.size() ? json_node(whole) : json_node(value);
@@ -38,10 +38,10 @@ Settings device_of(std::string_view name, std::string_view kind, const Settings&
   return device.set(parameters);
 }
 
-/// The line of a value whose members stand in lines of their own, until it is laid out; others have none.
+/// Marks a value whose members get lines of their own: its line number until the layout; others have none.
 constexpr std::uint32_t k_broken = 1;
 
-/// Writes a world, and notes in each value the line where it stands.
+/// Writes a world, and stores in each value the line where it is written.
 class Layout {
  public:
   explicit Layout(std::uint32_t file) : where_{file, 1} {}
@@ -85,7 +85,7 @@ class Layout {
     text_ += list ? ']' : '}';
   }
 
-  /// All that a value holds stands where it does.
+  /// Gives all members of a value its line.
   static void place(JsonNode& node) {
     if (auto* list = std::get_if<JsonNode::List>(&node.value))
       for (JsonNode& item : *list) {
@@ -114,7 +114,7 @@ class Layout {
 Setting::Setting(bool value) : node_(shared(json_node(value))) {}
 Setting::Setting(double value) {
   if (!std::isfinite(value))
-    throw std::invalid_argument(fmt::format("a world has finite numbers, not {}", value));
+    throw std::invalid_argument(fmt::format("numbers of a world must be finite, found {}", value));
   node_ = shared(number_node(value));
 }
 Setting::Setting(std::int64_t value) : node_(shared(json_node(value))) {}
@@ -229,7 +229,7 @@ WorldBuilder& WorldBuilder::population(std::string_view name, std::string_view t
 WorldBuilder& WorldBuilder::wall(const Vec2& from, const Vec2& to, double thickness, double height) {
   const Vec2 along = to - from;
   const double length = std::sqrt(along.squaredNorm());
-  if (!(length > 0)) throw std::invalid_argument("a wall from a point to itself");
+  if (!(length > 0)) throw std::invalid_argument("wall(): both ends are the same point");
   const std::string name = fmt::format("wall{}", ++walls_);
   type(name).size(length, thickness, height).color("gray40");
   const Vec2 middle = (from + to) / 2;

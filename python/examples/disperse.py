@@ -3,7 +3,8 @@
 
     python3 python/examples/disperse.py [WORLD [SECONDS]]
 
-The world's own controller, in C++, runs beside it for comparison: the state is the same, to the last bit, at every tick.
+A second simulation runs the world's own controller in C++ for comparison: both have the same state, to the last bit, at
+every tick.
 """
 
 import json
@@ -13,12 +14,12 @@ import time
 import numpy as np
 import troupe
 
-# What each of the twelve beams must exceed for the robot to drive on, m; -1: anything.
+# Least reading of each of the twelve beams with which the robot drives, m; -1: any.
 CLEARANCES = np.array([0.5, 0.5 / 1.5, 0.5 / 3, 0.5 / 5, -1, -1, -1, -1, -1, 0.5 / 5, 0.5 / 3, 0.5 / 1.5])
 
 
 def disperse(swarm, directions):
-    """Turns each robot to the vector sum of its ranges; it drives while the way ahead is clear."""
+    """Turns each robot to the vector sum of its ranges, and drives it while the way ahead is clear."""
     sin, cos = directions
     ranges = swarm.ranges()
     x = troupe.math.ordered_sum(ranges * cos)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A robot learns to roam a hospital without stalling, by the cross-entropy method: of policies drawn about the best so
-far, the best few say where to draw next. Needs the package gymnasium.
+"""A robot learns to roam a hospital without stalling, by the cross-entropy method: policies are drawn from a normal
+distribution, which is then fitted to the best of them. Needs the package gymnasium.
 
     python3 python/examples/learn_to_roam.py [GENERATIONS [WORLD]]
 
-Each policy of a generation drives the robot of one copy of a VectorEnv. Seeds are given and arithmetic is troupe.math's,
-so that a run prints the same numbers wherever it runs.
+Each policy of a generation drives the robot of one copy of a VectorEnv. Seeds are fixed and the arithmetic is that of
+troupe.math, so a run prints the same numbers on every machine.
 """
 
 import sys
@@ -15,7 +15,7 @@ import troupe.envs
 
 
 class Roam(troupe.envs.Task):
-    """Metres forward, and nothing for the rest; a stalled robot loses."""
+    """The reward of a step is the forward speed, m/s, minus 1 if the robot is stalled."""
 
     ticks = 2
     seconds = 20.0
@@ -32,7 +32,7 @@ class Roam(troupe.envs.Task):
 
 
 def act(policies, observations):
-    """Of each copy its own policy, a row for each of the two actions: weights of the ranges, and a constant."""
+    """Applies one policy per copy. A policy has one row per action: weights of the ranges, and a constant."""
     inputs = np.concatenate([observations / 2 - 0.5, np.ones((len(observations), 1))], axis=1)
     return troupe.math.ordered_sum(policies * inputs[:, np.newaxis, :])
 

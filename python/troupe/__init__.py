@@ -6,16 +6,16 @@
     simulation.run_for(10)
     print(f"{simulation.state_hash():016x}")
 
-docs/python.md has more. `troupe.math` has the functions that give the bits of C++ controllers, `troupe.envs` environments
-for reinforcement learning.
+See docs/python.md. `troupe.math` has functions with the same bits as those of C++ controllers, `troupe.envs` has
+environments for reinforcement learning.
 """
 
 try:
     from . import _core
 except ModuleNotFoundError as missing:
     raise ModuleNotFoundError(
-        f"{missing}: it is compiled; build it (cmake --build build/release --target troupe_python), and take the "
-        "package from build/release/lib/python3/dist-packages or where it was installed") from missing
+        f"{missing}: it is compiled; build it (cmake --build build/release --target troupe_python), and import the "
+        "package from build/release/lib/python3/dist-packages or from where it is installed") from missing
 
 from . import math
 from ._core import (
@@ -63,7 +63,7 @@ __all__ = [
     "version_line",
 ]
 
-for _name in __all__:  # so that messages and help() name them as they are imported
+for _name in __all__:  # messages and help() then show the public module, not troupe._core
     _thing = globals()[_name]
     if isinstance(_thing, type):
         _thing.__module__ = __name__

@@ -1,4 +1,4 @@
-"""All runs of a study, in this process: troupe.sweep()."""
+"""troupe.sweep(): makes all runs of a study in this process."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _statistic(name: str, values: List[float]) -> float:
         return math.nan
     if name == "mean":
         total = 0.0
-        for value in known:  # one after another, as troupe sweep adds them: sum() rounds otherwise
+        for value in known:  # in the order of `troupe sweep`: sum() may round differently
             total += value
         return total / len(known)
     return min(known) if name == "min" else max(known)
@@ -45,7 +45,7 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     end_s = study["for_s"] if study["for_s"] is not None else simulation.quit_time_s
     if end_s is None:
         raise _core.InputError(
-            f'{name}: error: nothing says when a run ends: give "for_s" in the study, or the world\'s quit time')
+            f'{name}: error: runs have no end: give "for_s" in the study, or a quit time in the world')
     end = _core._ticks_until(end_s, simulation.tick_s)
     every = _core._period_ticks(study["measure_every_s"], simulation.tick_s)
     looks: List[List[float]] = []
@@ -75,15 +75,16 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
 
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
           threads: Optional[int] = None, name: str = "study.json", **options: Any) -> "pandas.DataFrame":
-    """Makes all runs of a study, each on one thread and several at once, and returns a pandas data frame.
+    """Makes all runs of a study, each on one thread and several at a time, and returns a pandas data frame.
 
-    study    a file as docs/sweeps.md has it, or the same as a dict; its "world" may be a file or a world as a dict
-    returns  a row a run: run, the parameters, seed, ticks, time_s, the measures, stopped_by, state_hash, error. With
-             `series`, or "series": true in the study, a row a look: run, the parameters, seed, time_s, the measures
-    name     what stands for the study in errors where it is a dict; files are looked for beside it
-    options  search_path and plugin_path, as of Simulation
-    errors   InputError for a study or a world that cannot be used. A run that fails is a row whose `error` says why;
-             in a series it has no rows
+    study    a study file (docs/sweeps.md), or a dict with its content, whose "world" may be a file or a dict
+    returns  one row per run: run, the parameters, seed, ticks, time_s, the measures, stopped_by, state_hash, error. With
+             `series`, or "series": true in the study, one row per sample: run, the parameters, seed, time_s, the measures
+    name     file name of a dict in errors; relative paths are resolved from its folder
+    threads  number of runs at a time; by default one per processor that the process may use
+    options  search_path and plugin_path, as in Simulation
+    errors   InputError for an invalid study or world. A failed run is a row whose `error` states the reason; in a series
+             it has no rows
     """
     try:
         import pandas
@@ -104,7 +105,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     if world is None:
         world = read["world"]
 
-    # What is wrong with the study or its world ends all; what is wrong with one run does not.
+    # Errors of the study or its world are raised here; errors of single runs become rows.
     first = _core.Simulation(world, threads=1, **({**options, "name": name} if isinstance(world, Mapping) else options))
     _core.Measures(first, _wanted(read["measures"]))
     del first

@@ -1,9 +1,8 @@
-"""Functions on numbers and arrays with exactly the bits of Troupe's C++: every processor and compiler gives the same.
+"""Functions on numbers and arrays with the same bits as in Troupe's C++, on every processor and compiler.
 
 NumPy's own sin, cos, arctan2, exp and log differ between processors in their last bits; its +, -, *, / and sqrt do not,
-but its sums are taken in an order that depends on the length. So a controller that is to decide alike everywhere, or as
-one in C++ does, takes these. Arrays are broadcast against one another; results are float64, and single numbers give single
-numbers.
+but the order of its sums depends on the length. Use these functions for a controller that must decide the same on every
+machine, or the same as one in C++. Arrays are broadcast; results are float64, and scalars for scalar arguments.
 """
 
 from __future__ import annotations
@@ -21,10 +20,10 @@ __all__ = ["atan2", "cos", "exp", "log", "ordered_sum", "sin", "sincos", "sqrt",
 
 
 def sincos(radians: npt.ArrayLike) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Both at once, faster than one after the other: the same bits as sin() and cos()."""
+    """Sine and cosine, with the bits of sin() and cos(), faster than two calls."""
     return _sincos(np.asarray(radians, dtype=np.float64))
 
 
 def ordered_sum(values: npt.ArrayLike, axis: int = -1) -> npt.NDArray[np.float64]:
-    """The sum along an axis, from its first element to its last: 0 + v[0] + v[1] + ..., as a loop in C++ takes it."""
+    """The sum along an axis in the order of a loop in C++: 0 + v[0] + v[1] + ..."""
     return _ordered_sum(np.moveaxis(np.asarray(values, dtype=np.float64), axis, -1))

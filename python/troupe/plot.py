@@ -1,7 +1,7 @@
-"""Draws a measure of a sweep over time, its mean and deviation over runs, a line for each value of a parameter.
+"""Draws a measure of a sweep over time: mean and standard deviation over runs, one line per value of a parameter.
 
 `troupe plot` runs this file; from Python: troupe.plot.draw("results", "coverage", by="robots", out="coverage.png").
-It needs matplotlib, and nothing else that is not Python's own.
+It needs matplotlib and Python's standard library only.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ _File = Union[str, "os.PathLike[str]"]
 _Key = Tuple[str, ...]
 _Points = List[Tuple[float, float, float, int]]
 
-# Okabe and Ito's colours, which the colour-blind can tell apart, and black.
+# The colours of Okabe and Ito, which colour-blind readers can distinguish, and black.
 COLORS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#000000", "#f0e442")
 MOST_LINES = 12
 OWN_COLUMNS = ("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error")
 
 
 class PlotError(ValueError):
-    """What is asked for is not there, or cannot be drawn."""
+    """The requested data do not exist or cannot be drawn."""
 
 
 def _read(file: str) -> Tuple[List[str], List[List[str]]]:
@@ -32,11 +32,11 @@ def _read(file: str) -> Tuple[List[str], List[List[str]]]:
         with open(file, newline="", encoding="utf-8") as stream:
             rows = list(csv.reader(stream))
     except FileNotFoundError:
-        raise PlotError(f"{file}: error: there is no such file: is this the folder of a sweep that is done?") from None
+        raise PlotError(f"{file}: error: there is no such file: is this the folder of a completed sweep?") from None
     except (OSError, UnicodeDecodeError) as error:
         raise PlotError(f"{file}: error: cannot be read: {error}") from None
     if not rows or any(len(row) != len(rows[0]) for row in rows):
-        raise PlotError(f"{file}: error: this is no table of a sweep: its lines differ in length")
+        raise PlotError(f"{file}: error: this is not the table of a sweep: its lines differ in length")
     return rows[0], rows[1:]
 
 
@@ -54,26 +54,26 @@ def _number(text: str) -> Optional[float]:
 
 
 def _order(value: _Key) -> List[Tuple[int, float, str]]:
-    """Numbers before texts, each in their order."""
+    """Sort key: numbers before texts."""
     numbers = [_number(part) for part in value]
     return [(0, number, "") if number is not None else (1, 0.0, part) for number, part in zip(numbers, value)]
 
 
 def series_by(folder: _File, measure: Optional[str] = None,
               by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, _Points]]:
-    """The measure, the parameters that tell lines apart, and for each of their values [(time_s, mean, deviation, runs)].
+    """Returns the measure, the parameters that distinguish lines, and values of these -> [(time_s, mean, deviation, runs)].
 
-    The deviation is that of a sample (n - 1), 0 of one run. Raises PlotError.
+    deviation: sample standard deviation (n - 1), 0 for one run. Raises PlotError.
     """
     table_head, table = _read(os.path.join(folder, "table.csv"))
     series_file = os.path.join(folder, "series.csv")
     if not os.path.exists(series_file):
-        raise PlotError(f'{series_file}: error: there is no such file: give "series": true in the study, and sweep again')
+        raise PlotError(f'{series_file}: error: there is no such file: give "series": true in the study, and run the sweep again')
     head, series = _read(series_file)
     if head[:2] != ["run", "time_s"] or len(head) < 3:
-        raise PlotError(f"{series_file}: error: this is no series of a sweep: it must begin with run,time_s")
+        raise PlotError(f"{series_file}: error: this is not the series of a sweep: it must begin with run,time_s")
     if "run" not in table_head or "seed" not in table_head:
-        raise PlotError(f"{os.path.join(folder, 'table.csv')}: error: this is no table of a sweep: it has no runs or seeds")
+        raise PlotError(f"{os.path.join(folder, 'table.csv')}: error: this is not the table of a sweep: it has no column run or seed")
     measure = _known("measure", measure, head[2:]) if measure else head[2]
     parameters = table_head[1:table_head.index("seed")]
     values = {row[0]: dict(zip(table_head, row)) for row in table}
@@ -88,13 +88,13 @@ def series_by(folder: _File, measure: Optional[str] = None,
         number = _number(row[column])
         time_s = _number(row[1])
         if number is None or time_s is None or row[0] not in values:
-            raise PlotError(f"{series_file}: error: this is no series of the sweep in table.csv")
+            raise PlotError(f"{series_file}: error: this is not the series of the sweep in table.csv")
         if not math.isnan(number):
             key = tuple(values[row[0]][name] for name in names)
             lines.setdefault(key, {}).setdefault(time_s, []).append(number)
     if len(lines) > MOST_LINES:
-        raise PlotError(f"error: {' and '.join(names)} make {len(lines)} lines, and more than {MOST_LINES} cannot be told "
-                        f"apart: choose with --by, of: {', '.join(parameters)}")
+        raise PlotError(f"error: {' and '.join(names)} give {len(lines)} lines, at most {MOST_LINES} can be distinguished: "
+                        f"choose parameters with --by: {', '.join(parameters)}")
     if not lines:
         raise PlotError(f'error: no run has a value of "{measure}"')
     result: Dict[_Key, _Points] = {}
@@ -109,7 +109,7 @@ def series_by(folder: _File, measure: Optional[str] = None,
 
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
          title: Optional[str] = None) -> str:
-    """Writes the picture (.png, .svg or .pdf) and returns its name. Raises PlotError, ImportError without matplotlib."""
+    """Draws a .png, .svg or .pdf and returns its file name. Raises PlotError, and ImportError without matplotlib."""
     measure, names, lines = series_by(folder, measure, by)
     file = os.fspath(out) if out else os.path.join(folder, f"{measure}.png")
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
@@ -161,7 +161,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         print(text if not text.startswith("error:") else f"troupe plot: {text}", file=sys.stderr)
         return 2
     except ImportError as error:
-        print(f"troupe plot: error: matplotlib cannot be used by {sys.executable}: {error} (Debian, Ubuntu: apt install "
+        print(f"troupe plot: error: {sys.executable} cannot import matplotlib: {error} (Debian, Ubuntu: apt install "
               "python3-matplotlib; elsewhere: pip install matplotlib; TROUPE_PYTHON names another python3)", file=sys.stderr)
         return 1
     return 0
@@ -169,5 +169,5 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 if __name__ == "__main__":
     if sys.path and sys.path[0] == "":
-        del sys.path[0]  # of python3 -c: no module of the folder that troupe was called in
+        del sys.path[0]  # set by python3 -c: do not import modules from the current folder
     sys.exit(main())

@@ -126,7 +126,7 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
   EXPECT_THAT(
       findings("high.json", json_world(high)),
       ElementsAre("high.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it looks at a height of 1.5 "
-                  "m, what could be seen stands at 0 to 1 m",
+                  "m, visible bodies are at 0 to 1 m",
                   "high.json: 1 finding"));
   expect_nothing("tall.json", json_world(high, "2"));
 
@@ -144,12 +144,13 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
       "  ranger( pose [0 0 -0.2 0] sensor( range [0 5] ) ) )\nbot()\n";
   EXPECT_THAT(
       findings("alone.world", alone),
-      ElementsAre("alone.world:2: warning: sensor \"ranger:0\" of \"bot\" sees nothing: nothing else stands "
-                  "at its height, 0.11 m",
-                  "alone.world: 1 finding"));
+      ElementsAre(
+          "alone.world:2: warning: sensor \"ranger:0\" of \"bot\" sees nothing: no other visible body "
+          "is at its height, 0.11 m",
+          "alone.world: 1 finding"));
   expect_nothing("two.world", alone + "bot( pose [2 0 0 0] )\n");
   EXPECT_THAT(findings("invisible.world", alone + "model( pose [2 0 0 0] ranger_return -1 )\n"),
-              Contains(HasSubstr("sees nothing: nothing else stands at its height")));
+              Contains(HasSubstr("sees nothing: no other visible body is at its height")));
 }
 
 TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
@@ -178,12 +179,12 @@ TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
 
   const std::string high = R"(, "pose": {"z_m": 0.9})";
   EXPECT_THAT(findings("high.json", world(marked, high)),
-              Contains(HasSubstr("sees nothing: it looks at a height of 0.9 m, what is marked stands at 0 to "
+              Contains(HasSubstr("sees nothing: it looks at a height of 0.9 m, marked bodies are at 0 to "
                                  "0.5 m")));
   expect_nothing("flat.json", world(marked, high + ", \"ignore_zloc\": true"));
   // At this height there is but its own mark.
   EXPECT_THAT(findings("own.json", world(marked, R"(, "pose": {"z_m": 0.2})", "0.6")),
-              Contains(HasSubstr("sees nothing: nothing else that is marked stands at its height, 0.2 m")));
+              Contains(HasSubstr("sees nothing: no other marked body is at its height, 0.2 m")));
 }
 
 TEST_F(LintTest, ReportsWhatNobodyUses) {

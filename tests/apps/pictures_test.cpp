@@ -92,9 +92,8 @@ TEST_F(RunPictures, AMapMayBePathsAndLetters) {
   const Outcome solid = run({"--snapshot", "side.svg", "--camera", "perspective"});
   EXPECT_EQ(solid.code, 2);
   EXPECT_EQ(solid.err,
-            "room.world: error: side.svg cannot hold solids: a .svg or .pdf is a map, of the camera top or "
-            "fit, without "
-            "an angle; a .png holds both\n");
+            "room.world: error: side.svg: .svg and .pdf need a view from straight above: the camera top "
+            "or fit, without an angle; a .png takes any view\n");
   EXPECT_FALSE(std::filesystem::exists(path("side.svg")));
 }
 
@@ -201,7 +200,7 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
        "--background: unknown background \"pink\"; known: dark, paper, transparent, white"},
       {{"--film", "f.mp4", "--background", "transparent"},
        "f.mp4: error: cannot be written: a film has no transparency: --background paper, white or dark"},
-      {{"--snapshot", "p.svg", "--angle", "30"}, "room.world: error: p.svg cannot hold solids"},
+      {{"--snapshot", "p.svg", "--angle", "30"}, "room.world: error: p.svg: .svg and .pdf need a view"},
   };
   for (const auto& [options, message] : cases) {
     std::vector<std::string> with_log = options;

@@ -221,7 +221,8 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
             "run.h5: error: --seed is for worlds: this is a recording; --at draws one of its times\n");
   EXPECT_EQ(refusal({"run.h5", "--for", "0.5"}),
             "run.h5: error: --for is for worlds: this is a recording; --at draws one of its times\n");
-  EXPECT_EQ(refusal({"run.h5", "--at", "2"}), "run.h5: error: 2 s is not in it: it goes from 0 s to 1 s\n");
+  EXPECT_EQ(refusal({"run.h5", "--at", "2"}),
+            "run.h5: error: 2 s is not recorded: the recording has 0 s to 1 s\n");
   ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
                     "velocity"})
                 .code,

@@ -274,13 +274,14 @@ TEST_F(Resume, OptionsOfARecordingMayBeRepeatedButNotChanged) {
   const std::string before = read("r.h5");
   const Outcome every = troupe(with(resume, {"--record-every", "0.2"}));
   EXPECT_EQ(every.code, 2);
-  EXPECT_EQ(
-      every.err,
-      "r.h5: error: the recording has a frame every 0.3 s, and goes on so: --record-every asks for 0.2 s\n");
+  EXPECT_EQ(every.err,
+            "r.h5: error: the recording has a frame every 0.3 s, which cannot change: --record-every gives "
+            "0.2 s\n");
   const Outcome fields = troupe(with(resume, {"--record-fields", "pose"}));
   EXPECT_EQ(fields.code, 2);
   EXPECT_EQ(fields.err,
-            "r.h5: error: the recording is of pose,stall, and goes on so: --record-fields asks for pose\n");
+            "r.h5: error: the recording has the fields pose,stall, which cannot change: --record-fields "
+            "gives pose\n");
   EXPECT_EQ(read("r.h5"), before);
 }
 

@@ -157,13 +157,14 @@ TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
   EXPECT_THAT(
       fault_of(stage_world("walker"), {}).substr(world.size()),
       AllOf(testing::StartsWith(":3: error: unknown controller \"walker\"; known: "),
-            EndsWith(" (did you mean \"wander\"?); no --plugin-path says where to look for walker.so")));
+            EndsWith(" (did you mean \"wander\"?); no --plugin-path is given to search for walker.so")));
   EXPECT_THAT(fault_of(stage_world("../plugins/walker"), options({folder_of("other")})),
               Not(HasSubstr(".so")))
       << "a name is no path";
   write("libgo.so", "");
-  EXPECT_THAT(fault_of(stage_world("go"), options({folder_})),
-              EndsWith(" (a plug-in's name has no \"lib\": " + (folder_ / "libgo.so").string() + ")"));
+  EXPECT_THAT(
+      fault_of(stage_world("go"), options({folder_})),
+      EndsWith(" (the file name of a plug-in has no \"lib\": " + (folder_ / "libgo.so").string() + ")"));
 }
 
 TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
@@ -175,34 +176,33 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
                     HasSubstr("docs/controllers.md")));
   EXPECT_EQ(fault_of("nothing"),
             about("nothing") +
-                "is no plug-in of Troupe: it has no symbol troupe_plugin, which TROUPE_CONTROLLER and "
-                "TROUPE_DEVICE make");
+                "is not a Troupe plug-in: it has no symbol troupe_plugin, which TROUPE_CONTROLLER and "
+                "TROUPE_DEVICE define");
   EXPECT_THAT(fault_of("undefined_symbol"),
               AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
                     HasSubstr("no_such_function"), EndsWith(" (link it with troupe::plugin)")));
   EXPECT_THAT(fault_of("another_version"),
               MatchesRegex(about("another_version") +
                            "was built for troupe 99.1.0 .interface 4., this is troupe 0.1.0 "
-                           ".interface 4.: build it again"));
+                           ".interface 4.: rebuild it"));
   EXPECT_THAT(fault_of("old_interface"),
               MatchesRegex(about("old_interface") +
                            "was built for troupe 0.1.0 .interface 3., this is troupe 0.1.0 .interface 4.: "
-                           "build it again"));
+                           "rebuild it"));
   EXPECT_THAT(fault_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
-  EXPECT_THAT(fault_of("other_headers"),
-              HasSubstr("was built with the headers of another state of troupe 0.1.0"));
+  EXPECT_THAT(fault_of("other_headers"), HasSubstr("was built with other headers of troupe 0.1.0"));
   EXPECT_THAT(fault_of("contracting"), HasSubstr("-ffp-contract=off"));
   EXPECT_THAT(fault_of("empty"), EndsWith("has no controller, sensor or device"));
-  EXPECT_THAT(fault_of("throwing"), EndsWith("cannot say what it holds: it threw: a table is missing"));
+  EXPECT_THAT(fault_of("throwing"), EndsWith("cannot list its kinds: it threw: a table is missing"));
   for (const char* number : {"throwing_a_number", "throwing_at_once"})
     EXPECT_THAT(fault_of(number),
-                EndsWith("cannot say what it holds: it threw an exception that is no std::exception"));
+                EndsWith("cannot list its kinds: it threw an exception that is no std::exception"));
   EXPECT_THAT(fault_of("null"), EndsWith("cannot be used: troupe_plugin returns null"));
   EXPECT_THAT(fault_of("clash"), EndsWith("has two of the name \"clash:idle\", each a controller"));
   EXPECT_THAT(fault_of("expand:expand"),
-              EndsWith("has a controller \"expand\", a name that Troupe's own has: give it another"));
+              EndsWith("has a controller \"expand\", but Troupe has one of that name: rename it"));
   EXPECT_EQ(fault_of("swarm", "plugins"),
             "error: " + file("plugins", "swarm") +
                 "has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy");
@@ -247,14 +247,14 @@ TEST_F(PluginsTest, FilesThatAreNoLibrariesAreNotLoaded) {
   write("text.so", "troupe_plugin");
   write("cut.so",
         content(folder_of("plugins") / "walker.so").substr(0, 3000) + std::string("troupe_plugin\0", 14));
-  EXPECT_THAT(fault_of(stage_world("text"), options({folder_})), EndsWith("text.so is no shared library"));
-  EXPECT_THAT(fault_of(stage_world("cut"), options({folder_})), EndsWith("cut.so is cut off"));
+  EXPECT_THAT(fault_of(stage_world("text"), options({folder_})), EndsWith("text.so is not a shared library"));
+  EXPECT_THAT(fault_of(stage_world("cut"), options({folder_})), EndsWith("cut.so is truncated"));
 }
 
 #if defined(__x86_64__)
 TEST_F(PluginsTest, CompiledWithFusedMultiplicationAreRefused) {
   if (!__builtin_cpu_supports("fma")) GTEST_SKIP() << "the processor has no such instruction";
-  EXPECT_THAT(fault_of("walker", "by_hand"), HasSubstr("was compiled so that a * b + c is rounded once"));
+  EXPECT_THAT(fault_of("walker", "by_hand"), HasSubstr("was compiled with fused multiply-add"));
 }
 #endif
 
@@ -279,7 +279,7 @@ TEST_F(PluginsTest, ThatWereBuiltAgainNeedAnotherProcess) {
   fs::remove(folder_ / "walker.so");
   fs::copy_file(folder_of("other") / "walker.so", folder_ / "walker.so");
   EXPECT_THAT(fault_of(stage_world("walker"), options({folder_})),
-              EndsWith("walker.so was built again since this process loaded it: start it again"));
+              EndsWith("walker.so was rebuilt since this process loaded it: restart the process"));
 }
 
 TEST_F(PluginsTest, AreFoundByLintAndByARegistry) {
@@ -442,10 +442,10 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_THAT(fault(room("another_version"), "unusable"),
               MatchesRegex(at("3", "/kind") +
                            "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                           "99.1.0 .interface 4., this is troupe 0.1.0 .interface 4.: build it again"));
+                           "99.1.0 .interface 4., this is troupe 0.1.0 .interface 4.: rebuild it"));
   EXPECT_THAT(
       fault(room("ranger:ranger"), "unusable"),
-      EndsWith("ranger.so has a sensor or device \"ranger\", a name that Troupe's own has: give it another"));
+      EndsWith("ranger.so has a sensor or device \"ranger\", but Troupe has one of that name: rename it"));
   EXPECT_THAT(fault(room("twice"), "unusable"),
               EndsWith("twice.so has two of the name \"twice\", each a sensor or device"));
   EXPECT_THAT(fault(room("unprepared"), "unusable"),
@@ -530,7 +530,7 @@ TEST_F(PluginsResumed, WithAnotherBuildNeedToBeToldSo) {
               AllOf(testing::StartsWith(
                         (folder_ / "c.h5").string() + ": error: " + file("other", "walker") +
                         "is another build of plug-in \"walker\" than the one that the run was saved with"),
-                    EndsWith("--across-plugins resumes it all the same")));
+                    EndsWith("--across-plugins resumes it")));
   Simulation simulation = resumed("other", true);
   EXPECT_THAT(simulation.warnings(), ElementsAre(HasSubstr(": warning: ")));
   simulation.run_for(0.6);

@@ -188,7 +188,7 @@ class Vector(unittest.TestCase):
         self.assertTrue(np.array_equal(again[2:4], first[2:4]))
         self.assertTrue(np.array_equal(again[[0, 1, 4, 5]], stepped[[0, 1, 4, 5]]))
         for wrong, error, text in (
-            (np.array([True, False, False, False, False, False]), ValueError, "cuts copy 0 in two: environments 0 to 1"),
+            (np.array([True, False, False, False, False, False]), ValueError, "marks only some robots of copy 0: mark all or none of environments 0 to 1"),
             (np.zeros(6, np.bool_), ValueError, "at least one"),
             (np.ones(5, np.bool_), ValueError, r"shape \(6,\)"),
             ([True] * 6, TypeError, "NumPy array of bool"),
@@ -204,7 +204,7 @@ class Vector(unittest.TestCase):
 
     def test_says_what_is_wrong(self):
         for wrong, text in (
-            (lambda: troupe.envs.VectorEnv(Short(2), 3), "each copy has 2 robots that learn: give a multiple of 2"),
+            (lambda: troupe.envs.VectorEnv(Short(2), 3), "each copy has 2 robots: give a multiple of 2"),
             (lambda: troupe.envs.VectorEnv(Walkers(), 2), "has one team, and Walkers has 2"),
             (lambda: troupe.envs.VectorEnv(Short(2), 2, render_mode="human"), 'unknown render_mode "human"'),
             (lambda: troupe.envs.Env(Short(2), robot="robot"), "names 2 robots: give the name of one"),

@@ -516,7 +516,7 @@ class Tables(InAFolder):
     def test_of_one_name_are_told_apart_by_their_types(self):
         world = troupe.Simulation(ROOM)
         world.step()
-        with self.assertRaisesRegex(ValueError, "robots of 2 types: say which: .*bot"):
+        with self.assertRaisesRegex(ValueError, "robots of 2 types; give the type: .*bot"):
             world.table("ranger/eye")
         eyes = world.table("ranger/eye", "bot")
         self.assertEqual(eyes.type, "bot")
@@ -682,7 +682,7 @@ class Looking(InAFolder):
         self.assertFalse(((picture[:, :, 0] > 200) & (picture[:, :, 1] < 60)).any())
         self.assertTrue((world.picture(320, 200) == picture).all())
         self.assertTrue((world.picture(320, 200, background="dark")[0, 0] == (27, 29, 34)).all())
-        with self.assertRaisesRegex(ValueError, "have no opacity"):
+        with self.assertRaisesRegex(ValueError, "cannot hold the background transparent"):
             world.picture(320, 200, background="transparent")
         world.snapshot("room.svg", 320, 200, background="transparent")
         self.assertIn("<svg", (self.folder / "room.svg").read_text())

@@ -106,7 +106,7 @@ class Plot(unittest.TestCase):
         (self.folder / "series.csv").write_text("run,time_s,order\n0,1\n")
         self.assertIn("its lines differ in length", message())
         (self.folder / "series.csv").write_text("run,time_s,order\n7,1,2\n")
-        self.assertIn("this is no series of the sweep", message())
+        self.assertIn("this is not the series of the sweep", message())
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_a_picture_is_drawn(self):

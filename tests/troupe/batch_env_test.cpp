@@ -336,9 +336,9 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   is_wrong(
       k_argument, [](auto& s, auto&) { s.seconds = NAN; }, "episodes of nan s");
   is_wrong(
-      k_argument, [](auto& s, auto&) { s.teams.clear(); }, "without a team");
+      k_argument, [](auto& s, auto&) { s.teams.clear(); }, "has no teams");
   is_wrong(
-      k_argument, [](auto& s, auto& t) { s.teams.push_back(t); }, "two teams are called \"bots\"");
+      k_argument, [](auto& s, auto& t) { s.teams.push_back(t); }, "team \"bots\" is given twice");
   is_wrong(
       k_argument,
       [](auto& s, auto& t) {
@@ -366,12 +366,12 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "stalls"; }, "unknown measure \"stalls\"");
   is_wrong(
-      k_argument, [](auto&, auto& t) { t.arrays[1].raw = true; }, "must have one part");
+      k_argument, [](auto&, auto& t) { t.arrays[1].raw = true; }, "raw needs exactly one part");
   is_wrong(
       k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].count = 0; }, "the 0 nearest robots");
 
   BatchEnv batch(world, spec_of(2));
-  EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::logic_error>(HasSubstr("reset() comes before")));
+  EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::logic_error>(HasSubstr("call reset() before")));
   batch.reset();
   const std::uint64_t before = batch.simulation(0).state_hash();
   batch.actions(0)[4 * 4 + 5] = std::numeric_limits<double>::quiet_NaN();

@@ -190,7 +190,7 @@ TEST(WorldBuilder, AKeyThatIsSaidTwiceIsAnError) {
 
 TEST(WorldBuilder, RefusesWhatNoFileCanSay) {
   EXPECT_EQ(message_of<std::invalid_argument>([] { Setting(std::nan("")); }),
-            "a world has finite numbers, not nan");
+            "numbers of a world must be finite, found nan");
   EXPECT_THROW(WorldBuilder().wall({1, 1}, {1, 1}), std::invalid_argument);
   EXPECT_EQ(Setting("a \"b\"\n\\").json(), R"("a \"b\"\u000a\\")");
   EXPECT_EQ(Setting(std::numeric_limits<std::uint64_t>::max()).json(), "18446744073709551615");
@@ -352,8 +352,8 @@ TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
   for (const auto& act : acts)
     EXPECT_EQ(refused_in_for_each(simulation, act.second),
               act.first +
-                  " in a call of for_each() for \"r0\": the calls run side by side, and may change "
-                  "their own robots' commands alone; keep what is to be done, and do it behind "
+                  " in a call of for_each() for \"r0\": the calls run in parallel and may change only "
+                  "the commands of their own robot; collect such changes and apply them after "
                   "for_each()");
   EXPECT_EQ(simulation.state_hash(), before);
   EXPECT_THAT(refused_in_for_each(simulation, [&](Model&) { other.set_speed(1, 0); }),

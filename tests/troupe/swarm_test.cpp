@@ -181,12 +181,12 @@ TEST(Swarms, SayWhatIsWrong) {
             "robots with different rangers: 3 beams of \"b0\", 5 of \"t0\"; take a swarm of one type");
   ranges.pop_back();
   EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.ranges(ranges); }),
-            "room for 8 readings of 3 robots with 3 beams each");
+            "a span of 8 elements for 3 robots with 3 beams each");
   EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.set_speeds(std::vector<Model::Speed>(2)); }),
-            "2 elements for a swarm of 3 robots");
+            "2 elements for a swarm of 3 robots: give one per robot");
   EXPECT_EQ(message_of<std::invalid_argument>(
                 [&] { bots.set_speeds(std::vector<Model::Speed>(3), std::vector<std::uint8_t>(4)); }),
-            "4 marks of where to act for a swarm of 3 robots");
+            "4 elements of `where` for a swarm of 3 robots: give one per robot");
   const double nan = std::numeric_limits<double>::quiet_NaN();
   bots.set_speeds(std::vector<Model::Speed>(3, {nan, 0, 0}));
   EXPECT_THAT(message_of<std::runtime_error>([&] { simulation.step(); }), HasSubstr("\"b0\""));

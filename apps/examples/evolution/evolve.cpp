@@ -1,5 +1,5 @@
-// Evolves how eight robots should steer by what they see, so that they cover a room: a (5 + 20) evolution
-// strategy, in 1,000 trials of 30 s each. A trial is a reset of one world, and costs what its steps cost.
+// Evolves a controller that maps ranges to speeds, so that eight robots cover a room: a (5 + 20) evolution
+// strategy in 1,000 trials of 30 s each. Each trial resets the same world, so it costs only its steps.
 #include <troupe/troupe.hpp>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t k_parents = 5, k_children = 20, k_trials = 1000, k_beams = 5;
 constexpr double k_trial_s = 30, k_most_speed = 0.5, k_most_turn = 2;
 
-/// Weights of the beams, and a bias: of the forward speed, then of the turn.
+/// Weights of the beams and a bias, first for the forward speed, then for the turn.
 using Genome = std::array<double, 2 * (k_beams + 1)>;
 
 struct Individual {
@@ -42,14 +42,14 @@ troupe::WorldBuilder room() {
 void steer(const Genome& genome, std::span<const float> ranges, troupe::Model::Speed& speed) {
   const auto weigh = [&](const double* weights) {
     double sum = weights[k_beams];
-    for (std::size_t b = 0; b < k_beams; ++b) sum += weights[b] * (1 - ranges[b] / 2);  // 0: nothing, 1: near
+    for (std::size_t b = 0; b < k_beams; ++b) sum += weights[b] * (1 - ranges[b] / 2);  // 0: free, 1: near
     return sum;
   };
   speed.forward = std::clamp(weigh(genome.data()), 0.0, 1.0) * k_most_speed;
   speed.turn = std::clamp(weigh(genome.data() + k_beams + 1), -1.0, 1.0) * k_most_turn;
 }
 
-/// Runs one genome from the beginning. Returns the fraction of the room that robots have visited.
+/// Runs one genome from tick 0 and returns the fraction of the room that robots have visited.
 double run_trial(troupe::Simulation& simulation, troupe::Swarm& swarm, troupe::Measures& measures,
                  const Genome& genome) {
   std::vector<float> ranges(swarm.size() * k_beams);
@@ -78,7 +78,7 @@ int main() {
   for (std::uint32_t generation = 0; trials < k_trials; ++generation) {
     std::vector<Individual> all = parents;
     for (std::uint32_t child = 0; child < k_children && trials < k_trials; ++child, ++trials) {
-      // Of the generation and the child alone: the same on every machine.
+      // Depends on the generation and the child alone, so results are the same on every machine.
       troupe::Random random(1, troupe::stream_id("evolution", "mutation"), child, generation);
       Individual individual;
       if (!parents.empty()) individual = parents[random.below(k_parents)];

@@ -1,4 +1,4 @@
-// A controller that is built outside of Troupe's tree (docs/controllers.md): it keeps a wall at its left.
+// A controller that is built outside of Troupe's tree (docs/controllers.md): it follows a wall on its left.
 #include <troupe/plugin.hpp>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// A study in C++: how much of a room how many robots cover in a minute, over eight seeds, a run a core at a
-// time. The table is the same on any number of cores. (`troupe sweep` does this for any world, and goes on
-// after a kill.)
+// A study in C++: which fraction of a room 2 to 16 robots cover in a minute, for eight seeds, with one run
+// per core at a time. The table is the same on any number of cores. (`troupe sweep` does this for any world,
+// and resumes after a kill.)
 #include <troupe/troupe.hpp>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct Run {
 
 void carry_out(Run& run, const char* world) {
   troupe::SimulationOptions options;
-  options.threads = 1;  // the cores are taken by other runs
+  options.threads = 1;  // the other cores run other simulations
   options.seed = run.seed;
   options.robots = {{"", run.robots}};
   troupe::Simulation simulation(world, options);

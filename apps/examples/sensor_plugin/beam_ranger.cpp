@@ -21,7 +21,7 @@ struct BeamRanger {
 
     static constexpr void describe(troupe::Description<Params>& d) {
       using namespace troupe::facts;
-      d.part<&Params::ranger>();  // the parameters of Troupe's ranger, and then our own
+      d.part<&Params::ranger>();  // the parameters of Troupe's ranger, then those of this one
       d.member<&Params::short_share>("short_share", within(0, 1), "fraction of beams that are cut short");
       d.member<&Params::short_rate>(
           "short_rate", above(0),
@@ -51,7 +51,7 @@ struct BeamRanger {
     return troupe::Error{"has short_share, max_share and random_share that add up to more than 1"};
   }
 
-  /// Called in the sense phase, on several threads at once: writes only the rows that it is given.
+  /// Called in the sense phase, on several threads at once: it may write only the given rows.
   std::uint64_t sense(const troupe::DeviceBatch& batch) const {
     const std::uint64_t rays = ranger.sense(batch);
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {

@@ -1,13 +1,13 @@
-"""Environments for reinforcement learning, of any world, by the conventions of Gymnasium and PettingZoo.
+"""Environments for reinforcement learning in any world, with the interfaces of Gymnasium and PettingZoo.
 
     import gymnasium
     import troupe.envs
 
     env = gymnasium.make("troupe/Navigation-v0")                              # one robot learns
     envs = troupe.envs.VectorEnv(troupe.envs.Navigation(), num_envs=8 * 64)   # 64 copies of a world of 8 robots
-    env = troupe.envs.ParallelEnv(troupe.envs.Navigation())                   # an agent a robot
+    env = troupe.envs.ParallelEnv(troupe.envs.Navigation())                   # one agent per robot
 
-They need the package gymnasium, and ParallelEnv needs pettingzoo. docs/learning.md.
+They need the package gymnasium, and ParallelEnv needs pettingzoo. See docs/learning.md.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ _OF_TASK = ("robots", "size")
 
 
 def make_env(task: str, **options: Any) -> Env:
-    """What gymnasium.make() calls: robots and size are those of the task, the rest is for Env."""
+    """Called by gymnasium.make(): passes robots and size to the task, other options to Env."""
     own = {key: options.pop(key) for key in _OF_TASK if key in options}
     return Env(TASKS[task](**own), **options)
 
 
 def make_vector_env(task: str, num_envs: int, robot: Optional[str] = "r0", **options: Any) -> VectorEnv:
-    """What gymnasium.make_vec() calls: one robot learns in each copy, as in make_env(), unless robot is None."""
+    """Called by gymnasium.make_vec(): one robot learns in each copy, as in make_env(), unless robot is None."""
     own = {key: options.pop(key) for key in _OF_TASK if key in options}
     return VectorEnv(TASKS[task](**own), num_envs, robot=robot, **options)
 

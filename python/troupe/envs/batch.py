@@ -1,4 +1,4 @@
-"""Copies of a task's world: what all environments of this package are made of."""
+"""Batches of copies of a task's world, on which all environments of this package are built."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .task import Task, Team, action_space, commands_of
 
 Flags = npt.NDArray[np.bool_]
 _ONLY = "observation"  # the name of the array of a team whose observation is one box
-_OF_SPACE = ("low", "high", "shape")  # members of a part that the spaces are made of
+_OF_SPACE = ("low", "high", "shape")  # members of a part that define its space
 
 
 class Batch:
     """A troupe.BatchEnv with the functions of a task.
 
-    robot    the name of one robot: it alone learns, and the others of its team run the controllers of the world
-    options  of troupe.Simulation
+    robot    the name of one robot: only this robot learns, and the others run the controllers of the world
+    options  options of troupe.Simulation
     """
 
     def __init__(self, task: Task, copies: int, *, threads: int = 0, robot: Optional[str] = None, **options: Any) -> None:
@@ -34,7 +34,7 @@ class Batch:
             raise ValueError(f"{type(task).__name__} has no teams")
         if robot is not None:
             if len(self.teams) != 1:
-                raise ValueError(f"robot={robot!r}: one robot learns in a task of one team, and this has {len(self.teams)}")
+                raise ValueError(f"robot={robot!r} needs a task of one team, and this has {len(self.teams)}")
             self.teams[0].robots = robot
         for index, team in enumerate(self.teams):
             team.name = team.name or f"team{index}"
@@ -49,7 +49,7 @@ class Batch:
         }
         self.core = BatchEnv(simulation, spec)
         self.copies = copies
-        #: What a task remembers of its copies, beside their worlds.
+        #: Data that a task stores about its copies, in addition to their worlds.
         self.memory: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]
         self.observation_spaces: List[spaces.Space[Any]] = [
@@ -59,7 +59,7 @@ class Batch:
         self.world_seed = int(simulation.options["seed"])
 
     def array(self, name: str, team: int = 0) -> npt.NDArray[Any]:
-        """Of the team's observation or its other arrays: copies x robots x columns, read-only, of the last step."""
+        """An array of the team, observed or not, after the last step: copies x robots x columns, read-only."""
         return self.core.array(name, team)
 
     def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
@@ -67,7 +67,7 @@ class Batch:
         self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
 
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
-        """actions: for each team, with copies x robots in front."""
+        """actions: one array per team, whose first axes are copies x robots."""
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
         for index, team in enumerate(self.teams):
             commands = self.task.act(self, index, commands_of(team, actions[index]))
@@ -87,7 +87,7 @@ class Batch:
             self.task.begin(self, begins)
 
     def observations(self, team: int = 0) -> Any:
-        """Copies of their own: an array, or a dict of arrays, copies x robots x columns."""
+        """New copies of the observations: an array, or a dict of arrays, copies x robots x columns."""
         observation = self.teams[team].observation
         if isinstance(observation, dict):
             return {name: self._observed(name, parts, team) for name, parts in observation.items()}
@@ -152,7 +152,7 @@ def _team_spec(team: Team) -> Dict[str, Any]:
 
 
 def _bounds(part: Dict[str, Any], rest: Optional[int], simulation: Simulation, robot: str) -> Any:
-    """Least and greatest of each column of a part: what it says, else what is known of such a part."""
+    """Bounds of each column of a part: those that it states, or else those known for its kind."""
     of = part.get("of", "reading")
     scale = abs(part.get("scale", 1.0))
     infinity = float("inf")

@@ -1,4 +1,4 @@
-"""The parallel interface of PettingZoo: an agent a robot."""
+"""An environment with the parallel interface of PettingZoo, with one agent per robot."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _PerAgent = Dict[str, Any]
 
 
 class ParallelEnv(_ParallelEnv):
-    """A task in which each robot of a team is an agent, named as the robot. Teams may have unlike spaces.
+    """A task in which each robot of a team is an agent with the name of the robot. Teams may have different spaces.
 
-    episodes     end for all after task.seconds; for a robot when it is finished or dies. A robot that is born later
-                 becomes an agent then
+    episodes     end for all agents after task.seconds, and for one agent when its robot is finished or dies. A robot that
+                 is born later becomes an agent then
     render_size  width and height of pictures, pixels
-    options      of troupe.Simulation
-    seeds        reset(seed=s) begins the episode of seed s, reset() after it one that is drawn from s; without any
-                 seed the world's own counts
+    options      options of troupe.Simulation
+    seeds        reset(seed=s) begins the episode of seed s, a later reset() an episode whose seed is derived from s; the
+                 default is the seed of the world
     """
 
     metadata = {"name": "troupe_v0", "render_modes": ["rgb_array"], "render_fps": 10, "is_parallelizable": True}
@@ -46,17 +46,17 @@ class ParallelEnv(_ParallelEnv):
         for team, names in enumerate(self._batch.names):
             for row, name in enumerate(names):
                 if name in self._places:
-                    raise ValueError(f'agents are named as their robots, and two robots are called "{name}"')
+                    raise ValueError(f'agents have the names of their robots, and two robots are called "{name}"')
                 self._places[name] = (team, row)
         self.possible_agents = list(self._places)
         self.agents: List[str] = []
-        self._met: Dict[str, bool] = {}  # of this episode, and whether it is finished
+        self._met: Dict[str, bool] = {}  # agents of this episode: whether they are finished
         self._observation_spaces = {name: _same(self._batch.observation_spaces[t]) for name, (t, _) in self._places.items()}
         self._action_spaces = {name: _same(self._batch.action_spaces[t]) for name, (t, _) in self._places.items()}
 
     @property
     def batch(self) -> Batch:
-        """The copy of the world that it runs."""
+        """The batch of one copy that this environment runs."""
         if self._batch is None:
             raise RuntimeError("this environment was closed")
         return self._batch
@@ -68,21 +68,21 @@ class ParallelEnv(_ParallelEnv):
         return self._action_spaces[agent]
 
     def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[_PerAgent, _PerAgent]:
-        """There are no options."""
+        """Begins an episode. `options` is ignored."""
         self.batch.reset(seeds=[] if seed is None else [seed])
         self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
         self._met = {agent: False for agent in self.agents}
         return self._observations(self.agents), {agent: {} for agent in self.agents}
 
     def step(self, actions: _PerAgent) -> Tuple[_PerAgent, _PerAgent, _PerAgent, _PerAgent, _PerAgent]:
-        """Of the agents that could act, and of those born meanwhile. An agent without an action is given zeros. Throws
-        ValueError for a name that is no agent now, and for actions of another shape."""
+        """The results are for the agents that could act and those born in this step. A missing action is all zeros. Raises
+        ValueError for the name of a robot that is not an agent now, and for actions of another shape."""
         batch = self.batch
         if not self.agents:
             return {}, {}, {}, {}, {}
         strangers = sorted(map(str, set(actions) - set(self.agents)))
         if strangers:
-            raise ValueError(f"actions for {', '.join(strangers)}, which can not act now; agents are {', '.join(self.agents)}")
+            raise ValueError(f"actions for {', '.join(strangers)}, which cannot act now; agents are {', '.join(self.agents)}")
         tables = []
         for team, space in enumerate(batch.action_spaces):
             table = np.zeros((1, len(batch.names[team]), *(space.shape or ())), space.dtype)
@@ -123,7 +123,7 @@ class ParallelEnv(_ParallelEnv):
         return {agent: first_of(of_teams[team], 0, row) for agent, (team, row) in places.items()}
 
     def render(self) -> Optional[npt.NDArray[np.uint8]]:
-        """The world from above, height x width x 3, where the render mode is rgb_array."""
+        """The world from above, height x width x 3, uint8; None unless the render mode is rgb_array."""
         return None if self.render_mode is None else self.batch.core.picture(0, *self._render_size)
 
     def close(self) -> None:
@@ -132,5 +132,5 @@ class ParallelEnv(_ParallelEnv):
 
 
 def _same(space: Any) -> Any:
-    """A space of its own, to be seeded by itself."""
+    """A copy of the space, so that each agent's space has its own random generator."""
     return copy.deepcopy(space)

@@ -1,4 +1,4 @@
-"""The interface of gymnasium.Env: one robot learns."""
+"""An environment with the interface of gymnasium.Env, in which one robot learns."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ def check_render_mode(render_mode: Optional[str]) -> None:
 
 
 def first_of(observations: Any, *index: int) -> Any:
-    """The observation of one robot, from arrays of many."""
+    """The observation of one robot from arrays of many robots."""
     if isinstance(observations, dict):
         return {name: array[index] for name, array in observations.items()}
     return observations[index]
 
 
 class Env(gymnasium.Env[Any, Any]):
-    """A task for one robot. The others of its team run the controllers that the world gives them.
+    """A task for one robot. The other robots of its team run the controllers of the world.
 
-    robot        its name; by default the first robot of the team
+    robot        name of the robot; by default the first of the team
     render_size  width and height of pictures, pixels
-    options      of troupe.Simulation
-    seeds        reset(seed=s) begins the episode of seed s, reset() after it one that is drawn from s; without any
-                 seed the world's own counts
+    options      options of troupe.Simulation
+    seeds        reset(seed=s) begins the episode of seed s, a later reset() an episode whose seed is derived from s; the
+                 default is the seed of the world
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
@@ -62,7 +62,7 @@ class Env(gymnasium.Env[Any, Any]):
 
     @property
     def batch(self) -> Batch:
-        """The copy of the world that it runs."""
+        """The batch of one copy that this environment runs."""
         if self._batch is None:
             raise RuntimeError("this environment was closed")
         return self._batch
@@ -84,7 +84,7 @@ class Env(gymnasium.Env[Any, Any]):
         )
 
     def render(self) -> Optional[npt.NDArray[np.uint8]]:
-        """The world from above, height x width x 3, where the render mode is rgb_array."""
+        """The world from above, height x width x 3, uint8; None unless the render mode is rgb_array."""
         return None if self.render_mode is None else self.batch.core.picture(0, *self._render_size)
 
     def close(self) -> None:

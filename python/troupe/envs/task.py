@@ -1,4 +1,4 @@
-"""What is learnt: which robots observe and do what, and what they are rewarded for."""
+"""Tasks: the observations, actions and rewards of the robots that learn."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ def _no_parts() -> Parts:
 class Team:
     """Robots that learn one policy. docs/learning.md lists the members of parts, actions, rewards and ends."""
 
-    #: A type, a population or a robot, as of Simulation.swarm; empty: all.
+    #: A type, a population or one robot, as in Simulation.swarm; empty: all robots.
     robots: str = ""
     #: A list of parts for a Box, or name -> list of parts for a Dict of boxes. A list of one part with "shape" keeps
-    #: the element type of its reading: a picture.
+    #: the element type of its reading, for images.
     observation: Union[Parts, Dict[str, Parts]] = dataclasses.field(default_factory=_no_parts)
-    #: What one action commands: a number from -1 to 1 each.
+    #: The commands of an action: one number from -1 to 1 each.
     actions: List[Part] = dataclasses.field(default_factory=lambda: list(DRIVE))
-    #: Rows of such numbers: the action space is then Discrete, and an action is the number of a row.
+    #: Rows of such numbers: the action space is then Discrete, and an action is the index of a row.
     choices: Optional[Sequence[Sequence[float]]] = None
-    #: For each number of an action the values that it may have: the action space is then MultiDiscrete.
+    #: The allowed values of each number of an action: the action space is then MultiDiscrete.
     levels: Optional[Sequence[Sequence[float]]] = None
-    #: More arrays, not observed, of which rewards and ends are made: name -> list of parts.
+    #: Arrays for rewards and ends that are not observed: name -> list of parts.
     arrays: Dict[str, Parts] = dataclasses.field(default_factory=dict)
     rewards: List[Part] = dataclasses.field(default_factory=list)
     ends: List[Part] = dataclasses.field(default_factory=list)
@@ -53,44 +53,44 @@ class Team:
 class Task:
     """A world, the robots that learn in it, and how long an episode lasts.
 
-    A task of one's own sets these members, or derives from this class to change the functions below. They get the
-    whole batch: arrays are copies x robots x columns, and one call is for all copies.
+    To define a task, set these members, or derive from this class to override the functions below. They get the whole
+    batch: arrays are copies x robots x columns, and one call is for all copies.
     """
 
     world: World = {}
     teams: List[Team] = []
-    ticks = 1  #: of the world in a step
-    seconds = 60.0  #: of the world in an episode, which is then truncated
-    measures: List[str] = []  #: of each copy, for rewards and ends
-    max_return: Optional[float] = None  #: where there is one
+    ticks = 1  #: ticks of the world per step
+    seconds = 60.0  #: length of an episode in world time, s; it is then truncated
+    measures: List[str] = []  #: measures of each copy, for rewards and ends
+    max_return: Optional[float] = None  #: the greatest possible return, if known
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
-        """Called after these copies have begun an episode."""
+        """Called after the copies marked in `copies` have begun an episode."""
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """What is commanded, from -1 to 1, for what a policy asked."""
+        """Maps the actions of the policy to commands, both from -1 to 1."""
         return actions
 
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
-        """Copies x robots: what is added to the rewards of the team's list; None for nothing. Called once a step."""
+        """Copies x robots: rewards to add to those of Team.rewards; None for none. Called once per step."""
         return None
 
     def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
-        """Copies x robots: robots that are finished, beside those of the team's list; None for none."""
+        """Copies x robots: robots that are finished, in addition to Team.ends; None for none."""
         return None
 
     def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
-        """Copies x robots x columns: what follows the columns of an observed array; None for nothing. The space has as
-        many more columns, from -1 to 1."""
+        """Copies x robots x columns: columns to append to an observed array; None for none. They are added to the
+        observation space with the bounds -1 and 1."""
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
-        """Actions, a row for each row of the observations, of a simple rule that needs no learning."""
+        """Actions of a simple hand-written rule, one row per row of the observations."""
         raise NotImplementedError(f"{type(self).__name__} has no baseline")
 
 
 def action_space(team: Team) -> "spaces.Space[Any]":
-    """Of one robot."""
+    """The action space of one robot."""
     if team.choices is not None:
         return spaces.Discrete(len(team.choices))
     if team.levels is not None:
@@ -99,7 +99,7 @@ def action_space(team: Team) -> "spaces.Space[Any]":
 
 
 def commands_of(team: Team, actions: Any) -> npt.NDArray[np.float64]:
-    """Numbers from -1 to 1 for actions of the team's space, whatever their leading axes."""
+    """Converts actions of the team's space, with any leading axes, to numbers from -1 to 1."""
     if team.choices is not None:
         index = np.asarray(actions)
         table = np.asarray(team.choices, np.float64)

@@ -1,5 +1,4 @@
-"""Six tasks of swarm robotics, in worlds that are made here. Each is documented, with the return of its baseline, in
-docs/learning.md."""
+"""Six tasks of swarm robotics, with their worlds. docs/learning.md documents each, with the return of its baseline."""
 
 from __future__ import annotations
 
@@ -21,7 +20,7 @@ LIDAR_BEAMS = 12
 
 
 def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], seed: int = 1) -> Dict[str, Any]:
-    """A square room of so many metres with walls, as a JSON world."""
+    """A JSON world with a square, walled room. size: length of a side, m."""
     half = size / 2
     wall = {"size_m": [0.1, size - 0.2, 0.5], "color": "gray50"}
 
@@ -41,7 +40,7 @@ def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], 
 
 
 def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, Any]:
-    """A robot with two wheels and a lidar all around, that wanders where it does not learn."""
+    """A robot with a differential drive and a lidar of 360 degrees. Without learning, the controller `wander` drives it."""
     return {
         "size_m": [0.3, 0.3, 0.2],
         "color": color,
@@ -59,12 +58,12 @@ def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, 
 
 
 def marker_type(color: str, size: float = 0.2) -> Dict[str, Any]:
-    """A mark on the floor, which nothing meets and no lidar sees."""
+    """A mark on the floor that is not an obstacle and that lidars do not detect."""
     return {"size_m": [size, size, 0.01], "color": color, "obstacle": False, "ranger_return": -1}
 
 
 def spread(name: str, kind: str, count: int, size: float) -> Dict[str, Any]:
-    """A population anywhere in a room."""
+    """A population at uniformly random poses in a room of this size, m."""
     half = size / 2 - 0.5
     return {"name": name, "type": kind, "count": count, "place": {"rule": "uniform", "region_m": [[-half, -half], [half, half]]}}
 
@@ -74,7 +73,7 @@ def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
 
 
 def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
-    """Actions that turn towards a direction, and drive as far as it lies ahead."""
+    """Actions that turn towards the direction (x, y), and drive the faster the more it points ahead."""
     length = np.sqrt(x * x + y * y)
     safe = np.where(length > 0, length, 1.0)
     ahead, side = x / safe, y / safe
@@ -84,7 +83,7 @@ def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
 
 
 def away_from_walls(ranges: Floats, x: Floats, y: Floats, near: float = 0.25) -> Tuple[Floats, Floats]:
-    """A direction, bent away from what the lidar sees within `near` of its range."""
+    """The direction (x, y), turned away from lidar readings below `near`, a fraction of the range."""
     beams = ranges.shape[-1]
     first = -np.pi * (beams - 1) / beams
     sin, cos = math.sincos(first + 2 * np.pi / beams * np.arange(beams))
@@ -93,10 +92,11 @@ def away_from_walls(ranges: Floats, x: Floats, y: Floats, near: float = 0.25) ->
 
 
 class Navigation(Task):
-    """Each robot drives to a goal of its own, by lidar, among the others.
+    """Each robot drives to its own goal, by lidar, among the others.
 
-    observed  12 ranges (of 3 m); the goal in the robot's frame: x, y, distance (of the room's size); speeds
-    reward    metres by which the goal came nearer, -0.05 while stalled, and 5 on arrival (0.3 m), which finishes
+    observed  12 ranges / 3 m; the goal in the robot's frame: x, y, distance, divided by the room's size; speeds
+    reward    each step: the decrease of the distance to the goal, m, minus 0.05 while stalled; plus 5 on arrival within
+              0.3 m, which finishes the robot
     """
 
     seconds = 60.0
@@ -122,7 +122,7 @@ class Navigation(Task):
         ]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Straight to the goal, bent away from what is near."""
+        """Drives straight to the goal, but turns away from near obstacles."""
         rows = np.asarray(observations, np.float64)
         n = LIDAR_BEAMS
         x, y, distance = rows[..., n], rows[..., n + 1], rows[..., n + 2]
@@ -132,10 +132,11 @@ class Navigation(Task):
 
 
 class Aggregation(Task):
-    """Robots come together anywhere.
+    """Robots gather at any place.
 
-    observed  12 ranges; the 4 nearest robots within 6 m: x, y (of 6 m), cosine and sine of their headings, and 1
-    reward    minus the distance to the 4 nearest robots on average, of 6 m (6 m where there are fewer), a second
+    observed  12 ranges / 3 m; the 4 nearest robots within 6 m: x and y / 6 m, cosine and sine of their relative headings,
+              and 1
+    reward    each step: -0.1 times the mean distance to the 4 nearest robots / 6 m; a missing neighbour counts as 6 m
     """
 
     seconds = 60.0
@@ -156,7 +157,7 @@ class Aggregation(Task):
         return -0.1 * mean
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """To the middle of the nearest robots; it stops when they are within 0.5 m."""
+        """Drives to the centre of the nearest robots, and stops when the nearest is within 0.5 m."""
         rows = np.asarray(observations, np.float64)
         near = rows[..., LIDAR_BEAMS:].reshape(*rows.shape[:-1], self.nearest, 5)
         x, y = near[..., 0].sum(axis=-1), near[..., 1].sum(axis=-1)
@@ -165,10 +166,10 @@ class Aggregation(Task):
 
 
 class Dispersion(Task):
-    """Robots spread out until as much as possible about each is free.
+    """Robots spread out so that each has as much free space around it as possible.
 
-    observed  12 ranges (of 3 m)
-    reward    the mean range, of 3 m, minus 1 while stalled, a second
+    observed  12 ranges / 3 m
+    reward    each step: 0.1 times the mean range / 3 m, minus 0.1 while stalled
     """
 
     seconds = 60.0
@@ -189,7 +190,7 @@ class Dispersion(Task):
         ]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Away from all that is seen, as the controller `expand` does."""
+        """Drives away from everything in range, as the controller `expand` does."""
         rows = np.asarray(observations, np.float64)
         zero = np.zeros(rows.shape[:-1])
         x, y = away_from_walls(rows, zero, zero, near=1.0)
@@ -197,11 +198,11 @@ class Dispersion(Task):
 
 
 class Flocking(Task):
-    """Robots drive together into one direction.
+    """Robots drive together in one direction.
 
-    observed  12 ranges; the 4 nearest robots within 3 m, as in Aggregation but of 3 m; speeds
-    reward    a quarter of the cosine between the own heading and that of each of those neighbours, times 0.05, and
-              0.1 times the forward speed, minus 0.1 while stalled, each step
+    observed  12 ranges / 3 m; the 4 nearest robots within 3 m, as in Aggregation but divided by 3 m; speeds
+    reward    each step: 0.05 times the mean cosine of the relative headings of these neighbours (0 for a missing one),
+              plus 0.1 times the forward speed in m/s, minus 0.1 while stalled
     """
 
     seconds = 60.0
@@ -226,7 +227,7 @@ class Flocking(Task):
         ]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """The mean heading of the neighbours, a little towards them, and away from what is near."""
+        """Drives along the mean heading of the neighbours, slightly towards them, and away from near obstacles."""
         rows = np.asarray(observations, np.float64)
         near = rows[..., LIDAR_BEAMS : LIDAR_BEAMS + 5 * self.nearest]
         near = near.reshape(*rows.shape[:-1], self.nearest, 5)
@@ -238,12 +239,12 @@ class Flocking(Task):
 
 
 class Foraging(Task):
-    """Robots fetch from a source, and bring to a nest, again and again.
+    """Robots repeatedly carry loads from a source to a nest.
 
-    observed  12 ranges; the source and the nest in the robot's frame: x, y, distance (of the room's size); 1 with a
-              load, -1 without
-    reward    1 for each load that reaches the nest, 0.5 for each that is taken, and 0.1 for each metre that the place
-              to go to came nearer. Places reach 0.6 m
+    observed  12 ranges / 3 m; the source and the nest in the robot's frame: x, y, distance, divided by the room's size;
+              1 with a load, -1 without
+    reward    each step: 0.1 times the decrease of the distance to the next place, m; plus 0.5 for taking a load and 1 for
+              delivering one. A place is reached within 0.6 m
     """
 
     seconds = 90.0
@@ -271,7 +272,7 @@ class Foraging(Task):
         return loaded
 
     def _way(self, batch: "Batch") -> Floats:
-        """To the place where each is to go."""
+        """Distance of each robot to its next place: the nest with a load, else the source."""
         way = np.where(self._loaded(batch), batch.array("nest")[..., 2], batch.array("source")[..., 2])
         return way.astype(np.float64)
 
@@ -293,7 +294,7 @@ class Foraging(Task):
         return np.where(self._loaded(batch), 1.0, -1.0).astype(np.float32)[..., np.newaxis]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Straight to the place, bent away from what is near."""
+        """Drives straight to the next place, but turns away from near obstacles."""
         rows = np.asarray(observations, np.float64)
         n = LIDAR_BEAMS
         at = np.where(rows[..., -1:] > 0, rows[..., n + 3 : n + 6], rows[..., n : n + 3])
@@ -303,12 +304,12 @@ class Foraging(Task):
 
 
 class Pursuit(Task):
-    """Robots catch one that is slower than they and wanders.
+    """Robots catch a slower robot that wanders.
 
-    observed  12 ranges; the prey in the robot's frame: x, y, distance (of the room's size); the 3 nearest hunters
-              within 6 m
-    reward    metres by which the prey came nearer, and 5 to each that comes within 0.6 m of it, which finishes that
-              robot
+    observed  12 ranges / 3 m; the prey in the robot's frame: x, y, distance, divided by the room's size; the 3 nearest
+              hunters within 6 m, as in Aggregation
+    reward    each step: the decrease of the distance to the prey, m; plus 5 on coming within 0.6 m of it, which finishes
+              the robot
     """
 
     seconds = 60.0
@@ -333,7 +334,7 @@ class Pursuit(Task):
         ]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Straight to the prey, bent away from walls that are near."""
+        """Drives straight to the prey, but turns away from near walls."""
         rows = np.asarray(observations, np.float64)
         n = LIDAR_BEAMS
         x, y, distance = rows[..., n], rows[..., n + 1], rows[..., n + 2]
@@ -342,5 +343,5 @@ class Pursuit(Task):
         return steer(x, y, np.ones_like(x))
 
 
-#: By the names under which Gymnasium knows them: troupe/Navigation-v0 and so on.
+#: Tasks by name; their Gymnasium ids are troupe/Navigation-v0 and so on.
 TASKS = {task.__name__: task for task in (Aggregation, Dispersion, Flocking, Foraging, Navigation, Pursuit)}

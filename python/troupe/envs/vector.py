@@ -1,4 +1,4 @@
-"""The interface of gymnasium.vector.VectorEnv: many copies of a world side by side."""
+"""An environment with the interface of gymnasium.vector.VectorEnv: many copies of a world in parallel."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from .task import Task
 
 
 class VectorEnv(_VectorEnv[Any, Any, Any]):
-    """So many copies of a task's world, each robot of which is an environment: num_envs is copies times robots, and
-    environment c * robots + i is robot i of copy c.
+    """Copies of a task's world, in which each robot is one environment: num_envs is copies * robots, and environment
+    c * robots + i is robot i of copy c.
 
-    robot           one robot learns in each copy, and the others run their controllers: then num_envs is copies
-    autoreset_mode  as Gymnasium has it. Episodes of the robots of a copy end together: when all are finished, or when
-                    the time is over. A robot that is finished before gets a reward of 0 from then on, and
-                    infos["finished"] marks it
-    threads         0: one for each processor that it may use. It changes no result
+    robot           if given, only this robot learns in each copy, and the others run their controllers: num_envs is copies
+    autoreset_mode  as in Gymnasium. The episodes of all robots of a copy end together, when all are finished or the time
+                    is over. A robot that is finished earlier gets rewards of 0 from then on, and infos["finished"]
+                    marks it
+    threads         number of threads; 0: one per processor that the process may use. Changes no result
     render_size     width and height of pictures, pixels
-    options         of troupe.Simulation
-    seeds           of reset(seed=s): copy c has s + c in its first episode, or item c of a list, and numbers drawn
-                    from it in those that follow
+    options         options of troupe.Simulation
+    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, or item c of a list; seeds of later
+                    episodes are derived from it
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         if robot is None:
             robots = len(Batch(task, 1, threads=1, **options).names[0])
         if num_envs % robots:
-            raise ValueError(f"num_envs={num_envs}: each copy has {robots} robots that learn: give a multiple of {robots}")
+            raise ValueError(f"num_envs={num_envs}: each copy has {robots} robots: give a multiple of {robots}")
         self._batch: Optional[Batch] = Batch(task, num_envs // robots, threads=threads, robot=robot, **options)
         self.task = task
         self.num_envs = num_envs
@@ -73,7 +73,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
 
     @property
     def batch(self) -> Batch:
-        """The copies that it runs."""
+        """The batch of copies that this environment runs."""
         if self._batch is None:
             raise RuntimeError("this environment was closed")
         return self._batch
@@ -84,8 +84,8 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[Dict[str, Any]] = None,
     ) -> Tuple[Any, Dict[str, Any]]:
-        """options: reset_mask, a bool for each environment: the copies that begin an episode. Throws ValueError for a
-        mask that cuts a copy in two."""
+        """options: reset_mask, one bool per environment: copies that begin an episode; by default all. Raises ValueError
+        for a mask that marks only some robots of a copy."""
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else int(seed))
         which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
@@ -98,7 +98,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         begins = self._is_over
         if self.autoreset_mode == AutoresetMode.DISABLED and begins.any():
             raise RuntimeError(
-                f"copies {np.flatnonzero(begins).tolist()} are over: reset(options={{'reset_mask': ...}}) comes first"
+                f"copies {np.flatnonzero(begins).tolist()} are over: call reset(options={{'reset_mask': ...}}) first"
             )
         table = np.asarray(actions)
         if table.shape != self.action_space.shape:
@@ -123,7 +123,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         return self._rows(batch.observations()), rewards, terminations, truncations, infos
 
     def _add_final(self, infos: Dict[str, Any], done: Flags) -> None:
-        """As gymnasium.vector.SyncVectorEnv has it: an object for each environment."""
+        """Adds final observations in the format of gymnasium.vector.SyncVectorEnv: one object per environment."""
         observations = self._rows(self.batch.observations())
         final = np.full(self.num_envs, None, dtype=object)
         for env in np.flatnonzero(done):
@@ -135,7 +135,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         infos["final_info"], infos["_final_info"] = {}, done.copy()
 
     def _rows(self, observations: Any) -> Any:
-        """An environment a row."""
+        """Reshapes observations to one row per environment."""
         if isinstance(observations, dict):
             return {name: self._rows(array) for name, array in observations.items()}
         return observations.reshape(self.num_envs, *observations.shape[2:])
@@ -150,8 +150,8 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         if cut.size:
             first = int(cut[0]) * self.robots
             raise ValueError(
-                f"options['reset_mask'] cuts copy {cut[0]} in two: environments {first} to {first + self.robots - 1} are "
-                "robots of one world, and begin together"
+                f"options['reset_mask'] marks only some robots of copy {cut[0]}: mark all or none of environments {first} "
+                f"to {first + self.robots - 1}, which share one world"
             )
         if not rows.any():
             raise ValueError("options['reset_mask'] must mark at least one environment")
@@ -167,7 +167,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         return [None if each is None else int(each) for each in seed]
 
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
-        """The copies from above, height x width x 3 each, where the render mode is rgb_array."""
+        """Each copy from above, height x width x 3, uint8; None unless the render mode is rgb_array."""
         if self.render_mode is None:
             return None
         return tuple(self.batch.core.picture(copy, *self._render_size) for copy in range(self.copies))
