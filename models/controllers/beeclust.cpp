@@ -32,13 +32,13 @@ struct Beeclust {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::max_wait>("max_wait", seconds, within(0, 1e6),
-                                  "which waits on ever brighter ground tend to");
+                                  "upper limit of the waiting time, approached as the ground gets brighter");
       d.member<&Params::half>("half", above(0), at_most(1e6),
-                              "square of the brightness, from 0 to 1, at which it waits for half of that");
+                              "square of the brightness (0 to 1) at which it waits for half of `max_wait`");
       d.member<&Params::meet>("meet", meters, at_least(0),
-                              "from radio to radio: another who is nearer ahead is met");
+                              "distance between the radios within which it meets a robot ahead");
       describe_min_front(d);
     }
   };
@@ -122,7 +122,7 @@ struct Beeclust {
 
 engine::ControllerKind beeclust_controller() {
   return engine::make_controller_kind<Beeclust>(
-      "beeclust", "aggregate where the ground is bright: wait where others are met");
+      "beeclust", "aggregate where the ground is bright: wait where another robot is met");
 }
 
 }  // namespace troupe::models

@@ -44,14 +44,14 @@ struct Chain {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::role>("role", "what it is: a nest and a prey stand");
-      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000), "from link to link");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::role>("role", "role; a nest and a prey stand still");
+      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000), "distance from link to link");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       describe_min_front(d);
       d.member<&Params::joins>("joins", within(0, 1),
-                               "chance in a decision that it becomes a link where there is room for one");
+                               "probability per decision that it becomes a link where there is room for one");
       d.member<&Params::leaves>("leaves", within(0, 1),
-                                "chance in a decision that the last link of a chain leaves it");
+                                "probability per decision that the last link of a chain leaves it");
     }
   };
   struct Memory {
@@ -273,7 +273,7 @@ struct Chain {
 
 engine::ControllerKind chain_controller() {
   return engine::make_controller_kind<Chain>(
-      "chain", "find the way from a nest to a prey as links of chains that stand");
+      "chain", "find the path from a nest to a prey by forming chains of standing robots");
 }
 
 }  // namespace troupe::models

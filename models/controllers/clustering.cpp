@@ -22,9 +22,9 @@ struct Clustering {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead, and back");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed forward and backward");
       d.member<&Params::back>("back", seconds, within(0, 1e6),
-                              "for how long it backs off from what it cannot push");
+                              "how long it backs off from what it cannot push");
       describe_min_front(d);
     }
   };
@@ -95,7 +95,7 @@ struct Clustering {
 
 engine::ControllerKind clustering_controller() {
   return engine::make_controller_kind<Clustering>(
-      "clustering", "push pucks together: go on until it is too much, back off, turn");
+      "clustering", "push pucks together: drive until there are too many to push, back off, turn");
 }
 
 }  // namespace troupe::models

@@ -38,12 +38,13 @@ struct CollectivePerception {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::explore>("explore", seconds, above(0), at_most(1e6),
-                                 "for how long it looks at the floor, in the mean");
+                                 "mean time for which it explores the floor");
       d.member<&Params::share>("share", seconds, above(0), at_most(1e6),
-                               "for how long it says an opinion of quality 1, in the mean");
-      d.member<&Params::rule>("rule", "how it decides");
+                               "mean time for which it broadcasts an opinion of quality 1");
+      d.member<&Params::rule>(
+          "rule", "decision rule: the majority of the opinions received, or a random one of them");
       describe_min_front(d);
     }
   };
@@ -175,7 +176,7 @@ struct CollectivePerception {
 
 engine::ControllerKind collective_perception_controller() {
   return engine::make_controller_kind<CollectivePerception>(
-      "collective_perception", "decide with others whether more of the floor is black or white");
+      "collective_perception", "decide collectively whether more of the floor is black or white");
 }
 
 }  // namespace troupe::models

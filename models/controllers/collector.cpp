@@ -77,8 +77,8 @@ struct Collector {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       constexpr double k_most_mark = 1e9;
-      d.member<&Params::sink>(
-          "sink", "name of the model that they are brought to, or of several, but for a number behind it");
+      d.member<&Params::sink>("sink",
+                              "name of the models to which pucks are brought, without a number at its end");
       d.member<&Params::puck>("puck", within(-k_most_mark, k_most_mark), "fiducial_return of a puck");
       d.member<&Params::charger>("charger", within(-k_most_mark, k_most_mark),
                                  "fiducial_return of a charger");

@@ -31,21 +31,22 @@ struct Expand {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, "while the way is clear");
-      d.member<&Params::gain>("gain", per_second, "turn rate for each radian between heading and vector sum");
+      d.member<&Params::speed>("speed", meters_per_second, "speed while the way is clear");
+      d.member<&Params::gain>("gain", per_second,
+                              "turn rate per radian between the heading and the vector sum");
       d.member<&Params::clearance>(
           "clearance", meters, at_least(0),
-          "what must be free ahead; a beam at angle a from the front must exceed clearance * cos(a)");
+          "free distance needed ahead; a beam at angle a from straight ahead must exceed clearance * cos(a)");
       d.member<&Params::clearances>("clearances", meters, at_least(0),
-                                    "instead of `clearance`: what the beams of each transducer must exceed, "
-                                    "in their order; 0 or left out: anything");
+                                    "instead of `clearance`: distance that the beams of each transducer must "
+                                    "exceed, in the order of the transducers; 0 or left out: no limit");
       d.member<&Params::cone>("cone", radians, at_least(0),
-                              "drives only while the vector sum lies less than this off the front");
+                              "drives only while the vector sum is less than this off straight ahead");
       d.member<&Params::invert>("invert",
-                                "turn away from the vector sum: robots cluster instead of dispersing");
-      d.member<&Params::hold_on_axis>("hold_on_axis",
-                                      "a vector sum that lies exactly on an axis changes nothing: the last "
-                                      "command stays, as in Stage's examples");
+                                "turns away from the vector sum: robots cluster instead of dispersing");
+      d.member<&Params::hold_on_axis>(
+          "hold_on_axis",
+          "keeps the last command while the vector sum lies exactly on an axis, as in Stage's examples");
     }
   };
   struct Feeler {
@@ -80,7 +81,7 @@ struct Expand {
     if (!can_point_ahead(beams))
       return Error{
           fmt::format("needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
-                      "sum of those of \"{}\" never points ahead",
+                      "sum of the beams of \"{}\" never points ahead",
                       ranger.name)};
     if (const std::size_t count = ranger.prepared.transducers.size(); params.clearances.size() > count)
       return Error{fmt::format("has {} clearances for the {} transducers of \"{}\"", params.clearances.size(),

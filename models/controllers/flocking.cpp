@@ -101,7 +101,8 @@ struct Flocking {
 
 engine::ControllerKind pioneer_flocking_controller() {
   return engine::make_controller_kind<Flocking>(
-      "pioneer_flocking", "flock: drive where sonars see room, turning as the nearest marked robot does");
+      "pioneer_flocking",
+      "flock: drive where the sonars see free space, turning like the nearest marked robot");
 }
 
 }  // namespace troupe::models

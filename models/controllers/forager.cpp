@@ -297,7 +297,7 @@ void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Acti
 }
 
 constexpr const char* k_map_text =
-    "the model that is the floor plan; where there is none of this name, the first image";
+    "model that is the floor plan; if there is none of this name, the first model outlined by an image";
 
 struct Fasr : Forager {
   struct Params {
@@ -306,8 +306,8 @@ struct Fasr : Forager {
     std::string map = "cave";
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::source>("source", "the model that holds flags to be fetched");
-      d.member<&Params::sink>("sink", "the model that they are brought to");
+      d.member<&Params::source>("source", "model from which flags are fetched");
+      d.member<&Params::sink>("sink", "model to which flags are brought");
       d.member<&Params::map>("map", k_map_text);
     }
   };
@@ -328,7 +328,7 @@ struct Fasr2 : Forager {
     std::string map = "cave";
 
     static constexpr void describe(engine::Description<Params>& d) {
-      constexpr const char* k_text = "\"red\": from model red_source to model red_sink";
+      constexpr const char* k_text = "\"red\": from the model red_source to the model red_sink";
       d.member<&Params::task>("task", k_text);
       d.member<&Params::task2>("task2", k_text);
       d.member<&Params::task3>("task3", k_text);
@@ -362,7 +362,7 @@ struct Fasr2 : Forager {
     return forager;
   }
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
-    if (names.empty()) return Error{"needs a task: of \"red\" the models are red_source and red_sink"};
+    if (names.empty()) return Error{"needs a task; the task \"red\" uses the models red_source and red_sink"};
     return Forager::choose(devices, claimed);
   }
 };

@@ -34,13 +34,14 @@ struct Gradient {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::beacon>("beacon", "it stands, and is where counting begins");
+      d.member<&Params::beacon>("beacon",
+                                "this robot is a beacon: it stands still, and hops are counted from it");
       d.member<&Params::spacing>("spacing", meters, within(0, 10'000),
-                                 "it settles where nobody is settled nearer than this");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "while it roams");
+                                 "it settles where no settled robot is nearer than this");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed while it roams");
       describe_min_front(d);
       d.member<&Params::patience>("patience", within(1, 1'000'000),
-                                  "decisions after which a count that nobody has confirmed is forgotten");
+                                  "decisions after which an unconfirmed hop count is forgotten");
     }
   };
   struct Memory {
@@ -162,7 +163,7 @@ struct Gradient {
 
 engine::ControllerKind gradient_controller() {
   return engine::make_controller_kind<Gradient>(
-      "gradient", "settle in touch with others, and count the hops to a beacon by radio");
+      "gradient", "settle within radio range of others, and count the hops to a beacon");
 }
 
 }  // namespace troupe::models

@@ -40,15 +40,15 @@ struct InformedAggregation {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::informed>("informed", "on which colour alone it stops; no: on both");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::informed>("informed", "the only colour on which it stops; no: it stops on both");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::enter>("enter", seconds, within(0, 1e6),
-                               "for how long it goes on, at most, on a site before it stops there");
+                               "longest time that it drives on into a site before it stops there");
       d.member<&Params::leave>("leave", per_second, at_least(0),
-                               "rate at which one that stands alone leaves");
+                               "rate at which a robot that stands alone leaves");
       d.member<&Params::others>(
           "others", within(0, 1000),
-          "for each other that it hears on its site it leaves exp(-this) times as often");
+          "each other robot that it hears on its site multiplies that rate by exp(-others)");
       describe_min_front(d);
     }
   };
@@ -159,7 +159,7 @@ struct InformedAggregation {
 
 engine::ControllerKind informed_aggregation_controller() {
   return engine::make_controller_kind<InformedAggregation>(
-      "informed_aggregation", "gather on black or white ground, the longer the more stand there");
+      "informed_aggregation", "gather on black or white sites, staying longer the more robots stand there");
 }
 
 }  // namespace troupe::models

@@ -36,8 +36,9 @@ struct Step {
     d.member<&Step::at_s>("at", seconds, required, at_least(0), "world time from which the order holds");
     d.member<&Step::device>("device", required, "name of the device");
     d.member<&Step::order>("order", required,
-                           "a gripper's: open, close, up, down; an actuator's: go_to, speed");
-    d.member<&Step::value>("value", within(-1e6, 1e6), "of go_to, m or rad; of speed, m/s or rad/s");
+                           "for a gripper: open, close, up, down; for an actuator: go_to, speed");
+    d.member<&Step::value>("value", within(-1e6, 1e6),
+                           "argument of go_to, m or rad, or of speed, m/s or rad/s");
     d.derived<&Step::chosen>();
   }
 };
@@ -104,8 +105,8 @@ struct Operate {
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::plan>(
           "plan",
-          "orders in one word, DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,..., as .world files need");
-      d.member<&Params::orders>("orders", "what is asked of which device, and when");
+          "orders in one word, for .world files: DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,...");
+      d.member<&Params::orders>("orders", "timed orders to devices");
     }
   };
 
@@ -143,7 +144,7 @@ struct Operate {
       step.chosen = static_cast<std::size_t>(known - chosen.begin());
       if (known == chosen.end()) chosen.push_back(index);
     }
-    if (steps.empty()) return Error{"needs orders: it does nothing without them"};
+    if (steps.empty()) return Error{"needs `plan` or `orders`"};
     return chosen;
   }
 

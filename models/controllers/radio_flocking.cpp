@@ -34,14 +34,13 @@ struct RadioFlocking {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
-      d.member<&Params::distance>("distance", meters, above(0), "that it keeps from others");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
+      d.member<&Params::distance>("distance", meters, above(0), "distance that it keeps from other robots");
       d.member<&Params::spacing_weight>("spacing_weight", at_least(0),
-                                        "of that, against the others' headings");
-      d.member<&Params::gain>("gain", per_second, at_least(0),
-                              "turn rate for each radian that it is to turn");
+                                        "weight of keeping the distance, relative to that of the headings");
+      d.member<&Params::gain>("gain", per_second, at_least(0), "turn rate per radian that it is to turn");
       d.member<&Params::clearance>("clearance", meters, at_least(0),
-                                   "walls and others that its scanner sees nearer than this push it away");
+                                   "obstacles that its scanner sees nearer than this repel it");
     }
   };
   Params params;
@@ -104,7 +103,8 @@ struct RadioFlocking {
 
 engine::ControllerKind radio_flocking_controller() {
   return engine::make_controller_kind<RadioFlocking>(
-      "radio_flocking", "flock: say the own heading by radio, turn to the mean of those heard, keep apart");
+      "radio_flocking",
+      "flock: broadcast the own heading, turn to the mean of the headings received, keep a distance");
 }
 
 }  // namespace troupe::models

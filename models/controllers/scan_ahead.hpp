@@ -65,7 +65,7 @@ template <class Params>
 constexpr void describe_min_front(engine::Description<Params>& d) {
   using namespace engine::facts;
   d.template member<&Params::min_front>("min_front", engine::Unit::meters, at_least(0),
-                                        "a reading below it ahead is turned away from");
+                                        "turns away when a reading ahead is below this");
 }
 
 }  // namespace troupe::models

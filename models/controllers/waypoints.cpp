@@ -30,11 +30,11 @@ struct Goal {
     using enum engine::Unit;
     d.part<&Goal::pose>();
     d.member<&Goal::at_s>("at", seconds, within(0, 1e9),
-                          "when it is there, since the start of the world, or of its round; it stays until "
-                          "then; 0: when it gets there");
+                          "time of arrival, since the start of the world or of the present round; the robot "
+                          "stays until then; 0: when it gets there");
     d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
-                           "how fast it goes there, straight; 0: as its drive goes to goals");
-    d.member<&Goal::wait_s>("wait", seconds, within(0, 1e9), "how long it stays there before it goes on");
+                           "speed of a straight motion to the goal; 0: the drive's own law for goals");
+    d.member<&Goal::wait_s>("wait", seconds, within(0, 1e9), "how long it waits there before it goes on");
   }
   /// It goes there in a straight line, as fast as it was told, and not as its drive goes to goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }
@@ -57,12 +57,12 @@ struct Waypoints {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::goals>("goals", required,
-                               "where to, one after another, in the frame of the robot's localization");
+                               "goals in their order, in the frame of the robot's localization");
       // Drives come within 0.02 m along both axes.
       d.member<&Params::near>(
           "near", meters, at_least(0.03),
-          "how near it believes to be when it goes on from a goal without `at` and `speed`");
-      d.member<&Params::again>("again", "begins again after the last goal; otherwise it stays there");
+          "estimated distance to a goal without `at` and `speed` at which the robot goes on to the next");
+      d.member<&Params::again>("again", "starts again after the last goal; otherwise it stays there");
     }
   };
 
@@ -73,7 +73,7 @@ struct Waypoints {
   std::uint64_t period = 1;
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
-    if (params.goals.empty()) return Error{"needs goals: without them it has nowhere to go"};
+    if (params.goals.empty()) return Error{"needs at least one goal"};
     return std::vector<std::size_t>();
   }
 
@@ -82,14 +82,14 @@ struct Waypoints {
     if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
     if (!type.drive || type.drive->kind != omni_drive().name)
       return Error{
-          "has goals with `at` or `speed`, which need an omni drive: others do not go straight to where they "
-          "are sent"};
+          "has goals with `at` or `speed`, which need an omni drive: other drives do not move straight to a "
+          "goal"};
     const MotionParams motion = engine::from_record<DriveParams>(type.drive->params).motion;
     speed_max = std::min(
         {motion.velocity_max_x, -motion.velocity_min_x, motion.velocity_max_y, -motion.velocity_min_y});
     turn_max = std::min(motion.turn_max, -motion.turn_min);
     if (!(speed_max > 0 && turn_max > 0))
-      return Error{"has goals with `at` or `speed`, and its drive does not go in every direction"};
+      return Error{"has goals with `at` or `speed`, but its drive cannot move and turn in every direction"};
     for (std::size_t i = 0; i < params.goals.size(); ++i)
       if (const Result<> kept = can_keep(i); !kept)
         return Error{fmt::format("has a goal {} {}", i + 1, kept.error().text)};
@@ -184,18 +184,19 @@ struct Waypoints {
     if (goal.at_s > 0 && goal.speed > 0)
       return Error{"with both `at` and `speed`: one follows from the other"};
     if (goal.speed > speed_max)
-      return Error{fmt::format("with a speed of {:g} m/s: its drive gives {:g} m/s in any direction",
+      return Error{fmt::format("with a speed of {:g} m/s: its drive reaches only {:g} m/s in every direction",
                                goal.speed, speed_max)};
     if (i == 0 || !(goal.at_s > 0)) return {};
     const Goal& before = params.goals[i - 1];
     if (before.at_s > 0 && goal.at_s <= before.at_s)
       return Error{
-          fmt::format("at {:g} s, and one before it at {:g} s: times must rise", goal.at_s, before.at_s)};
+          fmt::format("at {:g} s, after one at {:g} s: times must increase", goal.at_s, before.at_s)};
     const double way = (goal.pose.position() - before.pose.position()).norm();
     const double time_s = goal.at_s - before.at_s - before.wait_s;
     if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
       return Error{
-          fmt::format("{:g} m from the one before it, in {:g} s: its drive gives {:g} m/s in any direction",
+          fmt::format("that is {:g} m from the one before it, to be covered in {:g} s: its drive reaches "
+                      "only {:g} m/s in every direction",
                       way, std::max(time_s, 0.0), speed_max)};
     return {};
   }
@@ -205,7 +206,7 @@ struct Waypoints {
 
 engine::ControllerKind waypoints_controller() {
   engine::ControllerKind kind =
-      engine::make_controller_kind<Waypoints>("waypoints", "go from goal to goal by where it believes to be");
+      engine::make_controller_kind<Waypoints>("waypoints", "go from goal to goal by the estimated pose");
   for (engine::StateField& field : kind.memory) field.sparse = field.name != "goal";
   return kind;
 }

@@ -65,7 +65,7 @@ struct Brush {
 }  // namespace
 
 DeviceKind brush_kind() {
-  return engine::make_device_kind<Brush>("brush", "paints the zone below it, if that carries an led");
+  return engine::make_device_kind<Brush>("brush", "paints the zone below it, if the zone carries an led");
 }
 
 }  // namespace troupe::models

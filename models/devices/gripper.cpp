@@ -39,13 +39,13 @@ struct Gripper {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::size>("size", engine::Unit::meters, above(0), at_most(1000),
-                              "of base and paddles together, [x, y, z]");
+                              "size of base and paddles together, [x, y, z]");
       d.member<&Params::paddle_size>("paddle_size", above(0), at_most(0.999),
-                                     "of each paddle, in shares of the gripper's; y below 0.5");
-      d.member<&Params::paddles>("paddles", "at the start");
-      d.member<&Params::lift>("lift", "at the start");
-      d.member<&Params::autosnatch>("autosnatch",
-                                    "closes by itself when a beam is broken, opens when none is");
+                                     "size of each paddle relative to `size`, [x, y, z]; y below 0.5");
+      d.member<&Params::paddles>("paddles", "paddles at the start");
+      d.member<&Params::lift>("lift", "lift at the start");
+      d.member<&Params::autosnatch>(
+          "autosnatch", "closes while a beam is broken and opens while none is, without commands");
     }
   };
   using State = GripperState;

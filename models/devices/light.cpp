@@ -49,7 +49,7 @@ struct IndicatorParams {
 
   static constexpr void describe(engine::Description<IndicatorParams>& d) {
     d.member<&IndicatorParams::intensity>("intensity", engine::facts::within(0, 1e6),
-                                          "what a light sensor reads that faces it from 1 m");
+                                          "brightness that a light sensor facing it reads at 1 m");
   }
   LightSource source(const Pose& pose_body_light) const {
     return {.pose_body_light = pose_body_light, .intensity = intensity};
@@ -65,10 +65,10 @@ struct BlinkenParams {
   static constexpr void describe(engine::Description<BlinkenParams>& d) {
     using namespace engine::facts;
     d.member<&BlinkenParams::period>("period", engine::Unit::seconds, within(0, 1e6),
-                                     "from one flash to the next; 0: it shines all the time");
+                                     "time from one flash to the next; 0: no blinking");
     d.member<&BlinkenParams::dutycycle>("dutycycle", within(0, 1),
-                                        "the share of each period for which it is lit");
-    d.member<&BlinkenParams::enabled>("enabled", "whether it blinks before a controller switches it");
+                                        "fraction of each period in which it is lit");
+    d.member<&BlinkenParams::enabled>("enabled", "whether it blinks until a controller switches it");
     d.part<&BlinkenParams::light>();
   }
   LightSource source(const Pose& pose_body_light) const {

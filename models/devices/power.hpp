@@ -20,13 +20,14 @@ struct PowerPackState {
   static constexpr void describe(engine::Description<PowerPackState>& d) {
     using namespace engine::facts;
     using enum engine::Unit;
-    d.member<&PowerPackState::stored>("stored", joules, "what it holds");
-    d.member<&PowerPackState::capacity>("capacity", joules, "what it can hold");
-    d.member<&PowerPackState::dissipated>("dissipated", joules, "by all that runs on it, since tick 0");
-    d.member<&PowerPackState::received>("received", joules, "from others, by contact, since tick 0");
-    d.member<&PowerPackState::given>("given", joules, "to others, by contact, since tick 0");
+    d.member<&PowerPackState::stored>("stored", joules, "energy that it holds");
+    d.member<&PowerPackState::capacity>("capacity", joules, "energy that it can hold");
+    d.member<&PowerPackState::dissipated>("dissipated", joules,
+                                          "energy drawn by all that it supplies, since tick 0");
+    d.member<&PowerPackState::received>("received", joules, "energy received by contact, since tick 0");
+    d.member<&PowerPackState::given>("given", joules, "energy given by contact, since tick 0");
     d.member<&PowerPackState::infinite>("infinite", "1: it never runs out");
-    d.member<&PowerPackState::charging>("charging", "1: it was given something in the last tick");
+    d.member<&PowerPackState::charging>("charging", "1: it received energy in the last tick");
   }
 
   /// Has nothing left; never where it is infinite.

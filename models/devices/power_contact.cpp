@@ -27,9 +27,9 @@ struct PowerContact {
       using enum engine::Unit;
       constexpr double k_most_watts = 1e9;
       d.member<&Params::give>("give", watts, within(0, k_most_watts),
-                              "at most, to each contact that it touches and that takes");
+                              "greatest power to each contact that it touches and that takes energy");
       d.member<&Params::take>("take", watts, within(0, k_most_watts),
-                              "at most, from each contact that touches it and gives");
+                              "greatest power from each contact that touches it and gives energy");
     }
   };
   using State = PowerContactState;
@@ -147,8 +147,8 @@ void PowerContact::apply(World& world, const Effect& effect) const {
 }  // namespace
 
 DeviceKind power_contact_kind() {
-  return engine::make_device_kind<PowerContact>("power_contact",
-                                                "gives energy to, or takes it from, bodies it touches");
+  return engine::make_device_kind<PowerContact>(
+      "power_contact", "gives energy to the bodies that it touches, or takes it from them");
 }
 
 }  // namespace troupe::models

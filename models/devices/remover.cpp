@@ -45,8 +45,9 @@ struct Remover {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::radius>("radius", engine::Unit::meters, above(0), at_most(1000),
-                                "who comes this near, with its origin, dies");
-      d.member<&Params::of>("of", "bodies of the type of this name, robots or not; empty: robots of any");
+                                "bodies whose origin comes this near die");
+      d.member<&Params::of>("of",
+                            "type of the bodies that it removes, robots or not; empty: robots of any type");
     }
   };
   using State = RemoverState;
@@ -105,7 +106,7 @@ struct Remover {
 }  // namespace
 
 DeviceKind remover_kind() {
-  return engine::make_device_kind<Remover>("remover", "ends the lives of bodies that come to it");
+  return engine::make_device_kind<Remover>("remover", "removes bodies that come near it");
 }
 
 }  // namespace troupe::models

@@ -185,7 +185,7 @@ Result<> MotionParams::check() const {
         Limits{turn_acceleration_min, turn_acceleration_max, "turn_acceleration"}})
     if (limits.low > limits.high)
       return Error{
-          fmt::format("the bounds of {} stand the wrong way round: the lower must come first", limits.name)};
+          fmt::format("{}: lower bound {:g} exceeds upper bound {:g}", limits.name, limits.low, limits.high)};
   return {};
 }
 
@@ -200,8 +200,8 @@ engine::DriveKind omni_drive() {
 }
 
 engine::DriveKind car_drive() {
-  return engine::make_drive_kind<Driving<Car, CarParams>>(
-      "car", "front wheels that steer: speed and steering angle");
+  return engine::make_drive_kind<Driving<Car, CarParams>>("car",
+                                                          "steered front wheels: speed and steering angle");
 }
 
 }  // namespace troupe::models

@@ -36,21 +36,23 @@ struct MotionParams {
     d.member<&MotionParams::turn_min>("turn_min", radians_per_second, "clockwise limit");
     d.member<&MotionParams::turn_max>("turn_max", radians_per_second, "counter-clockwise limit");
     d.member<&MotionParams::acceleration_min_x>("acceleration_min_x", meters_per_second_squared,
-                                                "least commanded acceleration forward");
+                                                "lower limit of the commanded acceleration, forward");
     d.member<&MotionParams::acceleration_max_x>("acceleration_max_x", meters_per_second_squared,
-                                                "greatest forward");
+                                                "upper limit of the commanded acceleration, forward");
     d.member<&MotionParams::acceleration_min_y>("acceleration_min_y", meters_per_second_squared,
-                                                "least to the left");
+                                                "lower limit of the commanded acceleration, to the left");
     d.member<&MotionParams::acceleration_max_y>("acceleration_max_y", meters_per_second_squared,
-                                                "greatest to the left");
+                                                "upper limit of the commanded acceleration, to the left");
     d.member<&MotionParams::turn_acceleration_min>("turn_acceleration_min", radians_per_second_squared,
-                                                   "least of the turn rate");
+                                                   "lower limit of the commanded angular acceleration");
     d.member<&MotionParams::turn_acceleration_max>("turn_acceleration_max", radians_per_second_squared,
-                                                   "greatest of the turn rate");
+                                                   "upper limit of the commanded angular acceleration");
     d.member<&MotionParams::start_x>("start_x", meters_per_second,
-                                     "speed forward until the drive is due for the first time, not limited");
-    d.member<&MotionParams::start_y>("start_y", meters_per_second, "the same to the left");
-    d.member<&MotionParams::start_turn>("start_turn", radians_per_second, "the same of the turn");
+                                     "forward speed until the drive is first due, not limited");
+    d.member<&MotionParams::start_y>("start_y", meters_per_second,
+                                     "speed to the left until the drive is first due, not limited");
+    d.member<&MotionParams::start_turn>("start_turn", radians_per_second,
+                                        "turn rate until the drive is first due, not limited");
   }
 
   /// Whether the bounds stand the right way round.
@@ -67,7 +69,7 @@ struct DriveParams {
     using namespace engine::facts;
     d.part<&DriveParams::motion>();
     d.member<&DriveParams::pushes>("pushes", within(0, engine::k_most_pushed), fixed,
-                                   "how many pushable bodies it pushes at once; more stop it");
+                                   "number of pushable bodies that it pushes at once; more stop it");
     d.part<&DriveParams::localization>();
   }
 };

@@ -41,7 +41,7 @@ struct Wheels {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::drive>("drive", "how it drives");
+      d.member<&Params::drive>("drive", "kind of drive");
       d.member<&Params::wheelbase>("wheelbase", meters, above(0), "distance between the axles");
       d.part<&Params::motion>();
     }
@@ -66,7 +66,7 @@ struct Wheels {
   }
   Result<> mount(const engine::TypeSpec&, std::uint32_t) const {
     if (bounds) return {};
-    return Error{fmt::format("has drive parameters that contradict one another: {}", bounds.error().text)};
+    return Error{fmt::format("has contradictory drive parameters: {}", bounds.error().text)};
   }
 
   void act(const DeviceBatch& batch) const;
@@ -95,9 +95,8 @@ void Wheels::act(const DeviceBatch& batch) const {
     const Velocity v = drive(batch.commands->as<Command>(batch.slot(i)), at, batch.period_s,
                              {state.forward, state.left, state.turn});
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn))
-      throw engine::StepError(
-          fmt::format("tick {}: a part of \"{}\" was commanded what is not a finite number",
-                      batch.world.tick(), batch.world.spec().name(batch.body(i))));
+      throw engine::StepError(fmt::format("tick {}: the command of a part of \"{}\" is not a finite number",
+                                          batch.world.tick(), batch.world.spec().name(batch.body(i))));
     state = {at.x + 0.0, at.y + 0.0, at.z + 0.0, at.heading + 0.0, v.x + 0.0, v.y + 0.0, v.turn + 0.0, 0};
     if (v.x == 0 && v.y == 0 && v.turn == 0) continue;
     const Pose to = moved(q, v, batch.period_s);
@@ -115,7 +114,7 @@ void Wheels::settled(const DeviceBatch& batch) const {
 }  // namespace
 
 DeviceKind wheels_kind() {
-  return engine::make_device_kind<Wheels>("wheels", "a drive of a part of its own, which moves on its body");
+  return engine::make_device_kind<Wheels>("wheels", "gives a part of a body a drive of its own");
 }
 
 }  // namespace troupe::models

@@ -143,12 +143,12 @@ class Coverage : public Measure {
 
 engine::MeasureKind coverage_measure() {
   return engine::make_measure_kind<Coverage>(
-      "coverage", Unit::none, "share of the free ground that robots have been on",
-      "Of the square cells of edge `cell`, one corner of which is the world's origin, that are free the "
-      "share in which the origin of a robot has been at the end of any tick since measuring began. A cell is "
-      "free when its centre lies in the bounds of the world and in no obstacle that never moves, whatever "
-      "its height. A world without bounds has those of what stands in it at the start. Ground that no robot "
-      "can reach counts.");
+      "coverage", Unit::none, "fraction of the free ground that robots have visited",
+      "The fraction of the free cells in which the origin of a robot has been at the end of any tick since "
+      "measuring began. Cells are squares of edge `cell`, and one of their corners is the world's origin. A "
+      "cell is free if its centre lies within the bounds of the world and in no static obstacle, whatever "
+      "the height of the obstacle. If the world has no bounds, the box around the static scene and the "
+      "robots at the start is used. Ground that no robot can reach counts.");
 }
 
 }  // namespace troupe::models

@@ -172,8 +172,8 @@ class ShareWithin : public OfRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::center>("center", Unit::meters, required, "[x, y] of the circle");
-      d.member<&Params::radius>("radius", Unit::meters, at_least(0), required, "of the circle");
+      d.member<&Params::center>("center", Unit::meters, required, "centre of the circle, [x, y]");
+      d.member<&Params::radius>("radius", Unit::meters, at_least(0), required, "radius of the circle");
     }
   };
 
@@ -208,10 +208,10 @@ class StateMean : public OfRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::component>("component", required,
-                                   "of the state, as \"KIND/0\" is the memory of the first controller");
-      d.member<&Params::field>("field", required, "of the component");
-      d.member<&Params::column>("column", within(0, 1e6), "of a field that is an array");
+      d.member<&Params::component>(
+          "component", required, "component of the state; \"KIND/0\" is the memory of the first controller");
+      d.member<&Params::field>("field", required, "field of the component");
+      d.member<&Params::column>("column", within(0, 1e6), "column of a field that is an array");
     }
   };
 
@@ -303,7 +303,7 @@ class Deaths : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::type>("type", engine::facts::required,
-                              "of the bodies that are counted, robots or not");
+                              "type of the bodies that are counted, robots or not");
     }
   };
 
@@ -332,79 +332,77 @@ class Deaths : public Measure {
 }  // namespace
 
 engine::MeasureKind stalls_measure() {
-  return engine::make_measure_kind<Stalls>(
-      "stalls", Unit::none, "robots that are stalled",
-      "The number of robots whose last motion was refused, because something stood in its way, or because it "
-      "would have left the world.");
+  return engine::make_measure_kind<Stalls>("stalls", Unit::none, "number of stalled robots",
+                                           "The number of robots whose last motion was blocked by something "
+                                           "in its way, or would have left the world.");
 }
 
 engine::MeasureKind alive_measure() {
-  return engine::make_measure_kind<Alive>(
-      "alive", Unit::none, "robots that are in the world",
-      "The number of robots that have been born and have not died. All other measures are of these alone.");
+  return engine::make_measure_kind<Alive>("alive", Unit::none, "number of robots in the world",
+                                          "The number of robots that have been born and have not died. Other "
+                                          "measures of robots cover only these.");
 }
 
 engine::MeasureKind deaths_measure() {
   return engine::make_measure_kind<Deaths>(
-      "deaths", Unit::none, "bodies of a type that have died",
-      "The number of bodies of a type that were in the world and are no more: pucks that a remover took, "
-      "robots whose packs ran empty. Whichever robots are measured.");
+      "deaths", Unit::none, "number of bodies of a type that have died",
+      "The number of bodies of a type that have died, such as pucks that a remover took or robots whose "
+      "packs ran empty. It does not depend on which robots are measured.");
 }
 
 engine::MeasureKind held_measure() {
   return engine::make_measure_kind<Held>(
-      "held", Unit::none, "robots held at the world's bounds",
-      "The number of robots whose last motion would have left the world. They count as stalled, too.");
+      "held", Unit::none, "number of robots stopped at the world's bounds",
+      "The number of robots whose last motion would have left the world. They also count as stalled.");
 }
 
 engine::MeasureKind displacement_measure() {
   return engine::make_measure_kind<Displacement>(
-      "displacement", Unit::meters, "how far robots are from where they started, in the mean",
-      "The mean over the robots of the straight distance between their origins now and at tick 0, or where "
-      "they were born.");
+      "displacement", Unit::meters, "mean distance of the robots from where they started",
+      "The mean over the robots of the straight-line distance between a robot's origin now and at tick 0, or "
+      "at its birth.");
 }
 
 engine::MeasureKind path_length_measure() {
   return engine::make_measure_kind<PathLength>(
-      "path_length", Unit::meters, "how far robots have gone, in the mean",
-      "The mean over the robots of the sum, over all ticks since measuring began, of the straight distance "
-      "between their origins before and after the tick. Where a program puts a robot between two ticks it "
-      "has "
-      "not gone.");
+      "path_length", Unit::meters, "mean length of the robots' paths",
+      "The mean over the robots of the sum, over all ticks since measuring began, of the straight-line "
+      "distance between a robot's origin before and after the tick. Moves by a program between two ticks do "
+      "not count.");
 }
 
 engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
-      "mean_speed", Unit::meters_per_second, "how fast robots moved in the last tick, in the mean",
-      "The mean over the robots of the speed, in any direction, with which their origins moved in the last "
-      "tick; 0 for one that is stalled, and for all before the first tick.");
+      "mean_speed", Unit::meters_per_second, "mean speed of the robots in the last tick",
+      "The mean over the robots of the speed of their origins in the last tick, in any direction; 0 for a "
+      "stalled robot, and for all robots before the first tick.");
 }
 
 engine::MeasureKind order_measure() {
   return engine::make_measure_kind<Order>(
-      "order", Unit::none, "how far headings agree: 0 not at all, 1 wholly",
-      "The length of the mean of the robots' unit vectors of heading. Vicsek et al., Novel type of phase "
-      "transition in a system of self-driven particles, Physical Review Letters 75, 1995, for particles of "
-      "one speed; also called polarisation.");
+      "order", Unit::none, "agreement of the headings, from 0 (none) to 1 (full)",
+      "The length of the mean of the robots' unit heading vectors, also called polarisation. Vicsek et al., "
+      "Novel type of phase transition in a system of self-driven particles, Physical Review Letters 75, "
+      "1995, for particles of one speed.");
 }
 
 engine::MeasureKind spread_measure() {
   return engine::make_measure_kind<Spread>(
-      "spread", Unit::meters, "how far robots are from their centre, in the mean",
-      "The mean over the robots of the distance between their origins and the mean of all their origins.");
+      "spread", Unit::meters, "mean distance of the robots from their centre",
+      "The mean over the robots of the distance between a robot's origin and the mean of all their origins.");
 }
 
 engine::MeasureKind share_within_measure() {
   return engine::make_measure_kind<ShareWithin>(
-      "share_within", Unit::none, "share of the robots that are in a circle",
-      "The share of the robots whose origin lies within `radius` of `center`, the circle included.");
+      "share_within", Unit::none, "fraction of the robots that are in a circle",
+      "The fraction of the robots whose origin is at most `radius` from `center`.");
 }
 
 engine::MeasureKind state_mean_measure() {
   return engine::make_measure_kind<StateMean>(
-      "state_mean", Unit::none, "a number of the robots' state, in the mean",
-      "The mean of one number of the state over the robots that have it: what a controller remembers, what a "
-      "sensor reads. Of a field that is 0 or 1 it is a share.");
+      "state_mean", Unit::none, "mean of a number in the robots' state",
+      "The mean of one number of the state over the robots that have it, such as the memory of a controller "
+      "or the reading of a sensor. For a field that is 0 or 1, it is a fraction of the robots.");
 }
 
 }  // namespace troupe::models

@@ -101,7 +101,8 @@ class Neighbours : public AmongRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::radius>("radius", Unit::meters, above(0), at_most(1000), "how near a neighbour is");
+      d.member<&Params::radius>("radius", Unit::meters, above(0), at_most(1000),
+                                "greatest distance of a neighbour");
     }
   };
 
@@ -131,17 +132,17 @@ class Neighbours : public AmongRobots {
 
 engine::MeasureKind mean_nearest_distance_measure() {
   return engine::make_measure_kind<MeanNearestDistance>(
-      "mean_nearest_distance", Unit::meters, "how far the nearest other robot is, in the mean",
-      "The mean over the robots of the distance between a robot's origin and that of the nearest other one "
-      "of those that are measured, walls or not. Not a number for fewer than two robots. Clark and Evans, "
-      "Distance to nearest neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.");
+      "mean_nearest_distance", Unit::meters, "mean distance to the nearest other robot",
+      "The mean over the robots of the distance from a robot's origin to that of the nearest other measured "
+      "robot, even through walls. Not a number for fewer than two robots. Clark and Evans, Distance to "
+      "nearest neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.");
 }
 
 engine::MeasureKind neighbours_measure() {
   return engine::make_measure_kind<Neighbours>(
-      "neighbours", Unit::none, "how many other robots are near, in the mean",
-      "The mean over the robots of the number of others, of those that are measured, whose origin lies "
-      "within `radius` of its own, walls or not: the mean degree of the graph that joins robots within that "
+      "neighbours", Unit::none, "mean number of other robots nearby",
+      "The mean over the robots of the number of other measured robots whose origin lies within `radius` of "
+      "the robot's own, even through walls: the mean degree of the graph that joins robots within that "
       "distance.");
 }
 

@@ -21,7 +21,8 @@ class RankErrors : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::center>("center", Unit::meters, required, "[x, y]: from where distances count");
+      d.member<&Params::center>("center", Unit::meters, required,
+                                "point from which distances are measured, [x, y]");
     }
   };
 
@@ -64,10 +65,11 @@ class RankErrors : public Measure {
 
 engine::MeasureKind rank_errors_measure() {
   return engine::make_measure_kind<RankErrors>(
-      "rank_errors", Unit::none, "share of the pairs of unlike robots that stand in the wrong order",
-      "Of all pairs of robots of different types, the share in which the one whose type stands later in the "
-      "world is nearer to `center`. 0: robots stand in rings, type by type; about one half: they are mixed. "
-      "Not a number where all are of one type. Gross, Magnenat, Mondada, Segregation in swarms of mobile "
+      "rank_errors", Unit::none,
+      "fraction of the pairs of robots of different types that are in the wrong order",
+      "The fraction of the pairs of robots of different types in which the robot whose type comes later in "
+      "the world is nearer to `center`. 0: the robots form rings, type by type; about one half: they are "
+      "mixed. Not a number if all are of one type. Gross, Magnenat, Mondada, Segregation in swarms of mobile "
       "robots based on the Brazil nut effect, IROS 2009: the percentage of errors in rank.");
 }
 
