@@ -8,7 +8,8 @@
 
 namespace troupe::models {
 
-/// How fast a drive may go, and how it sets out.
+/// Limits of the speeds and accelerations of a drive, and its velocity until it is first due. Units and
+/// frames: describe().
 struct MotionParams {
   double velocity_min_x = -1;
   double velocity_max_x = 1;
@@ -55,11 +56,11 @@ struct MotionParams {
                                         "turn rate until the drive is first due, not limited");
   }
 
-  /// Whether the bounds stand the right way round.
+  /// An error if a lower bound exceeds the upper one.
   Result<> check() const;
 };
 
-/// What any drive takes.
+/// Parameters of every drive.
 struct DriveParams {
   MotionParams motion;
   std::int64_t pushes = 4;
@@ -74,7 +75,7 @@ struct DriveParams {
   }
 };
 
-/// What a car takes.
+/// Parameters of a car.
 struct CarParams {
   double wheelbase = 1;
   DriveParams drive;
@@ -87,19 +88,23 @@ struct CarParams {
   }
 };
 
-/// What a command becomes, within the bounds of its drive; docs/driving.md has the whole of it.
+/// The velocity that each kind of drive computes from a command. It is clamped to the limits of the drive.
+/// docs/driving.md has the details.
 ///
-/// speed   as in Stage the speed of the next tick; acceleration is not limited
+/// speed   the velocity of the next tick, as in Stage; the acceleration is not limited
 ///         diff  v = (x, 0), turn = turn
 ///         omni  v = (x, y), turn = turn
-///         car   v = (x cos(steering), 0), turn = x sin(steering) / wheelbase, where turn is the steering
-///         angle
-/// acceleration   within bounds of its own, times the time since the drive was due, is added to the last
-///         tick's velocity; a car's to the speed of its front wheels
-/// goal    proportional to what is missing (1/s), at most 0.4 m/s and 1 rad/s; arrived within 0.02 m
-///         diff  turns to the goal, drives while it is within pi/16 ahead, then turns to the goal's heading
-///         omni  straight to the goal, turning on the way
-///         car   in a curve, turning twice as fast; swings about its rear axle towards what lies behind it
+///         car   v = (x cos(steering), 0), turn = x sin(steering) / wheelbase; the command's turn is the
+///         steering angle
+/// acceleration   clamped to limits of its own, multiplied by the time since the drive was last due, and
+///         added to the velocity of the last tick; for a car, to the speed of its front wheels
+/// goal    proportional to the remaining distance and angle (gain 1/s), at most 0.4 m/s and 1 rad/s; arrived
+///         within 0.02 m along both axes
+///         diff  turns to the goal, drives while the goal is within pi/16 of straight ahead, then turns to
+///         the goal's heading
+///         omni  drives straight to the goal, turning on the way
+///         car   drives in a curve, turning with twice the gain; swings about its rear axle towards a goal
+///         behind it
 ///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();

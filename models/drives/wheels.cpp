@@ -20,7 +20,7 @@ using engine::DriveKind;
 using engine::Record;
 using engine::Velocity;
 
-// How far from its rest it may go: the circle about its body grows with that.
+// Limit of the distance from its rest position: the bounding circle of its body grows with it.
 constexpr double k_most_reach_m = 100;
 
 enum class Law : std::uint8_t { diff, omni, car };
@@ -32,7 +32,7 @@ const DriveKind& kind_of(Law law) {
 }
 
 struct Wheels {
-  /// All that any drive takes, but for what it knows of where it is, and what it pushes: joints push nothing.
+  /// The parameters of a drive without localization, and without pushes: joints push nothing.
   struct Params {
     Law drive = Law::diff;
     double wheelbase = CarParams().wheelbase;
@@ -52,7 +52,7 @@ struct Wheels {
 
   const DriveKind* kind = nullptr;
   std::any data;
-  Result<> bounds;  // whether the parameters fit together
+  Result<> bounds;  // an error if the parameters contradict each other
   Pose rest;        // of the part, body frame
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_part) {
@@ -81,7 +81,8 @@ struct Wheels {
   }
 };
 
-/// In the frame of the joint's rest, by the heading at the beginning, as bodies move.
+/// The joint's pose after dt, in the frame of its rest pose. Moves along the heading at the start of the
+/// tick, as bodies do.
 Pose moved(const Pose& q, const Velocity& v, double dt) {
   const Vec2 way = Rotation(q.heading) * Vec2(v.x * dt, v.y * dt);
   return {q.x + way.x(), q.y + way.y(), q.z, q.heading + v.turn * dt};
