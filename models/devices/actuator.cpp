@@ -52,7 +52,7 @@ struct Actuator {
   double max = 1;
   double max_speed = 1;
   double start_position = 0;
-  Result<> range;  // whether its ends are in order
+  Result<> range;  // an error if min_position exceeds max_position
 
   static Actuator read(const Params& params) {
     Actuator actuator;
@@ -83,11 +83,11 @@ struct Actuator {
     if (rotational) return {0, 0, 0, position};
     return {position * axis.x(), position * axis.y(), position * axis.z(), 0};
   }
-  /// How far it moves anything to the side, m.
+  /// Greatest horizontal displacement of the parts on it, m.
   double reach() const {
     return rotational ? 0 : axis.head<2>().norm() * std::max(std::abs(min), std::abs(max));
   }
-  /// m/s or rad/s, for the tick that follows.
+  /// Speed for this tick, m/s or rad/s.
   double speed(const Command& command, double position, double period_s) const {
     double wanted = command.goal;
     if (command.mode == Command::position)

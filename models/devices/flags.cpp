@@ -17,7 +17,7 @@ using engine::World;
 
 constexpr double k_most_flags = 1000;
 
-/// The flags of one row.
+/// The list of flags in one row of a state table.
 class FlagList {
  public:
   FlagList(StateTable& state, std::size_t slot)
@@ -55,7 +55,7 @@ class FlagList {
   std::span<float> sizes_;
 };
 
-/// The flags of a body, where it holds any.
+/// The list of flags of a body, if it is in the world and has one.
 std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* kind) {
   if (body.index() >= world.spec().bodies.size() || !world.row(body).valid()) return {};
   const Row row = world.row(body);

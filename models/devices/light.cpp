@@ -12,7 +12,7 @@ using engine::DeviceBatch;
 using engine::DeviceKind;
 using sensors::LightSource;
 
-/// Whether the light is on at `time_s` (s) if no controller has switched it.
+/// Whether the light is lit at `time_s` (s) if no controller has switched it.
 bool is_lit(const LightSource& light, double time_s) {
   if (!light.enabled) return false;
   if (light.period_s == 0) return light.dutycycle > 0;
@@ -20,7 +20,7 @@ bool is_lit(const LightSource& light, double time_s) {
   return cycles - std::floor(cycles) < light.dutycycle;
 }
 
-/// The kind of a light with these parameters. Its data are a LightSource, by which light sensors know it.
+/// The kind of a light with these parameters. Its data are a LightSource, which light sensors look for.
 template <class Params>
 DeviceKind make_light(std::string_view name, std::string_view text) {
   DeviceKind kind{.name = name, .text = text, .params = engine::described<Params>()};

@@ -13,11 +13,12 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 
-// To itself, while it is charged: whether that goes on. Controllers read of the last tick after act() has
-// run, so `charging` changes only with the transfers, which come before this or behind it.
+// An effect on itself, while it is charging, which tests whether charging continues. It cannot be tested in
+// act(): controllers read the state of the last tick after act(), so `charging` may change only together with
+// the transfers, which are applied before or after this effect.
 constexpr std::uint32_t k_ask_whether_charging = 0;
 
-constexpr double k_watts_per_kg = 10;  // and m/s or rad/s: Stage's position model
+constexpr double k_watts_per_kg = 10;  // per m/s or rad/s too, as in Stage's position model
 
 enum class WhenEmpty : std::uint8_t { stop, nothing, die };
 constexpr std::array<std::string_view, 3> names_of(WhenEmpty) { return {"stop", "nothing", "die"}; }
@@ -70,7 +71,7 @@ struct PowerPack {
     row.stored = std::min(params.stored, params.capacity);
   }
 
-  /// W: what the drive of a row draws.
+  /// Power that the drive of a body draws, W. v: the velocity that the drive produces.
   double drive_watts(const engine::Velocity& v) const {
     return params.idle + k_watts_per_kg * params.mass * (std::abs(v.x) + std::abs(v.y) + std::abs(v.turn));
   }

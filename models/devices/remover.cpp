@@ -19,7 +19,7 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// The lowest ids of those that come, in whatever order.
+/// Keeps the k_most_removed lowest of the ids added, in order.
 class Lowest {
  public:
   void add(BodyId body) {
@@ -53,8 +53,8 @@ struct Remover {
   using State = RemoverState;
 
   Params params;
-  Mount place;                           // its frame in the body's
-  std::vector<std::uint8_t> types = {};  // a TypeId each: 1: its bodies are removed; empty: those of any
+  Mount place;                           // of the remover, in the frame of its body or joint
+  std::vector<std::uint8_t> types = {};  // per TypeId, 1: its bodies are removed; empty: all robots are
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_remover) {
     return {.data = Remover{params, Mount(pose_body_remover)},

@@ -21,14 +21,14 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// How many whole periods of its life end within the ticks since it last ran.
+/// Number of periods of the body's life that have ended since the device last ran, own_period ticks ago.
 std::uint64_t periods_ended(const World& world, Row row, std::uint64_t own_period, double every_s) {
   const std::uint64_t age = world.tick() - world.birth_tick(row);
   const std::uint64_t every = engine::period_ticks(every_s, world.tick_s());
   return age / every - (age - std::min(age, own_period)) / every;
 }
 
-/// Flags that others gave to the row's body since its life began.
+/// Flags that the row's body has received from others since its birth.
 std::uint64_t flags_received(const World& world, Row row) {
   std::uint64_t sum = 0;
   for (const BodyType::Device& device : world.type(row).devices)
@@ -63,7 +63,7 @@ struct Spawner {
 
   Params params;
   Mount mount_body_spawner;
-  std::uint32_t reserve = 0;  // index into the world's
+  std::uint32_t reserve = 0;  // index into WorldSpec::reserves
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_spawner) {
     return {.data = Spawner{params, Mount(pose_body_spawner)}, .most_effects = 1};

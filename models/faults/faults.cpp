@@ -16,7 +16,7 @@ namespace {
 using engine::Ailment;
 using engine::BodyType;
 
-/// "ir, sonar" -> ir, sonar.
+/// Splits at commas and trims spaces: "ir, sonar" -> "ir", "sonar".
 std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
   while (!text.empty()) {
@@ -42,7 +42,7 @@ struct DeadSensors {
 
   static Result<Ailment> prepare(const Params& params, const BodyType& type) {
     Ailment ailment;
-    std::vector<std::string_view> sensors;  // of the type
+    std::vector<std::string_view> sensors;  // names of the sensors of the type
     for (const BodyType::Device& device : type.devices)
       if (device.kind->is_sensor()) sensors.push_back(device.name);
     std::vector<std::string_view> wanted = words_of(params.sensors);
