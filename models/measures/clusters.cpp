@@ -14,7 +14,7 @@ using engine::Measure;
 using engine::Unit;
 using engine::World;
 
-/// Pushable bodies, joined where they lie near one another.
+/// Finds the clusters of pushable bodies by union-find.
 class Clusters : public Measure {
  public:
   struct Params {
@@ -69,7 +69,7 @@ class Clusters : public Measure {
   }
 
   double distance_;
-  std::vector<std::uint32_t> parents_;  // a row each
+  std::vector<std::uint32_t> parents_;  // union-find forest, per row
   std::vector<std::uint32_t> sizes_;
 };
 

@@ -20,14 +20,14 @@ using engine::StateTable;
 using engine::Unit;
 using engine::World;
 
-/// A measure of the state alone.
+/// A measure over robots, computed from the present state.
 class OfRobots : public Measure {
  public:
   OfRobots(const World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
 
  protected:
   std::span<const Row> robots() const { return robots_; }
-  /// Of those that are in the world.
+  /// Mean of term(i) over the robots that are in the world; NaN if there are none.
   template <class Term>
   double mean(World& world, Term&& term) const {
     const std::size_t there = engine::count_there(world, robots_);
@@ -96,11 +96,12 @@ class PathLength : public OfRobots {
   double value(World& world) override {
     return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
-  // The places need not be kept: in a state that is put back, they are those where it begins.
+  // The places are not saved: the constructor reads them from the state that is restored.
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
-  /// Who was born since the last tick comes from where that was; who is not there stays.
+  /// The path of a robot born since the last tick begins at its birthplace. A robot that is not in the world
+  /// does not move.
   void begin_life(const World& world, std::size_t i) {
     const Row row = robots()[i];
     const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(world.body(row));
@@ -110,7 +111,7 @@ class PathLength : public OfRobots {
       places_[i] = world.origin(row);
   }
 
-  /// Who was put elsewhere went from there: that it was put there is no way.
+  /// A robot that a program moved continues from its new pose: the move itself is not counted.
   void set_out_from(std::span<const World::Placed> placed) {
     if (placed.empty()) return;
     if (numbers_.empty()) {
@@ -125,10 +126,10 @@ class PathLength : public OfRobots {
   }
   static std::size_t by_row(const std::pair<Row, std::uint32_t>& number) { return number.first.index(); }
 
-  std::vector<double> lengths_;                         // beside robots(), as are
-  std::vector<Vec2> places_;                            // in the state that was seen last
-  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // of robots(), by row; made when somebody is placed
-  std::uint64_t tick_;                                  // that was seen last
+  std::vector<double> lengths_;                         // m, per robot, in the order of robots()
+  std::vector<Vec2> places_;                            // per robot, in the state that see() saw last
+  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // indices into robots(), by row; built when needed
+  std::uint64_t tick_;                                  // that see() saw last
 };
 
 class MeanSpeed : public OfRobots {
@@ -191,7 +192,7 @@ class ShareWithin : public OfRobots {
   Params circle_;
 };
 
-/// Of those robots whose state has the component.
+/// Over the robots whose state has the component.
 class StateMean : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
@@ -226,14 +227,14 @@ class StateMean : public OfRobots {
   }
 
  private:
-  /// cells: by body.
+  /// cells: per body.
   StateMean(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
       : OfRobots(world, with(world, cells, std::move(rows))),
         column_(static_cast<std::size_t>(params.column)) {
     for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
   }
 
-  /// Each type that has the component keeps a table of its own.
+  /// The cell of each body. Every type that has the component has its own table.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
@@ -287,7 +288,7 @@ class StateMean : public OfRobots {
   }
 
   std::size_t column_;
-  std::vector<Cell> cells_;  // beside robots()
+  std::vector<Cell> cells_;  // per robot, in the order of robots()
 };
 
 class Alive : public OfRobots {
