@@ -18,7 +18,7 @@ using sensors::k_ground_color;
 using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_ahead = k_pi / 3;       // rad to either side
+constexpr double k_ahead = k_pi / 3;       // rad to either side: within this a robot is met
 constexpr double k_least_turn = k_pi / 2;  // rad, after a wait
 
 struct Beeclust {
@@ -51,7 +51,7 @@ struct Beeclust {
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
 
   Params params;
-  double radio_heading = 0;  // rad, of the radio in the frame of its drive
+  double radio_heading = 0;  // heading of the radio in the frame of the drive, rad
   Scanner scanner;
   bool has_led = false;
 
@@ -71,7 +71,7 @@ struct Beeclust {
     const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
     radio.say();
     if (memory.wait_updates > 0) {
-      // The wait is over: away from whom it met.
+      // The wait is over: it turns away from the robot that it met.
       if (--memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
     } else if (memory.turn_updates > 0) {
       --memory.turn_updates;
@@ -102,7 +102,7 @@ struct Beeclust {
     return false;
   }
 
-  /// In decisions.
+  /// Duration of the wait, in decisions.
   std::uint32_t wait(const engine::Percept& percept) const {
     const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
     const double brightness = (color[0] + color[1] + color[2]) / 3;

@@ -17,7 +17,7 @@ using sensors::k_light_brightness;
 using sensors::payload_of;
 using sensors::RadioPort;
 
-constexpr std::size_t k_least_directions = 3;  // fewer do not tell where a light is
+constexpr std::size_t k_least_directions = 3;  // fewer cannot give the direction of a light
 
 struct BrazilNut {
   struct Params {
@@ -43,15 +43,15 @@ struct BrazilNut {
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;  ///< of the present shaking
-    double heading = 0;              ///< rad, of that, in the frame of its estimate
+    std::uint32_t updates_left = 0;  ///< decisions left with the present random direction
+    double heading = 0;              ///< the random direction, rad, in the frame of the estimate
     TROUPE_FIELDS(updates_left, heading)
   };
   static constexpr std::size_t k_light = 0, k_radio = 1;
 
   Params params;
-  double radio_heading = 0;        // rad, of the radio in the frame of its drive
-  std::vector<SinCos> directions;  // of the light sensor, in that frame
+  double radio_heading = 0;        // heading of the radio in the frame of the drive, rad
+  std::vector<SinCos> directions;  // of the light sensor, in the frame of the drive
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {

@@ -18,11 +18,11 @@ namespace {
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
-constexpr double k_listen_s = 3;     // before it decides
+constexpr double k_listen_s = 3;     // the last messages before a decision, which count
 constexpr double k_straight_s = 10;  // mean
 constexpr double k_turn = 0.8;       // rad/s
 constexpr double k_stop_share = 0.6;
-constexpr float k_middle = 0.5f;  // of brightness: darker is black
+constexpr float k_middle = 0.5f;  // brightness below which ground is black
 
 enum class Rule : std::uint8_t { majority, voter };
 constexpr std::array<std::string_view, 2> names_of(Rule) { return {"majority", "voter"}; }
@@ -49,9 +49,9 @@ struct CollectivePerception {
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;  ///< of what it does
-    std::uint32_t looked = 0;        ///< at the floor, since it began to explore
-    std::uint32_t agreed = 0;        ///< how often that had the colour of its opinion
+    std::uint32_t updates_left = 0;  ///< updates left of exploring or sharing
+    std::uint32_t looked = 0;        ///< readings since it began to explore
+    std::uint32_t agreed = 0;        ///< those with the colour of its opinion
     std::array<std::uint32_t, 2> votes{};
     std::int32_t straight_updates = 0;
     std::int32_t turn_updates = 0;
@@ -146,7 +146,7 @@ struct CollectivePerception {
       memory.opinion = random.below(all) < memory.votes[1];
       return;
     }
-    // Its own counts as what one message tells: no more than what it hears in a tick.
+    // Its own opinion counts as one message, no more than it may hear in one tick.
     std::array<std::uint32_t, 2> votes = memory.votes;
     ++votes[memory.opinion];
     if (votes[0] != votes[1]) memory.opinion = votes[1] > votes[0];

@@ -41,7 +41,7 @@ struct Source {
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     Result<std::vector<std::size_t>> chosen = choose_flags(devices, claimed);
-    // Of what a list can hold a source fills no more than there is.
+    // A source creates no more flags than its list can hold.
     if (chosen)
       params.capacity =
           std::min(params.capacity, devices[chosen->front()].prepared.percepts[k_flag_colors].columns);

@@ -18,7 +18,7 @@ using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
 constexpr double k_least_turn = k_pi / 2;  // rad
-constexpr float k_black = 0.25f;           // of brightness: darker is black
+constexpr float k_black = 0.25f;           // brightness below which ground is black
 constexpr float k_white = 0.75f;
 constexpr Evasion k_evasion{};
 
@@ -55,15 +55,15 @@ struct InformedAggregation {
   struct Memory {
     std::uint32_t enter_updates = 0;
     std::uint32_t turn_updates = 0;
-    std::uint32_t still_updates = 0;   ///< in a row, in which it was to move and did not
-    std::uint32_t escape_updates = 0;  ///< for which it still backs out of where it is stuck
-    double x = 0;                      ///< m: its estimate at the last update
+    std::uint32_t still_updates = 0;   ///< consecutive updates in which a command did not move it
+    std::uint32_t escape_updates = 0;  ///< updates left of backing out
+    double x = 0;                      ///< estimated pose at the last update: m
     double y = 0;
     double heading = 0;       ///< rad
     float turn = 0;           ///< rad/s
     std::uint8_t does = 0;    ///< walk, enter or stand
     std::uint8_t site = 0;    ///< black or white, while it enters or stands
-    std::uint8_t leaves = 0;  ///< 1: it comes from a site, and stops on none before it has left that
+    std::uint8_t leaves = 0;  ///< 1: it must leave the site before it may stop again
     TROUPE_FIELDS(enter_updates, turn_updates, still_updates, escape_updates, x, y, heading, turn, does, site,
                   leaves)
   };

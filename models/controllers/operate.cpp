@@ -28,7 +28,7 @@ struct Step {
   std::string device;
   Order order = Order::open;
   double value = 0;
-  std::size_t chosen = 0;  // position of the device among those of the controller
+  std::size_t chosen = 0;  // index of the device among the chosen ones
 
   static constexpr void describe(engine::Description<Step>& d) {
     using namespace engine::facts;
@@ -52,14 +52,15 @@ std::optional<double> number_of(std::string_view text) {
   return number;
 }
 
-/// What stands before the first separator, which goes with it.
+/// Removes the text up to the first separator from `rest`, with the separator, and returns it without that.
 std::string_view take_first(char separator, std::string_view& rest) {
   const std::size_t end = std::min(rest.size(), rest.find(separator));
   const std::string_view word = rest.substr(0, end);
   rest.remove_prefix(std::min(rest.size(), end + 1));
   return word;
 }
-/// What stands behind the last colon, which goes with it; all where there is none.
+/// Removes the text after the last colon from `rest`, with the colon, and returns it; all if there is no
+/// colon.
 std::string_view take_last(std::string_view& rest) {
   const std::size_t colon = rest.rfind(':');
   const std::string_view word = colon == rest.npos ? rest : rest.substr(colon + 1);
@@ -67,8 +68,8 @@ std::string_view take_last(std::string_view& rest) {
   return word;
 }
 
-/// One entry of a plan, DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS, where the device's name may hold
-/// colons.
+/// One entry of a plan, DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS. The name of the device may
+/// contain colons.
 Result<Step> read_step(std::string_view entry) {
   std::string_view time = entry;
   std::string_view device = take_first('@', time);
@@ -111,7 +112,7 @@ struct Operate {
   };
 
   std::vector<Step> steps;
-  Result<> readable;  // whether all of the plan is
+  Result<> readable;  // an error if the plan cannot be read
 
   static Operate make(const Params& params) {
     Operate operate;
@@ -149,7 +150,7 @@ struct Operate {
   }
 
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    for (const Step& step : steps) {  // in the order of time: the last that has begun holds
+    for (const Step& step : steps) {  // by time: the last one whose time has come holds
       if (percept.tick < engine::ticks_until(step.at_s, percept.tick_s)) return;
       using G = GripperCommand;
       switch (step.order) {

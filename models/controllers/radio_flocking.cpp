@@ -16,10 +16,10 @@ namespace {
 using sensors::payload_of;
 using sensors::RadioPort;
 
-// In units of the heading.
-constexpr double k_push = 3;            // of a wall that is touched
-constexpr double k_repulsion = 5;       // of another, at most
-constexpr double k_attraction = 0.3;    // at most, so that the many afar do not outweigh the one nearby
+// Relative to the weight of the heading.
+constexpr double k_push = 3;            // at contact with an obstacle
+constexpr double k_repulsion = 5;       // by another robot, at most
+constexpr double k_attraction = 0.3;    // at most, so that many distant robots do not outweigh a near one
 constexpr double k_least_range = 1e-3;  // m
 constexpr double k_backwards = 0.5;     // of the speed
 
@@ -44,7 +44,7 @@ struct RadioFlocking {
     }
   };
   Params params;
-  double radio_heading = 0;  // rad, of the radio in the frame of its drive
+  double radio_heading = 0;  // heading of the radio in the frame of the drive, rad
   std::vector<Beam> beams;
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
@@ -85,7 +85,7 @@ struct RadioFlocking {
     radio.say(static_cast<float>(own));
   }
 
-  /// Away from what is near: the mean over the beams that see something nearer than the clearance.
+  /// Repulsion by obstacles: the mean over the beams whose reading is below the clearance.
   Vec2 push(const engine::Percept& percept) const {
     Vec2 sum(0, 0);
     std::size_t count = 0;

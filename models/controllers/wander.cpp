@@ -28,7 +28,7 @@ struct Wander {
     }
   };
   struct Memory {
-    std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
+    std::int32_t avoid_updates = 0;  ///< scans left of the present turn
     TROUPE_FIELDS(avoid_updates)
   };
 
@@ -48,7 +48,7 @@ struct Wander {
                   engine::Actions& actions) const {
     const auto [obstruction, stop, left, right] =
         scanner.look(percept.ranges(0), params.min_front, params.stop);
-    // Whatever was commanded from outside before, it is speeds from now on.
+    // A program may have commanded another mode before.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {
       actions.command = {params.cruise_speed, 0, 0};

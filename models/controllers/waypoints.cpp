@@ -16,7 +16,7 @@
 namespace troupe::models {
 namespace {
 
-// It lands on goals that it keeps to but for the rounding of its last step, m and rad.
+// It reaches tracked goals up to the rounding of its last step, m and rad.
 constexpr double k_there = 1e-6;
 
 struct Goal {
@@ -36,15 +36,15 @@ struct Goal {
                            "speed of a straight motion to the goal; 0: the drive's own law for goals");
     d.member<&Goal::wait_s>("wait", seconds, within(0, 1e9), "how long it waits there before it goes on");
   }
-  /// It goes there in a straight line, as fast as it was told, and not as its drive goes to goals.
+  /// Whether it moves to the goal in a straight line at a given speed, not by the drive's own law for goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }
 };
 
 struct Waypoints {
   struct Memory {
-    std::uint32_t goal = 0;    ///< the one it goes to
-    std::uint64_t begun = 0;   ///< the tick with which its round began, where goals have times
-    std::uint64_t leaves = 0;  ///< the tick with which it goes on, while it waits
+    std::uint32_t goal = 0;    ///< index of the present goal
+    std::uint64_t begun = 0;   ///< tick at which its round began, if goals have times
+    std::uint64_t leaves = 0;  ///< tick at which it goes on, while it waits
     TROUPE_FIELDS(goal, begun, leaves)
   };
 
@@ -58,7 +58,7 @@ struct Waypoints {
       using enum engine::Unit;
       d.member<&Params::goals>("goals", required,
                                "goals in their order, in the frame of the robot's localization");
-      // Drives come within 0.02 m along both axes.
+      // At least 0.03 m, because drives stop within 0.02 m of a goal along both axes.
       d.member<&Params::near>(
           "near", meters, at_least(0.03),
           "estimated distance to a goal without `at` and `speed` at which the robot goes on to the next");
@@ -67,7 +67,7 @@ struct Waypoints {
   };
 
   Params params;
-  // Of the drive, where goals are tracked:
+  // Of the drive, if goals are tracked:
   double speed_max = 0;  // m/s, in any direction
   double turn_max = 0;   // rad/s, either way
   std::uint64_t period = 1;
@@ -97,7 +97,7 @@ struct Waypoints {
   }
 
   void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    // An intervention may have left fewer goals than the robot had passed.
+    // An intervention may have shortened the list of goals.
     memory.goal = std::min(memory.goal, static_cast<std::uint32_t>(params.goals.size() - 1));
     const Ahead ahead = look_ahead(percept, actions.command);
     if (has_arrived(memory, percept, ahead) && waits_no_more(memory, percept, ahead)) go_on(memory, ahead);
@@ -109,7 +109,7 @@ struct Waypoints {
   }
 
  private:
-  /// When a command that is given now begins to move it, and where it is then unless something stops it.
+  /// The tick in which a command given now first moves it, and its pose then, unless it is blocked.
   struct Ahead {
     std::uint64_t tick;
     Pose pose;
@@ -126,7 +126,7 @@ struct Waypoints {
     return ahead;
   }
 
-  /// The tick with whose end it is to be at its goal; 0: whenever it gets there.
+  /// The tick at whose end it is to be at its goal; 0: any.
   std::uint64_t due(const Memory& memory, const engine::Percept& percept) const {
     const double at_s = params.goals[memory.goal].at_s;
     return at_s > 0 ? memory.begun + engine::ticks_until(at_s, percept.tick_s) : 0;
@@ -160,7 +160,7 @@ struct Waypoints {
       memory.begun = ahead.tick;
   }
 
-  /// At the speed that takes it there in time; or, where it is late, as fast as its drive can.
+  /// Moves at the speed that takes it to the goal on time or, if it is late, as fast as its drive can.
   void track(const Goal& goal, std::uint64_t due, const Ahead& ahead, const engine::Percept& percept,
              engine::Actions& actions) const {
     const Vec2 way = goal.pose.position() - ahead.pose.position();
@@ -178,7 +178,7 @@ struct Waypoints {
 
   double speed_of(const Goal& goal) const { return goal.speed > 0 ? goal.speed : speed_max; }
 
-  /// Whether it can do all that a goal says; else what it cannot.
+  /// An error if the drive cannot fulfil what goal i demands.
   Result<> can_keep(std::size_t i) const {
     const Goal& goal = params.goals[i];
     if (goal.at_s > 0 && goal.speed > 0)
