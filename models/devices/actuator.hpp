@@ -22,7 +22,7 @@ struct ActuatorState {
   double position = 0;       ///< m along the axis or rad about it, from the pose in the world file
   double velocity = 0;       ///< m/s or rad/s, of this tick
   double asked = 0;          ///< position requested for the end of this tick, m or rad
-  std::uint8_t stalled = 0;  ///< 1: something was in the way
+  std::uint8_t stalled = 0;  ///< 1: its motion was blocked
   TROUPE_FIELDS(position, velocity, asked, stalled)
 };
 

@@ -14,7 +14,7 @@ struct WheelsState {
   double forward = 0;        ///< m/s, its own frame; velocity of this tick
   double left = 0;           ///< m/s
   double turn = 0;           ///< rad/s
-  std::uint8_t stalled = 0;  ///< 1: something was in the way
+  std::uint8_t stalled = 0;  ///< 1: its motion was blocked
   TROUPE_FIELDS(x, y, z, heading, forward, left, turn, stalled)
 };
 
