@@ -3,12 +3,12 @@
 namespace troupe::models {
 
 std::vector<engine::ModelKind> model_kinds() {
-  // Defaults are those of Stage 4.3's code, which world files rely on; its manual names others.
+  // Defaults are those of the code of Stage 4.3, on which world files rely; its manual states others.
   const Eigen::Vector3d base(0.4, 0.4, 1.0);
   const Color red{1, 0, 0, 1};
   return {
       {.name = "actuator",
-       .text = "a joint that moves, with what stands on it",
+       .text = "a joint that moves, with the parts mounted on it",
        .size = base,
        .color = red,
        .device = "actuator"},
@@ -18,7 +18,7 @@ std::vector<engine::ModelKind> model_kinds() {
        .color = {0, 1, 0, 1},
        .device = "blinkenlight"},
       {.name = "blobfinder",
-       .text = "finds stretches of colour",
+       .text = "finds blobs of colour",
        .size = base,
        .color = red,
        .has_default_body = false,
@@ -46,10 +46,10 @@ std::vector<engine::ModelKind> model_kinds() {
        .size = base,
        .color = red,
        .device = "lightindicator"},
-      {.name = "model", .text = "a body: what all other models are too", .size = base, .color = red},
+      {.name = "model", .text = "a body; all other models are bodies too", .size = base, .color = red},
       {.name = "position", .text = "a body with a drive", .size = base, .color = red},
       {.name = "radio",
-       .text = "says something to others in range, and hears what they say",
+       .text = "sends messages to the radios in range, and receives theirs",
        .size = {0.1, 0.1, 0.1},
        .color = {0, 0, 0, 1},
        .has_default_body = false,

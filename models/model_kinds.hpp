@@ -4,7 +4,7 @@
 
 namespace troupe::models {
 
-/// What a Stage world file may create, with its default size, colour and body.
+/// The kinds of models that a Stage world file may create, with their default sizes, colours and bodies.
 std::vector<engine::ModelKind> model_kinds();
 
 }  // namespace troupe::models

@@ -10,17 +10,17 @@
 
 namespace troupe::models {
 
-/// Where one reading of a ranger is taken. The frame is that of the drive that the controller commands: x is
-/// straight ahead, y left.
+/// Geometry of one reading of a ranger, in the frame of the drive that the controller commands: x is straight
+/// ahead, y left.
 struct Beam {
   std::size_t reading = 0;     ///< index in Percept::ranges()
   std::size_t transducer = 0;  ///< index of its transducer
   double bearing = 0;          ///< rad, counter-clockwise from straight ahead, within [-pi, pi]
-  SinCos direction;            ///< of the bearing
-  Vec2 origin = Vec2::Zero();  ///< where the beam starts, m
+  SinCos direction;            ///< unit vector of the bearing
+  Vec2 origin = Vec2::Zero();  ///< start of the beam, m
 };
 
-/// The beams of a device, in the order of its readings; empty where it is no ranger.
+/// The beams of a device, in the order of its readings; empty if the device is not a ranger.
 inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
   const engine::DeviceKind::Prepared& layout = device.prepared;
   const Transform pose_drive_sensor(device.pose);

@@ -18,7 +18,7 @@ using sensors::k_ground_color;
 using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_ahead = k_pi / 3;       // rad to either side
+constexpr double k_ahead = k_pi / 3;       // rad to either side: within this a robot is met
 constexpr double k_least_turn = k_pi / 2;  // rad, after a wait
 
 struct Beeclust {
@@ -32,13 +32,13 @@ struct Beeclust {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::max_wait>("max_wait", seconds, within(0, 1e6),
-                                  "which waits on ever brighter ground tend to");
+                                  "upper limit of the waiting time, approached as the ground gets brighter");
       d.member<&Params::half>("half", above(0), at_most(1e6),
-                              "square of the brightness, from 0 to 1, at which it waits for half of that");
+                              "square of the brightness (0 to 1) at which it waits for half of `max_wait`");
       d.member<&Params::meet>("meet", meters, at_least(0),
-                              "from radio to radio: another who is nearer ahead is met");
+                              "distance between the radios within which it meets a robot ahead");
       describe_min_front(d);
     }
   };
@@ -51,7 +51,7 @@ struct Beeclust {
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
 
   Params params;
-  double radio_heading = 0;  // rad, of the radio in the frame of its drive
+  double radio_heading = 0;  // heading of the radio in the frame of the drive, rad
   Scanner scanner;
   bool has_led = false;
 
@@ -71,7 +71,7 @@ struct Beeclust {
     const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
     radio.say();
     if (memory.wait_updates > 0) {
-      // The wait is over: away from whom it met.
+      // The wait is over: it turns away from the robot that it met.
       if (--memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
     } else if (memory.turn_updates > 0) {
       --memory.turn_updates;
@@ -102,7 +102,7 @@ struct Beeclust {
     return false;
   }
 
-  /// In decisions.
+  /// Duration of the wait, in decisions.
   std::uint32_t wait(const engine::Percept& percept) const {
     const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
     const double brightness = (color[0] + color[1] + color[2]) / 3;
@@ -122,7 +122,7 @@ struct Beeclust {
 
 engine::ControllerKind beeclust_controller() {
   return engine::make_controller_kind<Beeclust>(
-      "beeclust", "aggregate where the ground is bright: wait where others are met");
+      "beeclust", "aggregate where the ground is bright: wait where another robot is met");
 }
 
 }  // namespace troupe::models

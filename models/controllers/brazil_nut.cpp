@@ -17,7 +17,7 @@ using sensors::k_light_brightness;
 using sensors::payload_of;
 using sensors::RadioPort;
 
-constexpr std::size_t k_least_directions = 3;  // fewer do not tell where a light is
+constexpr std::size_t k_least_directions = 3;  // fewer cannot give the direction of a light
 
 struct BrazilNut {
   struct Params {
@@ -33,27 +33,25 @@ struct BrazilNut {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::radius>("radius", meters, required, above(0), at_most(1000),
-                                "of the disc as which it acts");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "at most");
-      d.member<&Params::gain>("gain", per_second, at_least(0),
-                              "turn rate for each radian that it is to turn");
-      d.member<&Params::taxis>("taxis", at_least(0), "weight of the way to the light");
-      d.member<&Params::noise>("noise", at_least(0), "weight of the shaking");
-      d.member<&Params::push>("push", at_least(0), "of another in the same place");
-      d.member<&Params::shake>("shake", seconds, within(0, 1e6),
-                               "for how long it is shaken in one direction");
+                                "radius of the disc that it acts as");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "greatest speed");
+      d.member<&Params::gain>("gain", per_second, at_least(0), "turn rate per radian that it is to turn");
+      d.member<&Params::taxis>("taxis", at_least(0), "weight of the direction to the light");
+      d.member<&Params::noise>("noise", at_least(0), "weight of the random direction");
+      d.member<&Params::push>("push", at_least(0), "repulsion by a robot in the same place");
+      d.member<&Params::shake>("shake", seconds, within(0, 1e6), "how long a random direction lasts");
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;  ///< of the present shaking
-    double heading = 0;              ///< rad, of that, in the frame of its estimate
+    std::uint32_t updates_left = 0;  ///< decisions left with the present random direction
+    double heading = 0;              ///< the random direction, rad, in the frame of the estimate
     TROUPE_FIELDS(updates_left, heading)
   };
   static constexpr std::size_t k_light = 0, k_radio = 1;
 
   Params params;
-  double radio_heading = 0;        // rad, of the radio in the frame of its drive
-  std::vector<SinCos> directions;  // of the light sensor, in that frame
+  double radio_heading = 0;        // heading of the radio in the frame of the drive, rad
+  std::vector<SinCos> directions;  // of the light sensor, in the frame of the drive
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -120,7 +118,7 @@ struct BrazilNut {
 
 engine::ControllerKind brazil_nut_controller() {
   return engine::make_controller_kind<BrazilNut>(
-      "brazil_nut", "act as a disc of some size that is shaken, drawn to a light and pushed by others");
+      "brazil_nut", "act as a disc of a given size that is shaken, drawn to a light and pushed by others");
 }
 
 }  // namespace troupe::models

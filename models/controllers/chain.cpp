@@ -20,14 +20,14 @@ using sensors::payload_of;
 using sensors::RadioPort;
 
 constexpr std::uint8_t k_prey = 255;
-constexpr double k_turn = 1.0;               // rad/s, away from what is ahead
-constexpr double k_gain = 2.0;               // 1/s, towards where it goes
-constexpr double k_tolerance_share = 0.15;   // of the spacing: it is where a link is to stand
-constexpr double k_home_share = 0.75;        // of the spacing: how far from the nest it goes round it
-constexpr double k_same_place_share = 0.5;   // of the spacing
-constexpr double k_longest_round_s = 30;     // about the nest
-constexpr std::uint32_t k_patience = 20;     // decisions without the link before it
-constexpr std::uint32_t k_past_updates = 8;  // straight on, past what it has turned away from
+constexpr double k_turn = 1.0;               // rad/s, away from obstacles ahead
+constexpr double k_gain = 2.0;               // 1/s, towards its goal
+constexpr double k_tolerance_share = 0.15;   // of the spacing: this near, it is at the place of a link
+constexpr double k_home_share = 0.75;        // of the spacing: radius of its circles around the nest
+constexpr double k_same_place_share = 0.5;   // of the spacing: links of one number this near are in one place
+constexpr double k_longest_round_s = 30;     // around the nest
+constexpr std::uint32_t k_patience = 20;     // decisions for which it stays without the link before it
+constexpr std::uint32_t k_past_updates = 8;  // straight on after a turn, to get past the obstacle
 
 enum class Role : std::uint8_t { robot, nest, prey };
 constexpr std::array<std::string_view, 3> names_of(Role) { return {"robot", "nest", "prey"}; }
@@ -44,21 +44,21 @@ struct Chain {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::role>("role", "what it is: a nest and a prey stand");
-      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000), "from link to link");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::role>("role", "role; a nest and a prey stand still");
+      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000), "distance from link to link");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       describe_min_front(d);
       d.member<&Params::joins>("joins", within(0, 1),
-                               "chance in a decision that it becomes a link where there is room for one");
+                               "probability per decision that it becomes a link where there is room for one");
       d.member<&Params::leaves>("leaves", within(0, 1),
-                                "chance in a decision that the last link of a chain leaves it");
+                                "probability per decision that the last link of a chain leaves it");
     }
   };
   struct Memory {
-    std::uint8_t link = 0;      ///< 1: it stands as a link
-    std::uint8_t number = 0;    ///< as a link, from the nest on
-    std::uint8_t path = 0;      ///< 1: from here on there is a path to the prey
-    std::uint8_t homeward = 0;  ///< 1: it goes back to the nest
+    std::uint8_t link = 0;      ///< 1: it is a link
+    std::uint8_t number = 0;    ///< number of the link, counted from the nest
+    std::uint8_t path = 0;      ///< 1: a path leads on from here to the prey
+    std::uint8_t homeward = 0;  ///< 1: it is on its way back to the nest
     std::uint32_t alone = 0;    ///< decisions since it heard the link before it
     std::uint32_t round_updates = 0;
     std::uint32_t turn_updates = 0;
@@ -66,7 +66,7 @@ struct Chain {
     float turn = 0;  ///< rad/s
     TROUPE_FIELDS(link, number, path, homeward, alone, round_updates, turn_updates, past_updates, turn)
   };
-  /// One that stands, as it is heard: where, robot frame, m.
+  /// The nest or a link that it hears. Place in the robot frame, m.
   struct Post {
     std::uint8_t number = 0;
     double range = std::numeric_limits<double>::infinity();
@@ -76,9 +76,9 @@ struct Chain {
   static constexpr std::size_t k_radio = 0, k_scanner = 1;
 
   Params params;
-  double radio_heading = 0;  // rad, of the radio in the frame of its drive
+  double radio_heading = 0;  // heading of the radio in the frame of the drive, rad
   Scanner scanner;
-  std::size_t led = 0;  // its place among the devices; 0: none
+  std::size_t led = 0;  // index among the chosen devices; 0: none
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -147,7 +147,7 @@ struct Chain {
     return true;
   }
 
-  /// False where it cannot stay.
+  /// Updates `path` and `alone`. False if it cannot stay.
   bool listen_as_link(Memory& memory, const engine::Percept& percept, const RadioPort& radio) const {
     bool has_path = false;
     const bool is_nest = params.role == Role::nest;
@@ -170,7 +170,7 @@ struct Chain {
 
   // ---- as an explorer
 
-  /// The nearest that says this number, or, without one, the nearest of all but the prey.
+  /// The nearest post heard: with the number `wanted`, or, without one, of any number. Never the prey.
   std::optional<Post> nearest(const RadioPort& radio, std::optional<int> wanted = {}) const {
     Post best;
     for (std::size_t i = 0; i < radio.count(); ++i) {
@@ -210,7 +210,7 @@ struct Chain {
     }
     const Vec2 room = beyond(*post, nearest(radio, post->number - 1));
     const std::optional<Post> next = nearest(radio, post->number + 1);
-    // From the nest chains may lead in several directions.
+    // Chains may leave the nest in several directions.
     const bool has_room = !next || (post->number == 0 && (next->place - room).norm() > params.spacing);
     if (!has_room) {
       head_for(next->place, command);
@@ -226,7 +226,7 @@ struct Chain {
     head_for(room, command);
   }
 
-  /// Where the next link is to stand: in line with the last two; at the nest, where the robot is.
+  /// Place of the next link: in line with the last two; at the nest, in the direction of the robot.
   Vec2 beyond(const Post& last, const std::optional<Post>& before) const {
     const Vec2 way = before && last.number > 0 ? Vec2(last.place - before->place) : Vec2(-last.place);
     const double length = way.norm();
@@ -239,7 +239,7 @@ struct Chain {
     command = {share * params.speed * std::max(0.0, cos(angle)), 0, k_gain * angle};
   }
 
-  /// Counter-clockwise, so that all go the same way.
+  /// Circles the nest, counter-clockwise, so that all robots go the same way.
   void go_round(const Vec2& centre, engine::Command& command) const {
     const double range = std::max(centre.norm(), 1e-6);
     const Vec2 in = centre / range;
@@ -273,7 +273,7 @@ struct Chain {
 
 engine::ControllerKind chain_controller() {
   return engine::make_controller_kind<Chain>(
-      "chain", "find the way from a nest to a prey as links of chains that stand");
+      "chain", "find the path from a nest to a prey by forming chains of standing robots");
 }
 
 }  // namespace troupe::models

@@ -9,7 +9,7 @@ namespace troupe::models {
 namespace {
 
 constexpr double k_turn = 1.0;              // rad/s
-constexpr std::uint32_t k_surely_goes = 3;  // updates from a command until it must have moved
+constexpr std::uint32_t k_surely_goes = 3;  // updates after which a command must have moved it
 
 enum Does : std::uint8_t { k_ahead, k_back, k_turns };
 
@@ -22,20 +22,20 @@ struct Clustering {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead, and back");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed forward and backward");
       d.member<&Params::back>("back", seconds, within(0, 1e6),
-                              "for how long it backs off from what it cannot push");
+                              "how long it backs off from what it cannot push");
       describe_min_front(d);
     }
   };
   struct Memory {
-    double x = 0;                    ///< m, where it was when it decided before
+    double x = 0;                    ///< estimated pose at the last decision: m
     double y = 0;                    ///< m
     double heading = 0;              ///< rad
-    std::uint32_t same_updates = 0;  ///< since when it does the same
-    std::uint8_t does = 0;           ///< go straight on, back off or turn
-    std::uint32_t back_updates = 0;  ///< left of backing off
-    std::uint32_t turn_updates = 0;  ///< left of turning
+    std::uint32_t same_updates = 0;  ///< updates since it last changed what it does
+    std::uint8_t does = 0;           ///< drives ahead, backs off or turns
+    std::uint32_t back_updates = 0;  ///< updates of backing off left
+    std::uint32_t turn_updates = 0;  ///< updates of turning left
     float turn = 0;                  ///< rad/s
     TROUPE_FIELDS(x, y, heading, same_updates, does, back_updates, turn_updates, turn)
   };
@@ -62,7 +62,7 @@ struct Clustering {
     const bool is_stuck = stands && memory.same_updates >= k_surely_goes;
     const ScanAhead seen = scanner.look(percept.ranges(0), params.min_front, 0);
     if (is_stuck && memory.does == k_back) {
-      memory.back_updates = 0;  // on to the turn
+      memory.back_updates = 0;  // starts to turn
     } else if (is_stuck) {
       memory.back_updates = static_cast<std::uint32_t>(params.back / percept.tick_s);
       begin_turn(memory, percept, random, random.below(2) == 0 ? -1 : 1);
@@ -95,7 +95,7 @@ struct Clustering {
 
 engine::ControllerKind clustering_controller() {
   return engine::make_controller_kind<Clustering>(
-      "clustering", "push pucks together: go on until it is too much, back off, turn");
+      "clustering", "push pucks together: drive until there are too many to push, back off, turn");
 }
 
 }  // namespace troupe::models

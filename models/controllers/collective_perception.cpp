@@ -18,11 +18,11 @@ namespace {
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
-constexpr double k_listen_s = 3;     // before it decides
+constexpr double k_listen_s = 3;     // the last messages before a decision, which count
 constexpr double k_straight_s = 10;  // mean
 constexpr double k_turn = 0.8;       // rad/s
 constexpr double k_stop_share = 0.6;
-constexpr float k_middle = 0.5f;  // of brightness: darker is black
+constexpr float k_middle = 0.5f;  // brightness below which ground is black
 
 enum class Rule : std::uint8_t { majority, voter };
 constexpr std::array<std::string_view, 2> names_of(Rule) { return {"majority", "voter"}; }
@@ -38,19 +38,20 @@ struct CollectivePerception {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::explore>("explore", seconds, above(0), at_most(1e6),
-                                 "mean time for which it looks at the floor");
+                                 "mean time for which it explores the floor");
       d.member<&Params::share>("share", seconds, above(0), at_most(1e6),
-                               "mean time for which it says an opinion of quality 1");
-      d.member<&Params::rule>("rule", "how it decides");
+                               "mean time for which it broadcasts an opinion of quality 1");
+      d.member<&Params::rule>(
+          "rule", "decision rule: the majority of the opinions received, or a random one of them");
       describe_min_front(d);
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;  ///< of what it does
-    std::uint32_t looked = 0;        ///< at the floor, since it began to explore
-    std::uint32_t agreed = 0;        ///< how often that had the colour of its opinion
+    std::uint32_t updates_left = 0;  ///< updates left of exploring or sharing
+    std::uint32_t looked = 0;        ///< readings since it began to explore
+    std::uint32_t agreed = 0;        ///< those with the colour of its opinion
     std::array<std::uint32_t, 2> votes{};
     std::int32_t straight_updates = 0;
     std::int32_t turn_updates = 0;
@@ -145,7 +146,7 @@ struct CollectivePerception {
       memory.opinion = random.below(all) < memory.votes[1];
       return;
     }
-    // Its own counts as what one message tells: no more than what it hears in a tick.
+    // Its own opinion counts as one message, no more than it may hear in one tick.
     std::array<std::uint32_t, 2> votes = memory.votes;
     ++votes[memory.opinion];
     if (votes[0] != votes[1]) memory.opinion = votes[1] > votes[0];
@@ -175,7 +176,7 @@ struct CollectivePerception {
 
 engine::ControllerKind collective_perception_controller() {
   return engine::make_controller_kind<CollectivePerception>(
-      "collective_perception", "decide with others whether more of the floor is black or white");
+      "collective_perception", "decide collectively whether more of the floor is black or white");
 }
 
 }  // namespace troupe::models

@@ -6,24 +6,24 @@
 
 namespace troupe::models {
 
-/// What a robot with the controller `collective_perception` holds to be the more frequent colour of the
-/// floor, and says by radio, one byte.
+/// The opinion of a robot with the controller `collective_perception`: the colour that it takes for the more
+/// frequent one of the floor. Broadcast by radio as one byte.
 enum class FloorOpinion : std::uint8_t {
   black,  ///< 0
   white,  ///< 1
 };
 
-/// A collective decision on a coloured floor: is more of it black or white?
+/// A collective decision on whether more of a coloured floor is black or white.
 ///
-/// begins    robots of even ids for black, of odd ids for white
-/// explores  for a time drawn from an exponential distribution of mean `explore_s`: looks at the floor, and
-///           counts how often it has the colour of its opinion; that share is the opinion's quality
-/// shares    for a time of mean `share_s` times the quality: says its opinion. Then it takes a new one, from
-///           what it heard in the last 3 s of that time: of `majority` the more frequent one, its own
-///           included; of `voter` that of a message taken at random
+/// starts    robots with even ids with the opinion black, robots with odd ids with white
+/// explores  for an exponentially distributed time of mean `explore`, s: senses the floor. The quality of its
+///           opinion is the fraction of the readings that have the colour of its opinion
+/// shares    for an exponentially distributed time of mean `share` times the quality, s: broadcasts its
+///           opinion. Then it adopts a new one from the messages of the last 3 s of that time: with
+///           `majority` the more frequent opinion, its own included; with `voter` that of a random message
 /// walks     straight on, for times of mean 10 s, then turns on the spot by up to 180 degrees; turns away
-///           from what its scanner sees ahead
-/// shows     its opinion with an LED, where it has one: black or white; grey while it explores
+///           from obstacles ahead
+/// shows     its opinion by an LED, if it has one: black or white; grey while it explores
 /// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
 /// source    Valentini, Brambilla, Hamann, Dorigo: Collective perception of environmental features in a robot
 ///           swarm, ANTS 2016: direct modulation of majority-based (DMMD) and of voter-based decisions (DMVD)

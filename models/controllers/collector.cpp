@@ -29,16 +29,16 @@ using engine::WorldSpec;
 // m, m/s, rad, 1/s, updates.
 constexpr double k_cruise = 0.3;
 constexpr double k_creep = 0.1;
-constexpr double k_creep_within = 0.5;  // of a puck
-constexpr double k_aligned = 0.1;       // off the way to a puck: beyond, it turns on the spot
-constexpr double k_drive_within = 1.0;  // off any other way
+constexpr double k_creep_within = 0.5;  // distance to a puck
+constexpr double k_aligned = 0.1;       // bearing of a puck: beyond, it turns on the spot
+constexpr double k_drive_within = 1.0;  // bearing of any other goal: beyond, it turns on the spot
 constexpr double k_turn_gain = 1;
-constexpr double k_at_sink = 0.5;     // nearer it lets go
-constexpr double k_delivered = 0.8;   // pucks nearer to a sink than this are left there
-constexpr double k_at_charger = 0.4;  // nearer it stands
+constexpr double k_at_sink = 0.5;     // nearer, it releases the puck
+constexpr double k_delivered = 0.8;   // pucks nearer to a sink are delivered
+constexpr double k_at_charger = 0.4;  // nearer, it stands still
 constexpr double k_low = 0.25;
 constexpr double k_full = 0.95;
-constexpr std::uint32_t k_patience = 30;  // of closing: from end to end takes 20
+constexpr std::uint32_t k_patience = 30;  // for closing, which takes 20 from end to end
 constexpr std::uint32_t k_back_off = 15;
 constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
 
@@ -54,8 +54,8 @@ struct Collector {
     std::int32_t avoid_updates = 0;
     std::uint32_t still_updates = 0;
     std::uint32_t escape_updates = 0;
-    std::uint32_t updates = 0;  ///< in this mode
-    std::uint32_t goal = 0;     ///< of the sinks, or of the chargers
+    std::uint32_t updates = 0;  ///< since it entered the mode
+    std::uint32_t goal = 0;     ///< index of a sink or a charger
     double x = 0;
     double y = 0;
     double heading = 0;
@@ -77,8 +77,8 @@ struct Collector {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       constexpr double k_most_mark = 1e9;
-      d.member<&Params::sink>(
-          "sink", "name of the model that they are brought to, or of several, but for a number behind it");
+      d.member<&Params::sink>("sink",
+                              "name of the models to which pucks are brought, without a number at its end");
       d.member<&Params::puck>("puck", within(-k_most_mark, k_most_mark), "fiducial_return of a puck");
       d.member<&Params::charger>("charger", within(-k_most_mark, k_most_mark),
                                  "fiducial_return of a charger");
@@ -87,10 +87,10 @@ struct Collector {
 
   Params params;
   Scanner scanner;
-  FiducialReadings sights;  // of the finder
+  FiducialReadings sights;  // readings of the finder
   bool has_pack = false;
   std::vector<Vec2> sinks, chargers;
-  partition::BoxGrid sinks_about;  // where pucks are delivered
+  partition::BoxGrid sinks_about;  // finds the sinks at which a puck is delivered
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
   Result<> look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
@@ -161,7 +161,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
   const auto& gripper = percept.devices[k_gripper].as<GripperState>();
   const Vec2 here = percept.estimate.position();
   ++memory.updates;
-  // An intervention may have left fewer sinks, or chargers, than there were when one was chosen.
+  // An intervention may have removed the sink or the charger that was chosen.
   if (memory.mode == carrying && memory.goal >= sinks.size()) memory.goal = nearest(sinks, here);
   if (memory.mode == charging && chargers.empty()) enter(memory, leaving);
   if (memory.mode == charging && memory.goal >= chargers.size()) memory.goal = nearest(chargers, here);
@@ -189,7 +189,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
       order(actions) = GripperCommand::open;
       actions.command = {-k_creep, 0, 0};
       if (memory.updates <= k_back_off) return;
-      // Where it came from lies behind it: it goes elsewhere.
+      // Turns, so as not to drive back to where it came from.
       actions.command = {0, 0, memory.goal % 2 == 0 ? 0.8 : -0.8};
       if (memory.updates > k_back_off + 10 + random.below(20)) enter(memory, seeking);
       return;
@@ -203,7 +203,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
   }
 }
 
-/// The nearest that does not lie at a sink.
+/// The nearest puck in sight that is not delivered.
 std::optional<Collector::Puck> Collector::puck_in_sight(const engine::Percept& percept) const {
   const engine::Readings& seen = percept.devices[k_finder];
   for (std::size_t i = 0; i < sights.count(seen); ++i)

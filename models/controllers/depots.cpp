@@ -29,9 +29,11 @@ struct Source {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::capacity>("capacity", at_most(1e6),
-                                  "flags it holds at most; no more than its list of flags can");
-      d.member<&Params::unused>("unused", "no effect: worlds written for Stage give a second number");
+      d.member<&Params::capacity>(
+          "capacity", at_most(1e6),
+          "number of flags that it keeps in stock, at most what its list of flags can hold");
+      d.member<&Params::unused>("unused",
+                                "no effect; accepted because worlds for Stage give a second number");
     }
   };
 
@@ -39,7 +41,7 @@ struct Source {
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     Result<std::vector<std::size_t>> chosen = choose_flags(devices, claimed);
-    // Of what a list can hold a source fills no more than there is.
+    // A source creates no more flags than its list can hold.
     if (chosen)
       params.capacity =
           std::min(params.capacity, devices[chosen->front()].prepared.percepts[k_flag_colors].columns);
@@ -72,11 +74,11 @@ struct Sink {
 }  // namespace
 
 engine::ControllerKind source_controller() {
-  return engine::make_controller_kind<Source>("source", "make flags for robots to fetch");
+  return engine::make_controller_kind<Source>("source", "create flags for robots to fetch");
 }
 
 engine::ControllerKind sink_controller() {
-  return engine::make_controller_kind<Sink>("sink", "count the flags that robots bring");
+  return engine::make_controller_kind<Sink>("sink", "count and remove the flags that robots bring");
 }
 
 }  // namespace troupe::models

@@ -4,12 +4,12 @@
 
 namespace troupe::models {
 
-/// Makes flags: at each update pushes a yellow one of 0.25 m while its model holds fewer than `capacity`.
+/// Creates flags: at each update adds a yellow flag of 0.25 m while its model holds fewer than `capacity`.
 /// Robots take them.
 engine::ControllerKind source_controller();
 
-/// Where flags are brought to: counts those that were given to its model, and takes them off it, one an
-/// update, so that there is always room.
+/// Receives flags: counts the flags given to its model, and deletes one per update, so that there is room for
+/// more.
 engine::ControllerKind sink_controller();
 
 }  // namespace troupe::models

@@ -24,9 +24,9 @@ Error DeviceChoice::no_scanner() const {
     if (beams == 0) continue;
     has_ranger = true;
     const std::string_view why = claimed_[d]                ? "is read by another controller"
-                                 : beams >= k_least_samples ? "looks elsewhere"
+                                 : beams >= k_least_samples ? "has none ahead"
                                                             : "has too few";
-    text += fmt::format("; \"{}\" ({}) {}", devices_[d].name, beams, why);
+    text += fmt::format("; \"{}\" ({} beams) {}", devices_[d].name, beams, why);
   }
   return {has_ranger ? text : text + "; the robot has no ranger"};
 }

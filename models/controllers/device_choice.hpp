@@ -11,14 +11,14 @@
 
 namespace troupe::models {
 
-/// What a controller takes of a body's devices, one after another, in its `choose`.
+/// The devices of a body that a controller selects in its `choose`, one after another.
 class DeviceChoice {
  public:
-  /// Both must outlive it; `claimed` has an entry a device.
+  /// Both must outlive the object. `claimed` has one entry per device: true if a controller uses it.
   DeviceChoice(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed)
       : devices_(devices), claimed_(claimed) {}
 
-  /// Claims the first device that is not claimed yet and fits; false where there is none.
+  /// Claims the first unclaimed device for which fits(device) holds; false if there is none.
   template <class Fits>
   bool take(Fits&& fits) {
     for (std::size_t d = 0; d < devices_.size(); ++d) {
@@ -29,13 +29,13 @@ class DeviceChoice {
     }
     return false;
   }
-  /// Claims the first of this kind that is not claimed yet; false where there is none.
+  /// Claims the first unclaimed device of this kind; false if there is none.
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// Claims an unclaimed ranger by which a controller sees ahead (Scanner::is_usable): the first one
-  /// with a fan of k_least_samples or more, as in Stage; else the first one whose transducers have as many
-  /// together. Where there is none, the error tells why each ranger of the robot is none.
+  /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable): the first one that has a transducer
+  /// with k_least_samples or more samples, as in Stage; else the first one whose transducers together have
+  /// as many. If there is none, the error says for each ranger of the robot why it cannot be used.
   /// share: see Scanner.
   Result<Scanner> take_scanner(std::size_t share) {
     Scanner scanner;
@@ -49,14 +49,13 @@ class DeviceChoice {
     if (!has_one) return no_scanner();
     return scanner;
   }
-  /// A ground sensor, a radio and a scanner, as `take_scanner` has it, in this order; or which of them is
-  /// missing.
+  /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order; an error if one is missing.
   Result<Scanner> take_ground_radio_scanner(std::size_t share) {
     if (!take_kind("ground")) return Error{"needs a ground sensor"};
     if (!take_kind("radio")) return Error{"needs a radio"};
     return take_scanner(share);
   }
-  /// Indices of what was taken, in this order.
+  /// Indices of the claimed devices, in the order in which they were claimed.
   const std::vector<std::size_t>& chosen() const { return chosen_; }
 
  private:

@@ -9,19 +9,20 @@
 
 namespace troupe::models {
 
-/// How a robot that has somewhere to go gets past others: speeds in m/s and rad/s, distances in m. Its memory
-/// has avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and heading (rad).
+/// How a robot on its way to a goal gets past other robots: speeds in m/s and rad/s, distances in m.
+/// `Memory` must have the members avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m)
+/// and heading (rad).
 struct Evasion {
-  double avoid_speed = 0.05;  ///< forward, while it turns away
-  double avoid_turn = 0.5;    ///< to either side
-  double min_front = 0.7;     ///< a reading below it ahead: it turns away
-  double stop = 0.5;          ///< below it: on the spot
-  double back_speed = 0.1;    ///< while it backs out
-  std::uint32_t stuck = 5;    ///< updates: more than it takes from a command to what comes of it
-  static constexpr std::size_t window_share = 4;  ///< of its scanner: see Scanner
+  double avoid_speed = 0.05;  ///< forward speed while it turns away
+  double avoid_turn = 0.5;    ///< turn rate, to either side
+  double min_front = 0.7;     ///< turns away when a reading ahead is below this
+  double stop = 0.5;          ///< turns on the spot when a reading ahead is below this
+  double back_speed = 0.1;    ///< backward speed while it escapes
+  std::uint32_t stuck = 5;    ///< updates without motion; more than a command takes to act
+  static constexpr std::size_t window_share = 4;  ///< `share` of the Scanner
 
-  /// As `wander`, with a narrower window ahead and for half as long: many meet where they all go. True where
-  /// it takes the command.
+  /// Turns away from obstacles as `wander` does, but with a narrower window ahead and for half as long,
+  /// because many robots meet near their common goals. True if it has set the command.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
               engine::Command& command) const {
@@ -37,7 +38,8 @@ struct Evasion {
     return true;
   }
 
-  /// Out of where its scanner does not see what holds it. True where it takes the command.
+  /// Backs out if the robot is stuck at an obstacle that its scanner does not see. True if it has set the
+  /// command.
   template <class Memory>
   bool escapes(Memory& memory, const Pose& here, Random& random, engine::Command& command) const {
     const bool is_to_move = command.x != 0 || command.turn != 0;

@@ -15,7 +15,7 @@
 namespace troupe::models {
 namespace {
 
-constexpr double k_even = 1e-6;      // of the sum of the ranges, and rad: less is rounding
+constexpr double k_even = 1e-6;      // relative to the sum of the ranges, and rad: less is rounding error
 constexpr double k_turn_away = 0.5;  // rad
 
 struct Expand {
@@ -31,33 +31,34 @@ struct Expand {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, "while the way is clear");
-      d.member<&Params::gain>("gain", per_second, "turn rate for each radian between heading and vector sum");
+      d.member<&Params::speed>("speed", meters_per_second, "speed while the way is clear");
+      d.member<&Params::gain>("gain", per_second,
+                              "turn rate per radian between the heading and the vector sum");
       d.member<&Params::clearance>(
           "clearance", meters, at_least(0),
-          "what must be free ahead; a beam at angle a from the front must exceed clearance * cos(a)");
+          "free distance needed ahead; a beam at angle a from straight ahead must exceed clearance * cos(a)");
       d.member<&Params::clearances>("clearances", meters, at_least(0),
-                                    "instead of `clearance`: what the beams of each transducer must exceed, "
-                                    "in their order; 0 or left out: anything");
+                                    "instead of `clearance`: distance that the beams of each transducer must "
+                                    "exceed, in the order of the transducers; 0 or left out: no limit");
       d.member<&Params::cone>("cone", radians, at_least(0),
-                              "drives only while the vector sum lies less than this off the front");
+                              "drives only while the vector sum is less than this off straight ahead");
       d.member<&Params::invert>("invert",
-                                "turn away from the vector sum: robots cluster instead of dispersing");
-      d.member<&Params::hold_on_axis>("hold_on_axis",
-                                      "a vector sum that lies exactly on an axis changes nothing: the last "
-                                      "command stays, as in Stage's examples");
+                                "turns away from the vector sum: robots cluster instead of dispersing");
+      d.member<&Params::hold_on_axis>(
+          "hold_on_axis",
+          "keeps the last command while the vector sum lies exactly on an axis, as in Stage's examples");
     }
   };
   struct Feeler {
     std::size_t reading;
     SinCos direction;
-    double clearance;  // m; -1: anything goes, as every range is more
+    double clearance;  // m; -1: no limit, because every range exceeds it
   };
 
   Params params;
   std::vector<Feeler> feelers;
 
-  /// Whether some ranges have a sum less than the cone off the front: else it would turn and never drive.
+  /// Whether the vector sum of some ranges can point within the cone ahead. Otherwise it would turn forever.
   bool can_point_ahead(std::span<const Beam> beams) const {
     double left = std::numeric_limits<double>::infinity();
     double right = -left;
@@ -72,7 +73,7 @@ struct Expand {
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> sensors,
                                           std::vector<bool>& claimed) {
     DeviceChoice choice(sensors, claimed);
-    // Stage's examples take a second ranger when there is one (a laser) and leave it unread.
+    // Only the first ranger: Stage's examples do not read the second one (a laser) either.
     if (!choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
       return Error{"needs a ranger that no other controller of the robot reads"};
     const engine::DeviceInfo& ranger = sensors[choice.chosen().front()];
@@ -80,7 +81,7 @@ struct Expand {
     if (!can_point_ahead(beams))
       return Error{
           fmt::format("needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
-                      "sum of those of \"{}\" never points ahead",
+                      "sum of the beams of \"{}\" never points ahead",
                       ranger.name)};
     if (const std::size_t count = ranger.prepared.transducers.size(); params.clearances.size() > count)
       return Error{fmt::format("has {} clearances for the {} transducers of \"{}\"", params.clearances.size(),
@@ -95,8 +96,8 @@ struct Expand {
   }
 
   void operator()(const engine::DecideBatch& batch) const {
-    // First all the sums, then all the angles: an arc tangent takes long to come and little to do, so that
-    // those of several robots overlap when nothing stands between them.
+    // First all sums, then all angles: an arc tangent has a long latency but few operations, so those of
+    // several robots overlap if nothing else is computed between them.
     constexpr std::size_t k_some = 64;
     std::array<double, k_some> x;
     std::array<double, k_some> y;
@@ -116,7 +117,7 @@ struct Expand {
           sum += r;
           all_clear &= r > feeler.clearance;
         }
-        // As free to all sides: what is left of the sum is rounding. Straight ahead is as good as any way.
+        // Equally free on all sides: the sum is only rounding error, so it drives straight ahead.
         const bool is_even =
             !params.hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
         x[i] = is_even ? 1 : params.invert ? -sum_x : sum_x;
@@ -126,7 +127,7 @@ struct Expand {
       for (std::size_t i = 0; i < count; ++i) {
         if (params.hold_on_axis && (x[i] == 0 || y[i] == 0)) continue;
         double theta = atan2(y[i], x[i]);
-        // Straight before a wall nothing would ever turn it.
+        // Perpendicular to a wall, it would never turn.
         if (!params.hold_on_axis && !params.invert && !clear[i] && std::abs(theta) < k_even)
           theta = k_turn_away;
         batch.command(first + i) = {clear[i] && std::abs(theta) < params.cone ? params.speed : 0.0, 0.0,

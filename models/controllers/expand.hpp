@@ -5,15 +5,16 @@
 namespace troupe::models {
 
 /// Dispersal by ranges: turn towards the vector sum of the beams, drive while the way ahead is clear.
-/// Reads the first ranger that no controller of the robot has taken yet, with all beams of all transducers.
-/// edges   a sum of no direction (below 1e-6 of the sum of the ranges), as of a ring of beams in the open:
-///         straight ahead. Straight ahead (within 1e-6 rad) and not clear: it turns left. With
-///         `hold_on_axis` neither, as in Stage: a sum exactly on an axis leaves the last command
-/// source  Vaughan, Massively multi-robot simulation in Stage, section 6.1; `invert` turns the sum around, so
+/// Reads all beams of the first ranger that no other controller of the robot has claimed.
+/// edges   A vector sum below 1e-6 of the sum of the ranges has no direction (a ring of beams in the open):
+///         the robot drives straight ahead. If the sum points straight ahead (within 1e-6 rad) but the way
+///         is not clear, it turns left. With `hold_on_axis` it does neither: as in Stage, a sum exactly on
+///         an axis leaves the last command
+/// source  Vaughan, Massively multi-robot simulation in Stage, section 6.1; `invert` reverses the sum, so
 ///         that robots gather: the paper's clustering variant
 engine::ControllerKind expand_controller();
 
-/// Stage's two examples, with exactly their numbers.
+/// `expand` with the exact numbers of Stage's two examples.
 ///@{
 engine::Registry::Preset expand_pioneer_preset();
 engine::Registry::Preset expand_swarm_preset();

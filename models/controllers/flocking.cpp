@@ -15,29 +15,29 @@ namespace {
 
 using engine::DeviceInfo;
 
-constexpr double k_gain = 0.3;        // 1/s: to where there is room
-constexpr double k_flock_gain = 0.3;  // 1/s: to the heading of another
+constexpr double k_gain = 0.3;        // 1/s: towards free space
+constexpr double k_flock_gain = 0.3;  // 1/s: towards the heading of the nearest robot
 constexpr double k_speed = 0.4;       // m/s
 constexpr double k_cone = 0.5;        // rad
 constexpr double k_front = 1.0;       // m that must be free within k_front_angle of straight ahead
 constexpr double k_side = 0.5;        // m that must be free from there to k_side_angle
-constexpr double k_tolerance = 1e-3;  // rad: files give angles in degrees, with few digits
+constexpr double k_tolerance = 1e-3;  // rad: files give angles in degrees with few digits
 constexpr double k_front_angle = radians(30);
 constexpr double k_side_angle = radians(50);
-constexpr double k_least_turn = 0.1;  // rad/s, of one that stands
+constexpr double k_least_turn = 0.1;  // rad/s, of a robot that does not drive
 
 struct Flocking {
-  static constexpr std::size_t k_ring = 8;  // transducers of the sonars of Stage's Pioneer, at least
+  static constexpr std::size_t k_ring = 8;  // least number of transducers of a ring of sonars
   struct Sonar {
     std::size_t reading;
     SinCos direction;
-    double clearance;  // m; -1: anything will do, as every range is more
+    double clearance;  // m; -1: no limit, because every range exceeds it
   };
   std::vector<Sonar> sonars;
   FiducialReadings finder;
 
-  /// The beams to the front and to the sides; of those that look straight to a side the ones that do not
-  /// start behind the robot's origin. Of Stage's ring of 16 sonars these are the front eight.
+  /// The beams to the front and to the sides. Beams at a right angle to the heading count only if they do not
+  /// start behind the robot's origin: of Stage's ring of 16 sonars, the result is the front eight.
   static std::vector<Sonar> front_of(const DeviceInfo& device) {
     std::vector<Sonar> front;
     for (const Beam& beam : beams_of(device)) {
@@ -101,7 +101,8 @@ struct Flocking {
 
 engine::ControllerKind pioneer_flocking_controller() {
   return engine::make_controller_kind<Flocking>(
-      "pioneer_flocking", "flock: drive where sonars see room, turning as the nearest marked robot does");
+      "pioneer_flocking",
+      "flock: drive where the sonars see free space, turning like the nearest marked robot");
 }
 
 }  // namespace troupe::models

@@ -25,7 +25,7 @@ int least_left(int from, std::span<const int> goals) {
   return least;
 }
 
-/// visit(cell) for each of the four beside it, in a fixed order.
+/// Calls visit(cell) for each of the four neighbours of a cell, in a fixed order.
 template <class Visit>
 void for_each_beside(int cell, Visit&& visit) {
   if (column(cell) + 1 < k_cells) visit(cell + 1);
@@ -95,8 +95,8 @@ std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> 
   const auto cells = static_cast<std::size_t>(plan.size());
   std::vector<int> cost(cells, k_unknown);
   std::vector<int> before(cells, k_unknown);
-  // The cheapest first; of equals the one with less left, then the lower cell.
-  using Open = std::tuple<int, int, int>;  // cost in all at least, of that still left, cell
+  // The cheapest first; of equals the one with less remaining, then the lower cell.
+  using Open = std::tuple<int, int, int>;  // least total cost, remaining part of it, cell
   std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
   cost[static_cast<std::size_t>(from)] = 0;
   open.emplace(least_left(from, goals), least_left(from, goals), from);
@@ -104,7 +104,7 @@ std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> 
     const auto [in_all, left, cell] = open.top();
     open.pop();
     const int so_far = cost[static_cast<std::size_t>(cell)];
-    if (so_far + left != in_all) continue;  // a cheaper way there was found since
+    if (so_far + left != in_all) continue;  // a cheaper path to this cell was found since
     if (std::ranges::find(goals, cell) != goals.end()) {
       std::vector<int> way{cell};
       while (way.back() != from) way.push_back(before[static_cast<std::size_t>(way.back())]);
@@ -121,19 +121,19 @@ std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> 
       open.emplace(there + rest, rest, beside);
     });
   }
-  return {};  // not met: every cell can be reached
+  return {};  // not reached: there is a path between any two cells
 }
 
 WaysTo::WaysTo(const FloorPlan& plan, std::span<const int> goals)
     : plan_(plan), next_(static_cast<std::size_t>(plan.size()), std::int16_t{-1}) {
   for (int cell = 0; cell < plan.size(); ++cell) {
     if (next(cell) >= 0) continue;
-    // A piece of a cheapest way is one, too: what follows on this one needs no search of its own.
+    // The rest of a cheapest path is a cheapest path too, so its cells need no search of their own.
     const std::vector<int> way = find_way(plan, cell, goals);
     if (way.empty()) next_[static_cast<std::size_t>(cell)] = static_cast<std::int16_t>(cell);
     for (std::size_t i = 0; i < way.size(); ++i) {
       std::int16_t& next = next_[static_cast<std::size_t>(way[i])];
-      if (next >= 0) break;  // from here on it is known
+      if (next >= 0) break;  // the rest is known
       next = static_cast<std::int16_t>(way[std::min(i + 1, way.size() - 1)]);
     }
   }

@@ -25,7 +25,7 @@ namespace {
 using engine::DeviceInfo;
 using engine::WorldSpec;
 
-// What Stage's foragers do, m, m/s, rad/s, updates.
+// From Stage's foragers, in m, m/s, rad/s and updates.
 constexpr double k_cruise = 0.4;
 constexpr std::uint32_t k_wait = 20;
 constexpr double k_fetch_radius = 2;
@@ -36,23 +36,23 @@ constexpr double k_creep = 0.02;
 constexpr double k_docked = 0.08;
 constexpr double k_back_off = 0.3;
 constexpr double k_back_speed = 0.1;
-constexpr double k_abandon = 0.0005;  // the chance, an update
+constexpr double k_abandon = 0.0005;  // probability per update
 constexpr std::int32_t k_charger_mark = 2;
 
-// And what is ours.
-constexpr int k_steps_ahead = 2;        // cells
-constexpr double k_turn_gain = 1;       // 1/s
-constexpr double k_drive_within = 1.0;  // rad off the way: beyond, it turns on the spot
-constexpr double k_dock_within = 1.5;  // m from the charger: from there on it heads for that, not along a way
-constexpr double k_aligned = 0.2;      // rad
-constexpr double k_room = 0.7;         // m that must be free before it, beyond the last half metre
-constexpr double k_queue = 1.2;        // m from the charger: no robot waits nearer
-constexpr std::uint32_t k_patience = 50;  // updates of backing off
-constexpr double k_least_zone = 1;        // m: nearer than this it is in the zone, however small that is
+// Our own.
+constexpr int k_steps_ahead = 2;          // cells
+constexpr double k_turn_gain = 1;         // 1/s
+constexpr double k_drive_within = 1.0;    // rad off the path: beyond, it turns on the spot
+constexpr double k_dock_within = 1.5;     // m from the charger: nearer, it heads for it directly
+constexpr double k_aligned = 0.2;         // rad
+constexpr double k_room = 0.7;            // m that must be free ahead, except in the last half metre
+constexpr double k_queue = 1.2;           // m from the charger: robots wait farther away
+constexpr std::uint32_t k_patience = 50;  // updates of backing off, at most
+constexpr double k_least_zone = 1;        // m: radius of a fuel zone, at least
 
 constexpr Evasion k_evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
 
-/// Where flags come from, where they go, where energy is.
+/// A source, a sink or a charger, and the paths to it.
 struct Goal {
   BodyId body;
   Vec2 at;
@@ -62,7 +62,7 @@ struct Task {
   Goal source, sink;
 };
 
-/// Where a charger is seen, or known to be.
+/// Position of a charger, seen or known, relative to the robot.
 struct Sight {
   double range = 0;    // m
   double bearing = 0;  // rad, from straight ahead
@@ -75,13 +75,13 @@ double bearing_of(const Pose& from, const Vec2& to) {
 struct Forager {
   enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
   struct Memory {
-    std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
-    std::uint32_t near_updates = 0;  ///< in a row, within reach of source or sink; or backing off
+    std::int32_t avoid_updates = 0;  ///< scans left of the present turn
+    std::uint32_t near_updates = 0;  ///< consecutive updates near source or sink, or of backing off
     std::uint32_t task = 0;
     std::uint32_t charger = 0;
-    std::uint32_t still_updates = 0;   ///< in a row, in which it was to move and did not
-    std::uint32_t escape_updates = 0;  ///< for which it still backs out of where it is stuck
-    double x = 0;                      ///< m: its estimate at the last update
+    std::uint32_t still_updates = 0;   ///< consecutive updates in which a command did not move it
+    std::uint32_t escape_updates = 0;  ///< updates left of backing out
+    double x = 0;                      ///< estimated pose at the last update: m
     double y = 0;
     double heading = 0;  ///< rad
     std::uint8_t mode = working;
@@ -93,16 +93,16 @@ struct Forager {
   static constexpr std::size_t k_scanner = 0;
   static constexpr std::size_t k_flags = 1;
 
-  std::vector<std::pair<std::string, std::string>> names;  // of source and sink, each task
+  std::vector<std::pair<std::string, std::string>> names;  // of source and sink, per task
   std::string map;
   double low = 0;
   bool abandons = false;
   Scanner scanner;
-  std::optional<std::size_t> pack, finder;  // among the devices it chose
-  FiducialReadings sights;                  // of the finder
+  std::optional<std::size_t> pack, finder;  // indices among the chosen devices
+  FiducialReadings sights;                  // readings of the finder
   std::vector<Task> tasks;
   std::vector<Goal> chargers;
-  bool has_zone = false;  // where chargers are: it goes there first
+  bool has_zone = false;  // a fuel zone, to which it goes first
   Goal zone;
   double zone_radius = 0;
 
@@ -181,7 +181,7 @@ std::uint32_t Forager::nearest_charger(const Pose& from) const {
   return static_cast<std::uint32_t>(std::ranges::min_element(chargers, {}, distance2) - chargers.begin());
 }
 
-/// By the finder, where it has one that sees a charger; else by where the world says one stands.
+/// By the finder, if it sees a charger; else by the pose of the charger in the world file.
 Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& percept) const {
   if (finder) {
     const engine::Readings& seen = percept.devices[*finder];
@@ -194,7 +194,7 @@ Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& per
 
 void Forager::operator()(Memory& memory, const engine::Percept& percept, Random& random,
                          engine::Actions& actions) const {
-  if (memory.started == 0 || memory.task >= tasks.size()) {  // an intervention may have left fewer tasks
+  if (memory.started == 0 || memory.task >= tasks.size()) {  // an intervention may have removed tasks
     memory.started = 1;
     memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
   }
@@ -272,13 +272,13 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   memory.avoid_updates = 0;
   if (abandons && state.charging == 0 && random.uniform() < k_abandon)
     memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
-  if (sight.range < k_docked) {  // not at the first contact: who stands there leaves no room for others
+  if (sight.range < k_docked) {  // not at first contact: it would leave no room for others
     actions.command = {};
     return;
   }
   const double turn = k_turn_gain * sight.bearing;
   const bool is_aligned = std::abs(sight.bearing) < k_aligned;
-  // Who stands before it charges there, or is about to: it waits, and leaves room to come out.
+  // A robot ahead is charging or about to: wait, and leave it room to come out.
   const bool is_taken =
       scanner.straight_ahead(percept.ranges(k_scanner)) < k_room && sight.range > k_creep_within;
   if (is_taken)
@@ -288,7 +288,7 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
 }
 
 void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const {
-  ++memory.near_updates;  // who cannot back off turns away where it stands, as one that works does
+  ++memory.near_updates;  // if it cannot back off, it works on and turns away on the spot
   if (charger_in_sight(memory, percept).range > k_back_off || memory.near_updates > k_patience) {
     memory.mode = working;
     memory.near_updates = 0;
@@ -297,7 +297,7 @@ void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Acti
 }
 
 constexpr const char* k_map_text =
-    "the model that is the floor plan; where there is none of this name, the first image";
+    "model that is the floor plan; if there is none of this name, the first model outlined by an image";
 
 struct Fasr : Forager {
   struct Params {
@@ -306,8 +306,8 @@ struct Fasr : Forager {
     std::string map = "cave";
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::source>("source", "the model that holds flags to be fetched");
-      d.member<&Params::sink>("sink", "the model that they are brought to");
+      d.member<&Params::source>("source", "model from which flags are fetched");
+      d.member<&Params::sink>("sink", "model to which flags are brought");
       d.member<&Params::map>("map", k_map_text);
     }
   };
@@ -320,15 +320,15 @@ struct Fasr : Forager {
   }
 };
 
-/// Which senses what for: the finder where it docks and leaves, the scanner but for the last half metre to a
-/// charger and while it charges.
+/// Switches devices: the finder is on only while it docks and leaves, the scanner off for the last half
+/// metre to a charger and while it charges.
 struct Fasr2 : Forager {
   struct Params {
     std::string task, task2, task3, task4, task5, task6, task7, task8;
     std::string map = "cave";
 
     static constexpr void describe(engine::Description<Params>& d) {
-      constexpr const char* k_text = "\"red\": from model red_source to model red_sink";
+      constexpr const char* k_text = "\"red\": from the model red_source to the model red_sink";
       d.member<&Params::task>("task", k_text);
       d.member<&Params::task2>("task2", k_text);
       d.member<&Params::task3>("task3", k_text);
@@ -362,7 +362,7 @@ struct Fasr2 : Forager {
     return forager;
   }
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
-    if (names.empty()) return Error{"needs a task: of \"red\" the models are red_source and red_sink"};
+    if (names.empty()) return Error{"needs a task; the task \"red\" uses the models red_source and red_sink"};
     return Forager::choose(devices, claimed);
   }
 };

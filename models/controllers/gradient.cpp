@@ -15,13 +15,13 @@ namespace {
 using engine::DeviceInfo;
 using sensors::RadioPort;
 
-constexpr double k_stop_share = 0.6;       // of min_front: nearer, it turns on the spot
-constexpr double k_creep_share = 0.2;      // of the speed, while it turns away
+constexpr double k_stop_share = 0.6;       // of min_front: it turns on the spot if a reading is below this
+constexpr double k_creep_share = 0.2;      // of the speed while it turns away
 constexpr double k_turn = 0.8;             // rad/s
 constexpr std::uint32_t k_backwards = 20;  // decisions
-constexpr std::uint8_t k_halt = 3;         // decisions: more than it takes to stand and to hear from there
-constexpr float k_far_hops = 12;           // that an LED can tell apart
-constexpr double k_settles = 0.02;         // chance in a decision: seldom two at once, in one place
+constexpr std::uint8_t k_halt = 3;         // decisions: more than it takes to stop and to receive messages
+constexpr float k_far_hops = 12;           // number of hops that an LED can show
+constexpr double k_settles = 0.02;         // probability per decision: rarely two at once in one place
 
 struct Gradient {
   struct Params {
@@ -34,41 +34,42 @@ struct Gradient {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::beacon>("beacon", "it stands, and is where counting begins");
+      d.member<&Params::beacon>("beacon",
+                                "this robot is a beacon: it stands still, and hops are counted from it");
       d.member<&Params::spacing>("spacing", meters, within(0, 10'000),
                                  "it settles where no settled robot is nearer than this");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "while it roams");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed while it roams");
       describe_min_front(d);
       d.member<&Params::patience>("patience", within(1, 1'000'000),
-                                  "decisions after which a count that no robot has confirmed is forgotten");
+                                  "decisions after which an unconfirmed hop count is forgotten");
     }
   };
   struct Memory {
     std::uint32_t hops = k_hops_unknown;
-    std::uint32_t unconfirmed = 0;  ///< decisions since it heard a count from which its own follows
+    std::uint32_t unconfirmed = 0;  ///< decisions since a message confirmed `hops`
     std::uint32_t alone = 0;        ///< decisions since it heard a settled robot
     std::int32_t avoid_updates = 0;
     std::uint8_t settled = 0;
-    std::uint8_t halts = 0;  ///< decisions for which it still stands before it settles
+    std::uint8_t halts = 0;  ///< decisions left before it settles
     TROUPE_FIELDS(hops, unconfirmed, alone, avoid_updates, settled, halts)
   };
   struct Heard {
-    std::uint32_t hops = k_hops_unknown;  ///< the least
+    std::uint32_t hops = k_hops_unknown;  ///< the smallest count
     float nearest = std::numeric_limits<float>::infinity();
   };
   static constexpr bool needs_drive = false;
 
   Params params;
   Scanner scanner;
-  std::size_t led = 0;  // its place among the devices; 0: none
+  std::size_t led = 0;  // index among the chosen devices; 0: none
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
     if (!choice.take_kind("radio")) return Error{"needs a radio"};
     if (!params.beacon) {
       const Result<Scanner> taken = choice.take_scanner(3);
-      // Without a ranger it is meant to stand. With one that it cannot use it would stand, too, and not say
-      // why.
+      // A robot without a ranger is meant to stand. A robot with an unusable ranger is an error: it would
+      // stand too, without saying why.
       for (std::size_t d = 0; d < devices.size() && !taken; ++d)
         if (!claimed[d] && !devices[d].prepared.bearings.empty()) return taken.error();
       if (taken) scanner = *taken;
@@ -100,7 +101,7 @@ struct Gradient {
     } else {
       const bool has_room = in_touch && heard.nearest >= params.spacing;
       if (!scanner.is_usable()) memory.settled = 1;
-      // Where it would be out of touch when it has come to a stop it must not settle.
+      // It must not settle if it is out of radio range once it stands.
       if (memory.halts > 0 && --memory.halts == 0 && has_room) memory.settled = 1;
       if (memory.halts == 0 && has_room && random.uniform() < k_settles) memory.halts = k_halt;
       if (memory.settled != 0) count(memory, heard);
@@ -162,7 +163,7 @@ struct Gradient {
 
 engine::ControllerKind gradient_controller() {
   return engine::make_controller_kind<Gradient>(
-      "gradient", "settle in touch with others, and count the hops to a beacon by radio");
+      "gradient", "settle within radio range of others, and count the hops to a beacon");
 }
 
 }  // namespace troupe::models

@@ -18,7 +18,7 @@ using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
 constexpr double k_least_turn = k_pi / 2;  // rad
-constexpr float k_black = 0.25f;           // of brightness: darker is black
+constexpr float k_black = 0.25f;           // brightness below which ground is black
 constexpr float k_white = 0.75f;
 constexpr Evasion k_evasion{};
 
@@ -40,30 +40,30 @@ struct InformedAggregation {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::informed>("informed", "on which colour alone it stops; no: on both");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
+      d.member<&Params::informed>("informed", "the only colour on which it stops; no: it stops on both");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::enter>("enter", seconds, within(0, 1e6),
-                               "for how long it goes on, at most, on a site before it stops there");
+                               "longest time that it drives on into a site before it stops there");
       d.member<&Params::leave>("leave", per_second, at_least(0),
-                               "rate at which one that stands alone leaves");
+                               "rate at which a robot that stands alone leaves");
       d.member<&Params::others>(
           "others", within(0, 1000),
-          "for each other that it hears on its site it leaves exp(-this) times as often");
+          "each other robot that it hears on its site multiplies that rate by exp(-others)");
       describe_min_front(d);
     }
   };
   struct Memory {
     std::uint32_t enter_updates = 0;
     std::uint32_t turn_updates = 0;
-    std::uint32_t still_updates = 0;   ///< in a row, in which it was to move and did not
-    std::uint32_t escape_updates = 0;  ///< for which it still backs out of where it is stuck
-    double x = 0;                      ///< m: its estimate at the last update
+    std::uint32_t still_updates = 0;   ///< consecutive updates in which a command did not move it
+    std::uint32_t escape_updates = 0;  ///< updates left of backing out
+    double x = 0;                      ///< estimated pose at the last update: m
     double y = 0;
     double heading = 0;       ///< rad
     float turn = 0;           ///< rad/s
     std::uint8_t does = 0;    ///< walk, enter or stand
     std::uint8_t site = 0;    ///< black or white, while it enters or stands
-    std::uint8_t leaves = 0;  ///< 1: it comes from a site, and stops on none before it has left that
+    std::uint8_t leaves = 0;  ///< 1: it must leave the site before it may stop again
     TROUPE_FIELDS(enter_updates, turn_updates, still_updates, escape_updates, x, y, heading, turn, does, site,
                   leaves)
   };
@@ -159,7 +159,7 @@ struct InformedAggregation {
 
 engine::ControllerKind informed_aggregation_controller() {
   return engine::make_controller_kind<InformedAggregation>(
-      "informed_aggregation", "gather on black or white ground, the longer the more stand there");
+      "informed_aggregation", "gather on black or white sites, staying longer the more robots stand there");
 }
 
 }  // namespace troupe::models

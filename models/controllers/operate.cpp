@@ -28,7 +28,7 @@ struct Step {
   std::string device;
   Order order = Order::open;
   double value = 0;
-  std::size_t chosen = 0;  // position of the device among those of the controller
+  std::size_t chosen = 0;  // index of the device among the chosen ones
 
   static constexpr void describe(engine::Description<Step>& d) {
     using namespace engine::facts;
@@ -36,8 +36,9 @@ struct Step {
     d.member<&Step::at_s>("at", seconds, required, at_least(0), "world time from which the order holds");
     d.member<&Step::device>("device", required, "name of the device");
     d.member<&Step::order>("order", required,
-                           "a gripper's: open, close, up, down; an actuator's: go_to, speed");
-    d.member<&Step::value>("value", within(-1e6, 1e6), "of go_to, m or rad; of speed, m/s or rad/s");
+                           "for a gripper: open, close, up, down; for an actuator: go_to, speed");
+    d.member<&Step::value>("value", within(-1e6, 1e6),
+                           "argument of go_to, m or rad, or of speed, m/s or rad/s");
     d.derived<&Step::chosen>();
   }
 };
@@ -51,14 +52,15 @@ std::optional<double> number_of(std::string_view text) {
   return number;
 }
 
-/// What stands before the first separator, which goes with it.
+/// Removes the text up to the first separator from `rest`, with the separator, and returns it without that.
 std::string_view take_first(char separator, std::string_view& rest) {
   const std::size_t end = std::min(rest.size(), rest.find(separator));
   const std::string_view word = rest.substr(0, end);
   rest.remove_prefix(std::min(rest.size(), end + 1));
   return word;
 }
-/// What stands behind the last colon, which goes with it; all where there is none.
+/// Removes the text after the last colon from `rest`, with the colon, and returns it; all if there is no
+/// colon.
 std::string_view take_last(std::string_view& rest) {
   const std::size_t colon = rest.rfind(':');
   const std::string_view word = colon == rest.npos ? rest : rest.substr(colon + 1);
@@ -66,8 +68,8 @@ std::string_view take_last(std::string_view& rest) {
   return word;
 }
 
-/// One entry of a plan, DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS, where the device's name may hold
-/// colons.
+/// One entry of a plan, DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS. The name of the device may
+/// contain colons.
 Result<Step> read_step(std::string_view entry) {
   std::string_view time = entry;
   std::string_view device = take_first('@', time);
@@ -104,13 +106,13 @@ struct Operate {
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::plan>(
           "plan",
-          "orders in one word, DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,..., as .world files need");
-      d.member<&Params::orders>("orders", "what is asked of which device, and when");
+          "orders in one word, for .world files: DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,...");
+      d.member<&Params::orders>("orders", "timed orders to devices");
     }
   };
 
   std::vector<Step> steps;
-  Result<> readable;  // whether all of the plan is
+  Result<> readable;  // an error if the plan cannot be read
 
   static Operate make(const Params& params) {
     Operate operate;
@@ -143,12 +145,12 @@ struct Operate {
       step.chosen = static_cast<std::size_t>(known - chosen.begin());
       if (known == chosen.end()) chosen.push_back(index);
     }
-    if (steps.empty()) return Error{"needs orders: it does nothing without them"};
+    if (steps.empty()) return Error{"needs `plan` or `orders`"};
     return chosen;
   }
 
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    for (const Step& step : steps) {  // in the order of time: the last that has begun holds
+    for (const Step& step : steps) {  // by time: the last one whose time has come holds
       if (percept.tick < engine::ticks_until(step.at_s, percept.tick_s)) return;
       using G = GripperCommand;
       switch (step.order) {

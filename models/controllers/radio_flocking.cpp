@@ -16,10 +16,10 @@ namespace {
 using sensors::payload_of;
 using sensors::RadioPort;
 
-// In units of the heading.
-constexpr double k_push = 3;            // of a wall that is touched
-constexpr double k_repulsion = 5;       // of another, at most
-constexpr double k_attraction = 0.3;    // at most, so that the many afar do not outweigh the one nearby
+// Relative to the weight of the heading.
+constexpr double k_push = 3;            // at contact with an obstacle
+constexpr double k_repulsion = 5;       // by another robot, at most
+constexpr double k_attraction = 0.3;    // at most, so that many distant robots do not outweigh a near one
 constexpr double k_least_range = 1e-3;  // m
 constexpr double k_backwards = 0.5;     // of the speed
 
@@ -34,18 +34,17 @@ struct RadioFlocking {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "straight ahead");
-      d.member<&Params::distance>("distance", meters, above(0), "that it keeps from others");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
+      d.member<&Params::distance>("distance", meters, above(0), "distance that it keeps from other robots");
       d.member<&Params::spacing_weight>("spacing_weight", at_least(0),
-                                        "of that, against the others' headings");
-      d.member<&Params::gain>("gain", per_second, at_least(0),
-                              "turn rate for each radian that it is to turn");
+                                        "weight of keeping the distance, relative to that of the headings");
+      d.member<&Params::gain>("gain", per_second, at_least(0), "turn rate per radian that it is to turn");
       d.member<&Params::clearance>("clearance", meters, at_least(0),
-                                   "walls and others that its scanner sees nearer than this push it away");
+                                   "obstacles that its scanner sees nearer than this repel it");
     }
   };
   Params params;
-  double radio_heading = 0;  // rad, of the radio in the frame of its drive
+  double radio_heading = 0;  // heading of the radio in the frame of the drive, rad
   std::vector<Beam> beams;
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
@@ -86,7 +85,7 @@ struct RadioFlocking {
     radio.say(static_cast<float>(own));
   }
 
-  /// Away from what is near: the mean over the beams that see something nearer than the clearance.
+  /// Repulsion by obstacles: the mean over the beams whose reading is below the clearance.
   Vec2 push(const engine::Percept& percept) const {
     Vec2 sum(0, 0);
     std::size_t count = 0;
@@ -104,7 +103,8 @@ struct RadioFlocking {
 
 engine::ControllerKind radio_flocking_controller() {
   return engine::make_controller_kind<RadioFlocking>(
-      "radio_flocking", "flock: say the own heading by radio, turn to the mean of those heard, keep apart");
+      "radio_flocking",
+      "flock: broadcast the own heading, turn to the mean of the headings received, keep a distance");
 }
 
 }  // namespace troupe::models

@@ -8,7 +8,7 @@
 namespace troupe::models {
 namespace {
 
-constexpr double k_ahead = radians(30);  // a robot that drives must see something nearer to its way
+constexpr double k_ahead = radians(30);  // a usable scanner has a beam this near to straight ahead
 
 }  // namespace
 
@@ -20,7 +20,7 @@ Scanner::Scanner(const engine::DeviceInfo& ranger, std::size_t share) {
   const double step = fov / static_cast<double>(beams.size() - 1);
   const std::size_t margin = beams.size() / share;
   const double window = fov / 2 - static_cast<double>(margin) * step;
-  // Files give angles in degrees and with few digits: a beam at the edge of the window is at its edge still.
+  // Files give angles in degrees with few digits: a beam at the edge of the window must stay at its edge.
   const double tolerance = 1e-3 * step + 1e-9;
 
   const auto off = [](const models::Beam& beam) { return std::abs(beam.bearing); };

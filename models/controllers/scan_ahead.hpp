@@ -11,20 +11,20 @@
 
 namespace troupe::models {
 
-/// A scanner has at least this many beams, so that its readings tell what is left, ahead and right.
+/// Least number of beams of a scanner: enough to distinguish left, ahead and right.
 inline constexpr std::size_t k_least_samples = 9;
 
-/// What a robot that turns away from obstacles looks for in the readings of a scanner.
+/// Summary of the readings of a scanner, for obstacle avoidance.
 struct ScanAhead {
   bool obstruction = false;  ///< a reading below `min_front` within the window ahead
   bool stop = false;         ///< a reading below `stop_distance` within the window ahead
-  /// The nearest reading to the left, m; infinite where no beam looks there.
+  /// The smallest reading to the left, m; infinite without beams to the left.
   float left = std::numeric_limits<float>::infinity();
-  float right = std::numeric_limits<float>::infinity();  ///< to the right and straight ahead
+  float right = std::numeric_limits<float>::infinity();  ///< to the right or straight ahead, m
 };
 
-/// How a controller looks ahead by a ranger: by the bearing of each beam, in whatever transducers and
-/// whatever order the ranger has them.
+/// Obstacle detection with a ranger. It uses only the bearings of the beams, whatever their order and
+/// whichever transducers they belong to.
 ///
 /// window  With n beams over an angle of F in all (both ends included, so F / (n - 1) from beam to beam on
 ///         average) and a margin of n / `share` beams at either end: bearings b, -W < b <= W, where
@@ -36,23 +36,23 @@ struct ScanAhead {
 class Scanner {
  public:
   Scanner() = default;
-  /// share: 3 or 4, see above. Of a device that is no ranger: none of its beams is ahead.
+  /// share: 3 or 4, see above. A device that is not a ranger gives a scanner without beams.
   Scanner(const engine::DeviceInfo& ranger, std::size_t share);
 
-  /// Whether it has the beams that a controller needs: k_least_samples, of which some are in the window and
-  /// one is within 30 degrees of straight ahead.
+  /// Whether it has at least k_least_samples beams, some of them in the window and one within 30 degrees of
+  /// straight ahead.
   bool is_usable() const { return beams_.size() >= k_least_samples && sees_ahead_; }
-  std::size_t size() const { return beams_.size(); }  ///< beams
+  std::size_t size() const { return beams_.size(); }  ///< number of beams
 
-  /// ranges: the readings of the ranger, m. Distances in m.
+  /// ranges: the readings of the ranger. All values in m.
   ScanAhead look(std::span<const float> ranges, double min_front, double stop_distance) const;
-  /// The reading of the beam that is nearest to straight ahead, m; of several the least.
+  /// The reading of the beam nearest to straight ahead, m; of several equally near beams, the smallest.
   float straight_ahead(std::span<const float> ranges) const;
 
  private:
   struct Beam {
     std::uint32_t reading;
-    bool is_ahead;   // in the window
+    bool is_ahead;   // it is in the window
     bool is_left;    // else it counts as right
     bool is_middle;  // nearest to straight ahead
   };
@@ -60,12 +60,12 @@ class Scanner {
   bool sees_ahead_ = false;
 };
 
-/// The parameter `min_front` of controllers that turn away from what a scanner sees ahead, m.
+/// Describes the parameter `min_front`, m, of controllers that turn away from obstacles ahead.
 template <class Params>
 constexpr void describe_min_front(engine::Description<Params>& d) {
   using namespace engine::facts;
   d.template member<&Params::min_front>("min_front", engine::Unit::meters, at_least(0),
-                                        "a reading below it ahead is turned away from");
+                                        "turns away when a reading ahead is below this");
 }
 
 }  // namespace troupe::models

@@ -4,9 +4,10 @@
 
 namespace troupe::models {
 
-/// Open-loop driving: timed speeds, or a law of the robot's own tick count n = 1, 2, ... (whole-number
-/// division) wave   forward 0.2 + 0.1 * ((n / 7) % 3) m/s, turn 0.4 * (((n / 11) % 5) - 2) rad/s line forward
-/// 0.5 m/s
+/// Open-loop driving: timed speeds, or a law of the number n = 1, 2, ... of the decision (integer division):
+///
+/// wave   forward 0.2 + 0.1 * ((n / 7) % 3) m/s, turn 0.4 * (((n / 11) % 5) - 2) rad/s
+/// line   forward 0.5 m/s
 engine::ControllerKind script_controller();
 
 }  // namespace troupe::models

@@ -18,17 +18,17 @@ struct Wander {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::cruise_speed>("cruise_speed", meters_per_second, "with a free way");
-      d.member<&Params::avoid_speed>("avoid_speed", meters_per_second, "while turning away");
-      d.member<&Params::avoid_turn>("avoid_turn", radians_per_second, "while turning away");
+      d.member<&Params::cruise_speed>("cruise_speed", meters_per_second, "speed while the way is clear");
+      d.member<&Params::avoid_speed>("avoid_speed", meters_per_second, "forward speed while turning away");
+      d.member<&Params::avoid_turn>("avoid_turn", radians_per_second, "turn rate while turning away");
       d.member<&Params::min_front>("min_front", meters, at_least(0),
-                                   "a reading below it in the middle third is an obstruction");
+                                   "turns away when a reading in the middle third of the scan is below this");
       d.member<&Params::stop>("stop", meters, at_least(0),
-                              "a reading below it in the middle third stops the robot");
+                              "stops when a reading in the middle third of the scan is below this");
     }
   };
   struct Memory {
-    std::int32_t avoid_updates = 0;  ///< scans for which the present turn still goes on
+    std::int32_t avoid_updates = 0;  ///< scans left of the present turn
     TROUPE_FIELDS(avoid_updates)
   };
 
@@ -48,7 +48,7 @@ struct Wander {
                   engine::Actions& actions) const {
     const auto [obstruction, stop, left, right] =
         scanner.look(percept.ranges(0), params.min_front, params.stop);
-    // Whatever was commanded from outside before, it is speeds from now on.
+    // A program may have commanded another mode before.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {
       actions.command = {params.cruise_speed, 0, 0};
@@ -67,7 +67,7 @@ struct Wander {
 
 engine::ControllerKind wander_controller() {
   return engine::make_controller_kind<Wander>("wander",
-                                              "drive about, turning from what a scanner sees ahead");
+                                              "wander, turning away from what the scanner sees ahead");
 }
 
 }  // namespace troupe::models

@@ -4,9 +4,8 @@
 
 namespace troupe::models {
 
-/// Drives about and turns from what a scanner sees ahead: the behaviour of Stage's example of this name.
-/// Reads a scanner: the first ranger with a fan of more than 8 beams that sees ahead, else the first one
-/// with as many in several transducers.
+/// Drives about and turns away from obstacles ahead, like Stage's example of this name. It reads the first
+/// ranger that sees ahead and has more than 8 beams in one transducer, else the first with as many in all.
 engine::ControllerKind wander_controller();
 
 }  // namespace troupe::models

@@ -16,7 +16,7 @@
 namespace troupe::models {
 namespace {
 
-// It lands on goals that it keeps to but for the rounding of its last step, m and rad.
+// It reaches tracked goals up to the rounding of its last step, m and rad.
 constexpr double k_there = 1e-6;
 
 struct Goal {
@@ -30,21 +30,21 @@ struct Goal {
     using enum engine::Unit;
     d.part<&Goal::pose>();
     d.member<&Goal::at_s>("at", seconds, within(0, 1e9),
-                          "when it is there, since the start of the world, or of its round; it stays until "
-                          "then; 0: when it gets there");
+                          "time of arrival, since the start of the world or of the present round; the robot "
+                          "stays until then; 0: when it gets there");
     d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
-                           "how fast it goes there, straight; 0: as its drive goes to goals");
-    d.member<&Goal::wait_s>("wait", seconds, within(0, 1e9), "how long it stays there before it goes on");
+                           "speed of a straight motion to the goal; 0: the drive's own law for goals");
+    d.member<&Goal::wait_s>("wait", seconds, within(0, 1e9), "how long it waits there before it goes on");
   }
-  /// It goes there in a straight line, as fast as it was told, and not as its drive goes to goals.
+  /// Whether it moves to the goal in a straight line at a given speed, not by the drive's own law for goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }
 };
 
 struct Waypoints {
   struct Memory {
-    std::uint32_t goal = 0;    ///< the one it goes to
-    std::uint64_t begun = 0;   ///< the tick with which its round began, where goals have times
-    std::uint64_t leaves = 0;  ///< the tick with which it goes on, while it waits
+    std::uint32_t goal = 0;    ///< index of the present goal
+    std::uint64_t begun = 0;   ///< tick at which its round began, if goals have times
+    std::uint64_t leaves = 0;  ///< tick at which it goes on, while it waits
     TROUPE_FIELDS(goal, begun, leaves)
   };
 
@@ -57,23 +57,23 @@ struct Waypoints {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::goals>("goals", required,
-                               "where to, one after another, in the frame of the robot's localization");
-      // Drives come within 0.02 m along both axes.
+                               "goals in their order, in the frame of the robot's localization");
+      // At least 0.03 m, because drives stop within 0.02 m of a goal along both axes.
       d.member<&Params::near>(
           "near", meters, at_least(0.03),
-          "by its estimate, how near it is when it goes on from a goal without `at` and `speed`");
-      d.member<&Params::again>("again", "begins again after the last goal; otherwise it stays there");
+          "estimated distance to a goal without `at` and `speed` at which the robot goes on to the next");
+      d.member<&Params::again>("again", "starts again after the last goal; otherwise it stays there");
     }
   };
 
   Params params;
-  // Of the drive, where goals are tracked:
+  // Of the drive, if goals are tracked:
   double speed_max = 0;  // m/s, in any direction
   double turn_max = 0;   // rad/s, either way
   std::uint64_t period = 1;
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
-    if (params.goals.empty()) return Error{"needs goals: without them it has nowhere to go"};
+    if (params.goals.empty()) return Error{"needs at least one goal"};
     return std::vector<std::size_t>();
   }
 
@@ -82,14 +82,14 @@ struct Waypoints {
     if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
     if (!type.drive || type.drive->kind != omni_drive().name)
       return Error{
-          "has goals with `at` or `speed`, which need an omni drive: others do not go straight to where they "
-          "are sent"};
+          "has goals with `at` or `speed`, which need an omni drive: other drives do not move straight to a "
+          "goal"};
     const MotionParams motion = engine::from_record<DriveParams>(type.drive->params).motion;
     speed_max = std::min(
         {motion.velocity_max_x, -motion.velocity_min_x, motion.velocity_max_y, -motion.velocity_min_y});
     turn_max = std::min(motion.turn_max, -motion.turn_min);
     if (!(speed_max > 0 && turn_max > 0))
-      return Error{"has goals with `at` or `speed`, and its drive does not go in every direction"};
+      return Error{"has goals with `at` or `speed`, but its drive cannot move and turn in every direction"};
     for (std::size_t i = 0; i < params.goals.size(); ++i)
       if (const Result<> kept = can_keep(i); !kept)
         return Error{fmt::format("has a goal {} {}", i + 1, kept.error().text)};
@@ -97,7 +97,7 @@ struct Waypoints {
   }
 
   void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    // An intervention may have left fewer goals than the robot had passed.
+    // An intervention may have shortened the list of goals.
     memory.goal = std::min(memory.goal, static_cast<std::uint32_t>(params.goals.size() - 1));
     const Ahead ahead = look_ahead(percept, actions.command);
     if (has_arrived(memory, percept, ahead) && waits_no_more(memory, percept, ahead)) go_on(memory, ahead);
@@ -109,7 +109,7 @@ struct Waypoints {
   }
 
  private:
-  /// When a command that is given now begins to move it, and where it is then unless something stops it.
+  /// The tick in which a command given now first moves it, and its pose then, unless it is blocked.
   struct Ahead {
     std::uint64_t tick;
     Pose pose;
@@ -126,7 +126,7 @@ struct Waypoints {
     return ahead;
   }
 
-  /// The tick with whose end it is to be at its goal; 0: whenever it gets there.
+  /// The tick at whose end it is to be at its goal; 0: any.
   std::uint64_t due(const Memory& memory, const engine::Percept& percept) const {
     const double at_s = params.goals[memory.goal].at_s;
     return at_s > 0 ? memory.begun + engine::ticks_until(at_s, percept.tick_s) : 0;
@@ -160,7 +160,7 @@ struct Waypoints {
       memory.begun = ahead.tick;
   }
 
-  /// At the speed that takes it there in time; or, where it is late, as fast as its drive can.
+  /// Moves at the speed that takes it to the goal on time or, if it is late, as fast as its drive can.
   void track(const Goal& goal, std::uint64_t due, const Ahead& ahead, const engine::Percept& percept,
              engine::Actions& actions) const {
     const Vec2 way = goal.pose.position() - ahead.pose.position();
@@ -178,24 +178,25 @@ struct Waypoints {
 
   double speed_of(const Goal& goal) const { return goal.speed > 0 ? goal.speed : speed_max; }
 
-  /// Whether it can do all that a goal says; else what it cannot.
+  /// An error if the drive cannot fulfil what goal i demands.
   Result<> can_keep(std::size_t i) const {
     const Goal& goal = params.goals[i];
     if (goal.at_s > 0 && goal.speed > 0)
       return Error{"with both `at` and `speed`: one follows from the other"};
     if (goal.speed > speed_max)
-      return Error{fmt::format("with a speed of {:g} m/s: its drive gives {:g} m/s in any direction",
+      return Error{fmt::format("with a speed of {:g} m/s: its drive reaches only {:g} m/s in every direction",
                                goal.speed, speed_max)};
     if (i == 0 || !(goal.at_s > 0)) return {};
     const Goal& before = params.goals[i - 1];
     if (before.at_s > 0 && goal.at_s <= before.at_s)
       return Error{
-          fmt::format("at {:g} s, and one before it at {:g} s: times must rise", goal.at_s, before.at_s)};
+          fmt::format("at {:g} s, after one at {:g} s: times must increase", goal.at_s, before.at_s)};
     const double way = (goal.pose.position() - before.pose.position()).norm();
     const double time_s = goal.at_s - before.at_s - before.wait_s;
     if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
       return Error{
-          fmt::format("{:g} m from the one before it, in {:g} s: its drive gives {:g} m/s in any direction",
+          fmt::format("that is {:g} m from the one before it, to be covered in {:g} s: its drive reaches "
+                      "only {:g} m/s in every direction",
                       way, std::max(time_s, 0.0), speed_max)};
     return {};
   }

@@ -31,14 +31,15 @@ struct Actuator {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       constexpr double k_far = 1e6;
-      d.member<&Params::type>("type", "along an axis, or about a vertical one");
-      d.member<&Params::axis>("axis", within(-k_far, k_far),
-                              "direction of a linear one, [x, y, z] in its own frame; of no length: x");
-      d.member<&Params::min_position>("min_position", within(-k_far, k_far), "limit, m or rad");
-      d.member<&Params::max_position>("max_position", within(-k_far, k_far), "limit, m or rad");
+      d.member<&Params::type>("type", "linear: along `axis`; rotational: about a vertical axis");
+      d.member<&Params::axis>(
+          "axis", within(-k_far, k_far),
+          "direction of a linear actuator, [x, y, z] in its own frame; the x axis if all are 0");
+      d.member<&Params::min_position>("min_position", within(-k_far, k_far), "lower limit, m or rad");
+      d.member<&Params::max_position>("max_position", within(-k_far, k_far), "upper limit, m or rad");
       d.member<&Params::max_speed>("max_speed", within(0, k_far), "m/s or rad/s");
       d.member<&Params::start_position>("start_position", within(-k_far, k_far),
-                                        "at the start, m or rad, kept within the limits");
+                                        "position at the start, m or rad, clamped to the limits");
     }
   };
   using State = ActuatorState;
@@ -51,7 +52,7 @@ struct Actuator {
   double max = 1;
   double max_speed = 1;
   double start_position = 0;
-  Result<> range;  // whether its ends are in order
+  Result<> range;  // an error if min_position exceeds max_position
 
   static Actuator read(const Params& params) {
     Actuator actuator;
@@ -62,9 +63,8 @@ struct Actuator {
     actuator.min = params.min_position;
     actuator.max = std::max(params.min_position, params.max_position);
     if (params.max_position < params.min_position)
-      actuator.range =
-          Error{fmt::format("needs a \"min_position\", here {}, of at most its \"max_position\", here {}",
-                            params.min_position, params.max_position)};
+      actuator.range = Error{fmt::format("has a \"min_position\" of {}, above its \"max_position\" of {}",
+                                         params.min_position, params.max_position)};
     actuator.max_speed = params.max_speed;
     actuator.start_position = std::clamp(params.start_position, actuator.min, actuator.max);
     return actuator;
@@ -83,11 +83,11 @@ struct Actuator {
     if (rotational) return {0, 0, 0, position};
     return {position * axis.x(), position * axis.y(), position * axis.z(), 0};
   }
-  /// How far it moves anything to the side, m.
+  /// Greatest horizontal displacement of the parts on it, m.
   double reach() const {
     return rotational ? 0 : axis.head<2>().norm() * std::max(std::abs(min), std::abs(max));
   }
-  /// m/s or rad/s, for the tick that follows.
+  /// Speed for this tick, m/s or rad/s.
   double speed(const Command& command, double position, double period_s) const {
     double wanted = command.goal;
     if (command.mode == Command::position)
@@ -127,7 +127,7 @@ struct Actuator {
 }  // namespace
 
 DeviceKind actuator_kind() {
-  return engine::make_device_kind<Actuator>("actuator", "a joint that moves what stands on it");
+  return engine::make_device_kind<Actuator>("actuator", "a joint that moves the parts mounted on it");
 }
 
 }  // namespace troupe::models

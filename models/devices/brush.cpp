@@ -21,7 +21,7 @@ struct Brush {
   using Command = BrushCommand;
 
   sensors::Ground ground;
-  Vec2 point;  // below it, body frame, or that of its joint
+  Vec2 point;  // position of the brush, in the frame of the body or of its joint
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_brush) {
     return {.data = Brush{sensors::Ground(params), pose_body_brush.position()}, .most_effects = 1};
@@ -44,7 +44,7 @@ struct Brush {
     }
   }
 
-  /// The verb is the part that is painted.
+  /// effect.verb: index of the painted part.
   void apply(World& world, const engine::Effect& effect) const {
     const Row target = world.row(effect.target);
     const BodyType::Device* device = engine::color_device(world.type(target), effect.verb);
@@ -65,7 +65,7 @@ struct Brush {
 }  // namespace
 
 DeviceKind brush_kind() {
-  return engine::make_device_kind<Brush>("brush", "paints the zone below it, if that carries an led");
+  return engine::make_device_kind<Brush>("brush", "paints the zone below it, if the zone carries an led");
 }
 
 }  // namespace troupe::models

@@ -7,26 +7,26 @@
 
 namespace troupe::models {
 
-/// What controllers ask of a brush; it paints in every tick until they ask otherwise.
+/// The command of a brush. It holds until the controller replaces it.
 struct BrushCommand {
-  std::uint8_t paints = 0;  ///< 1: in each tick
-  float red = 0;            ///< each from 0 to 1
+  std::uint8_t paints = 0;  ///< 1: paints in each tick
+  float red = 0;            ///< 0 to 1
   float green = 0;          ///< 0 to 1
   float blue = 0;           ///< 0 to 1
   TROUPE_FIELDS(paints, red, green, blue)
 
-  /// With this colour, each part 0 to 1.
+  /// Paints with this colour from the next tick on. Components from 0 to 1.
   void paint(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
-/// What a brush has done.
+/// State of a brush.
 struct BrushState {
-  std::uint64_t painted = 0;  ///< zones that it has given a colour that they did not have
+  std::uint64_t painted = 0;  ///< how often it changed the colour of a zone
   TROUPE_FIELDS(painted)
 };
 
-/// A brush: gives the zone below it a colour, if that zone carries an LED. Of several that paint one zone in
-/// a tick the one with the highest id has it in the end.
+/// A brush: gives the zone below it a colour, if the zone carries an LED. If several brushes paint one zone
+/// in a tick, the one with the highest id determines its colour.
 engine::DeviceKind brush_kind();
 
 }  // namespace troupe::models

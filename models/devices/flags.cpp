@@ -17,7 +17,7 @@ using engine::World;
 
 constexpr double k_most_flags = 1000;
 
-/// The flags of one row.
+/// The list of flags in one row of a state table.
 class FlagList {
  public:
   FlagList(StateTable& state, std::size_t slot)
@@ -55,7 +55,7 @@ class FlagList {
   std::span<float> sizes_;
 };
 
-/// The flags of a body, where it holds any.
+/// The list of flags of a body, if it is in the world and has one.
 std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* kind) {
   if (body.index() >= world.spec().bodies.size() || !world.row(body).valid()) return {};
   const Row row = world.row(body);
@@ -72,9 +72,9 @@ struct Flags {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::most>("most", within(1, k_most_flags), "how many it can hold");
+      d.member<&Params::most>("most", within(1, k_most_flags), "number of flags that it can hold");
       d.member<&Params::yellow>("yellow", within(0, k_most_flags),
-                                "yellow ones of 0.25 m that it holds at the start");
+                                "yellow flags of 0.25 m that it holds at the start");
     }
   };
   using Command = FlagCommand;
@@ -84,11 +84,12 @@ struct Flags {
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
     const auto most = static_cast<std::uint32_t>(params.most);
     return {.data = Flags{params},
-            .percepts = {{"received", Element::u64, 1, "", "flags that others gave it since tick 0"},
-                         {"count", Element::u32, 1, "", "flags it holds"},
-                         {"request", Element::u32, 1, "", "the last one that was carried out"},
-                         {"colors", Element::u32, most, "", "of each flag, the first one first: 0xRRGGBBAA"},
-                         {"sizes", Element::f32, most, "m", "of each flag"}},
+            .percepts = {{"received", Element::u64, 1, "", "flags received from other bodies since tick 0"},
+                         {"count", Element::u32, 1, "", "flags that it holds"},
+                         {"request", Element::u32, 1, "", "the last request that was carried out"},
+                         {"colors", Element::u32, most, "",
+                          "colour of each flag, the first flag first: 0xRRGGBBAA"},
+                         {"sizes", Element::f32, most, "m", "size of each flag"}},
             .most_effects = 1};
   }
 
@@ -137,7 +138,7 @@ struct Flags {
 }  // namespace
 
 DeviceKind flags_kind() {
-  return engine::make_device_kind<Flags>("flags", "tokens that a body holds, takes and gives");
+  return engine::make_device_kind<Flags>("flags", "a list of tokens that bodies exchange");
 }
 
 }  // namespace troupe::models

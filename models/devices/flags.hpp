@@ -7,33 +7,34 @@
 
 namespace troupe::models {
 
-/// A token that a model holds.
+/// A token that a body holds.
 struct Flag {
   std::uint32_t color = 0;  ///< 0xRRGGBBAA
   float size = 0;           ///< m
   friend bool operator==(const Flag&, const Flag&) = default;
 };
-inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< what Stage's examples hand about
+inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< the flag of Stage's examples
 
-/// What controllers ask of a holder of flags: carried out once, in the next tick, whenever `request` is
-/// another number than before (flag_request() makes it one).
+/// The command of a list of flags. It is carried out once, in the next tick, each time `request` changes;
+/// ask() changes it.
 struct FlagCommand {
-  /// What is to be done with flags.
+  /// Operation on flags.
   enum Verb : std::uint8_t {
-    nothing,  ///< leave them as they are
-    push,     ///< a new flag, to the front
-    pop,      ///< the first one vanishes
-    take,     ///< the first one of `target`, to its own front
-    give,     ///< its own first one, to the front of `target`
+    nothing,  ///< no operation
+    push,     ///< adds a new flag at the front
+    pop,      ///< deletes the first flag
+    take,     ///< moves the first flag of `target` to its own front
+    give,     ///< moves its own first flag to the front of `target`
   };
   std::uint32_t request = 0;    ///< see ask()
   std::uint32_t target = 0;     ///< BodyId
-  std::uint32_t color = 0;      ///< of a flag that is pushed, 0xRRGGBBAA
-  float size = 0;               ///< of a flag that is pushed, m
+  std::uint32_t color = 0;      ///< of the flag that `push` adds, 0xRRGGBBAA
+  float size = 0;               ///< of the flag that `push` adds, m
   std::uint8_t verb = nothing;  ///< a Verb
   TROUPE_FIELDS(request, target, color, size, verb)
 
-  /// Has it done in the next tick. flag: of `push`; of_whom: of `take` and `give`, a BodyId.
+  /// Requests an operation for the next tick. of_whom: the other body (a BodyId) of `take` and `give`; flag:
+  /// the new flag of `push`.
   void ask(Verb what, std::uint32_t of_whom = 0, const Flag& flag = {}) {
     ++request;
     verb = what;
@@ -43,21 +44,21 @@ struct FlagCommand {
   }
 };
 
-/// Fields of the state of a holder, in their order.
+/// Indices of the fields of the state of a list of flags.
 enum FlagField : std::size_t {
-  k_flag_received,  ///< u64: flags that others gave it since tick 0
-  k_flag_count,     ///< u32: flags it holds
-  k_flag_request,   ///< u32: the last one that was carried out
-  k_flag_colors,    ///< u32 each, from the front; 0 behind the last
+  k_flag_received,  ///< u64: flags received from other bodies since tick 0
+  k_flag_count,     ///< u32: flags that it holds
+  k_flag_request,   ///< u32: the last request that was carried out
+  k_flag_colors,    ///< u32 each, first flag first; 0 after the last
   k_flag_sizes,     ///< f32 each, m
 };
 
-/// A list of flags, as many as the parameter `most` says.
+/// A list of at most `most` flags (a parameter).
 ///
-/// edges  a push to a full list, a pop from an empty one, and a transfer where there is nothing to give, no
-///        room, or no holder on the other side, do nothing
-/// order  transfers are effects: of two that reach for the last flag the lower id has it; a flag that changes
-///        hands is never lost
+/// edges  a push to a full list, a pop from an empty one, and a transfer without a flag to give, without
+///        room, or without a list on the other side have no effect
+/// order  transfers are effects, applied after all motions in the order of ids: if two bodies take the last
+///        flag, the one with the lower id gets it; no flag is lost or duplicated
 engine::DeviceKind flags_kind();
 
 }  // namespace troupe::models

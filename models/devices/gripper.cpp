@@ -18,8 +18,8 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-constexpr double k_rate = 0.5;                // ends of travel a second: 2 s from end to end
-constexpr double k_beams[] = {0.495, 0.165};  // inner and outer, behind the tips, in lengths of the gripper
+constexpr double k_rate = 0.5;                // 1/s: 2 s from end to end
+constexpr double k_beams[] = {0.495, 0.165};  // inner and outer, distance behind the tips / gripper length
 enum Verb : std::uint32_t { k_grip, k_release };
 enum JointIndex : std::size_t { k_left, k_right };
 
@@ -39,13 +39,13 @@ struct Gripper {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::size>("size", engine::Unit::meters, above(0), at_most(1000),
-                              "of base and paddles together, [x, y, z]");
+                              "size of base and paddles together, [x, y, z]");
       d.member<&Params::paddle_size>("paddle_size", above(0), at_most(0.999),
-                                     "of each paddle, in shares of the gripper's; y below 0.5");
-      d.member<&Params::paddles>("paddles", "at the start");
-      d.member<&Params::lift>("lift", "at the start");
-      d.member<&Params::autosnatch>("autosnatch",
-                                    "closes by itself when a beam is broken, opens when none is");
+                                     "size of each paddle relative to `size`, [x, y, z]; y below 0.5");
+      d.member<&Params::paddles>("paddles", "paddles at the start");
+      d.member<&Params::lift>("lift", "lift at the start");
+      d.member<&Params::autosnatch>(
+          "autosnatch", "closes while a beam is broken and opens while none is, without commands");
     }
   };
   using State = GripperState;
@@ -55,20 +55,20 @@ struct Gripper {
   static constexpr engine::FrameLayer layer = engine::FrameLayer::grips;
 
   Params params;
-  Mount place = {};  // the gripper's frame in the body's
+  Mount place = {};  // of the gripper, in the frame of its body or joint
 
   double base_front() const { return -size().x() / 2 + (1 - paddle().x()) * size().x(); }
   double thickness() const { return paddle().y() * size().y(); }
   double height() const { return paddle().z() * size().z(); }
-  /// How far a paddle goes from open to closed, and from down to up.
+  /// Travel of a paddle from open to closed (travel) and from down to up (rise), m.
   double travel() const { return size().y() / 2 - thickness(); }
   double rise() const { return size().z() - height(); }
-  /// y of the left paddle's inner face.
+  /// y of the inner face of the left paddle, m, at a closing position from 0 to 1.
   double face(double position) const { return (1 - position) * travel(); }
   Pose left(double position, double lift) const { return {0, -position * travel(), lift * rise(), 0}; }
   Pose right(double position, double lift) const { return {0, position * travel(), lift * rise(), 0}; }
   const Eigen::Vector3d& size() const { return params.size; }
-  const Eigen::Vector3d& paddle() const { return params.paddle_size; }  // shares of the size
+  const Eigen::Vector3d& paddle() const { return params.paddle_size; }  // relative to the size
   bool starts_closed() const { return params.paddles == Paddles::closed; }
   bool starts_up() const { return params.lift == Lift::up; }
 
@@ -95,9 +95,9 @@ std::vector<DeviceKind::Fixture> Gripper::body(const Params& params) {
           {block(g.base_front(), half_x, -half_y, -half_y + g.thickness(), g.height()), k_right}};
 }
 
-// ---- what it feels
+// ---- sensing
 
-/// One gripper at one instant: finds what lies between its paddles.
+/// One gripper at one instant: finds the bodies between its paddles.
 class Hand {
  public:
   Hand(const World& world, const Gripper& gripper, const GripperState& state, Row row, const Mount& frame)
@@ -108,7 +108,7 @@ class Hand {
         frame_(frame),
         z_(frame.z + state.lift_position * gripper.rise()) {}
 
-  /// visit(row, its shape in place) for the bodies that it may feel.
+  /// Calls visit(row, placed shape) for the bodies with gripper_return that it may touch.
   template <class Visit>
   void for_each_near(Visit&& visit) const {
     const double reach = gripper_.size().head<2>().norm() / 2;
@@ -133,7 +133,7 @@ class Hand {
     });
   }
 
-  /// Whether the face of a paddle would sweep over it on the way to this position. side: 1 left, -1 right.
+  /// Whether the face of a paddle would sweep over the shape when closing to `to`. side: 1 left, -1 right.
   bool touches(const partition::PlacedShape& shape, double side, double to) const {
     const double from_y = side * gripper_.face(state_.paddle_position);
     const double to_y = side * gripper_.face(to);
@@ -146,13 +146,13 @@ class Hand {
     return shape.any_piece([&](const ConvexPrism& piece, const auto& polygon) {
       if (!piece.z.shifted(shape.z()).overlaps(heights)) return false;
       std::array<Vec2, 128> corners;
-      if (polygon.size() > corners.size()) return false;  // no piece has more
+      if (polygon.size() > corners.size()) return false;  // not reached: no piece has more corners
       for (std::size_t k = 0; k < polygon.size(); ++k) corners[k] = polygon[k];
       return partition::convex_overlap(swept, std::span(corners).first(polygon.size()));
     });
   }
 
-  /// Whether it fits between the paddles when they are open.
+  /// Whether the shape fits between the open paddles.
   bool fits(const partition::PlacedShape& shape) const {
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
@@ -174,11 +174,11 @@ class Hand {
   const GripperState& state_;
   Row row_;
   const Mount& frame_;
-  double z_;  // of the paddles' lower edge, world frame
+  double z_;  // lower edge of the paddles, m, world frame
 };
 
-/// What closing paddles would hold: of what the left one touches the lowest id, else of what the right one
-/// does.
+/// The bodies that closing paddles would hold: for each paddle, of those that it touches and that
+/// fit, the one with the lowest id. That of the left paddle comes first.
 struct Touched {
   BodyId left;
   BodyId right;
@@ -201,7 +201,7 @@ void feel(const World& world, const Hand& hand, double closer, GripperState& sta
   });
 }
 
-// ---- what it does
+// ---- motion
 
 void obey(std::uint8_t order, GripperState& state) {
   using S = GripperState;
@@ -211,18 +211,18 @@ void obey(std::uint8_t order, GripperState& state) {
   if (order == GripperCommand::down && state.lift != S::is_down) state.lift = S::sinking;
 }
 
-/// Whether what it held is not its own any more: dead, as bodies are only given up by who holds them.
+/// Whether it no longer carries the body that it held. Only its death causes that: no other body can take it.
 bool has_lost(const World& world, BodyId own, const GripperState& state) {
   return state.held != 0 && world.carrier(world.row(BodyId(state.held - 1))) != own;
 }
 
-/// A step on the way to an end; what rounding leaves of the way is no step of its own.
+/// One step towards `end`. A rest that is only rounding error is included, so that it costs no further step.
 double towards(double position, double end, double step) {
   if (std::abs(end - position) <= step * (1 + 1e-9)) return end;
   return position < end ? position + step : position - step;
 }
 
-/// Ends what has come to its end.
+/// Updates the states of motions that have ended.
 void finish(GripperState& state) {
   using S = GripperState;
   if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1))
@@ -288,10 +288,10 @@ void Gripper::settled(const DeviceBatch& batch) const {
   }
 }
 
-/// Where both have moved: whether it is still there to be held is asked again.
+/// Tests the contact again, because both bodies have moved since act().
 void Gripper::apply(World& world, const engine::Effect& effect) const {
   const Row row = world.row(effect.source);
-  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may say anything
+  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may be wrong
   const Row target = is_body ? world.row(effect.target) : Row();
   const engine::BodyType::Device& device = world.type(row).devices[effect.device];
   auto& state = world.state(device).as<GripperState>(world.slot(row));
@@ -315,7 +315,7 @@ void Gripper::apply(World& world, const engine::Effect& effect) const {
   finish(state);
 }
 
-/// The beams between its paddles, and what it holds.
+/// Draws the beams between the paddles, and a tie to the body that it holds.
 void Gripper::show(const engine::DeviceView& view, engine::Frame& frame) const {
   using engine::FrameTie;
   const auto& state = view.state.as<GripperState>(view.slot);

@@ -5,72 +5,72 @@
 
 namespace troupe::models {
 
-/// What controllers ask of a gripper; it stays in force until they ask otherwise. What an order has begun
-/// goes on to its end whatever comes next: paddles and lift move at the same time.
+/// The command of a gripper. It holds until the controller replaces it. A motion that an order has started
+/// continues to its end even if the order changes, so paddles and lift can move at the same time.
 struct GripperCommand {
-  /// What it is to do.
+  /// What to start.
   enum Order : std::uint8_t {
-    nothing,  ///< begin nothing new
-    open,     ///< the paddles, and let go
-    close,    ///< the paddles, and grip what they touch
+    nothing,  ///< start no motion
+    open,     ///< open the paddles, and release what they hold
+    close,    ///< close the paddles, and grip what they touch
     up,       ///< lift the paddles
-    down,     ///< lower them
+    down,     ///< lower the paddles
   };
   std::uint8_t order = nothing;  ///< an Order
   TROUPE_FIELDS(order)
 };
 
-/// What a gripper does, and feels.
+/// State of a gripper: its motions and its readings.
 struct GripperState {
-  /// What the paddles do.
+  /// State of the paddles.
   enum Paddles : std::uint8_t {
     is_open,  ///< at rest, apart
-    closing,  ///< on their way
-    closed,   ///< at rest, together or on what they hold
-    opening,  ///< on their way
+    closing,  ///< moving
+    closed,   ///< at rest, together or on the body that they hold
+    opening,  ///< moving
   };
-  /// What the lift does.
+  /// State of the lift.
   enum Lift : std::uint8_t {
     is_down,  ///< at rest
-    rising,   ///< on its way
+    rising,   ///< moving
     is_up,    ///< at rest
-    sinking,  ///< on its way
+    sinking,  ///< moving
   };
   std::uint8_t paddles = is_open;  ///< one of Paddles
   std::uint8_t lift = is_down;     ///< one of Lift
-  std::uint8_t stalled = 0;        ///< 1: something was in the way of its paddles
-  std::uint8_t taken = 0;          ///< 1: another gripper has what it closed on
-  std::uint8_t beam_inner = 0;     ///< 1: something that can be gripped breaks the beam near the base
-  std::uint8_t beam_outer = 0;     ///< or the one near the tips
-  std::uint8_t contact_left = 0;   ///< 1: such a thing touches the inner face of the left paddle
-  std::uint8_t contact_right = 0;  ///< or of the right one
-  std::uint32_t held = 0;          ///< id + 1 of what it holds; 0: nothing
+  std::uint8_t stalled = 0;        ///< 1: its motion was blocked
+  std::uint8_t taken = 0;          ///< 1: another gripper holds the body that it closed on
+  std::uint8_t beam_inner = 0;     ///< 1: a body with gripper_return breaks the beam near the base
+  std::uint8_t beam_outer = 0;     ///< 1: a body with gripper_return breaks the beam near the tips
+  std::uint8_t contact_left = 0;   ///< 1: such a body touches the inner face of the left paddle
+  std::uint8_t contact_right = 0;  ///< 1: such a body touches the inner face of the right paddle
+  std::uint32_t held = 0;          ///< id + 1 of the body that it holds; 0: none
   double paddle_position = 0;      ///< 0 open to 1 closed
   double lift_position = 0;        ///< 0 down to 1 up
-  double asked_paddle = 0;         ///< where they were to be after this tick
-  double asked_lift = 0;           ///< 0 down to 1 up, beside asked_paddle
+  double asked_paddle = 0;         ///< paddle position requested for the end of this tick, 0 to 1
+  double asked_lift = 0;           ///< lift position requested for the end of this tick, 0 to 1
   TROUPE_FIELDS(paddles, lift, stalled, taken, beam_inner, beam_outer, contact_left, contact_right, held,
                 paddle_position, lift_position, asked_paddle, asked_lift)
 };
 
-/// A base with two paddles, which close on what can be gripped and lift it.
+/// A base with two paddles, which close on bodies that can be gripped and lift them.
 ///
-/// parameters  size (x, y, z, m), paddle_size (x, y, z, shares of that), paddles (open, closed), lift (down,
-///             up), autosnatch
+/// parameters  size (x, y, z, m), paddle_size (x, y, z, relative to size), paddles (open, closed), lift
+///             (down, up), autosnatch
 /// state       GripperState; commands: GripperCommand
 /// geometry    with size s, paddle_size p and positions c (0 open to 1 closed) and u (0 down to 1 up): the
 ///             base is the rear (1 - p.x) s.x; the paddles are p.y s.y thick and p.z s.z high, their inner
 ///             faces at y = +-(1 - c)(s.y / 2 - p.y s.y), and are raised by u (1 - p.z) s.z
-/// motion      from end to end in 2 s; paddles stop at whatever is in their way, as all joints do
-/// beams       between the inner faces, 0.495 and 0.165 s.x behind the tips; contacts: what the face of a
-///             paddle would sweep in the tick. Both feel what has a gripper_return, and what the gripper
-///             holds
-/// gripping    Closing paddles that touch such a body (the left one's first) stop and hold it whole, as it
-///             lies: from then on it moves with the paddles. What is wider than the open paddles are apart
-///             cannot be held. Of several grippers that touch it in one tick that of the lowest id has it;
-///             the others learn that it is taken.
-/// releasing   paddles that begin to open leave what they hold where it is
-/// source      Stage 4.3; docs/stage-worlds.md tells what is repaired
+/// motion      from end to end in 2 s; like all joints, the paddles stop at anything in their way
+/// beams       between the inner faces, 0.495 and 0.165 s.x behind the tips. A contact is the area that the
+///             face of a paddle would sweep in the tick. Both sense bodies with gripper_return, and the body
+///             that the gripper holds
+/// gripping    Closing paddles that touch such a body (the left paddle's first, then the lowest id) stop and
+///             hold it as it lies: from then on it moves with the paddles. A body wider than the gap between
+///             the open paddles cannot be held. If several grippers touch a body in one tick, that of the
+///             lowest id holds it, and the others report `taken`.
+/// releasing   when the paddles start to open, the body stays where it is
+/// source      Stage 4.3; docs/stage-worlds.md lists what is fixed
 engine::DeviceKind gripper_kind();
 
 }  // namespace troupe::models

@@ -18,7 +18,7 @@ struct Led {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::shows>("shows", engine::facts::within(0, 1),
-                               "the colour with which it begins: red, green, blue, each from 0 to 1");
+                               "colour at the start: red, green, blue, each from 0 to 1");
     }
   };
   using State = LedState;
@@ -43,7 +43,7 @@ struct Led {
 
 DeviceKind led_kind() {
   return engine::make_device_kind<Led>("led",
-                                       "gives its part a colour that controllers, and brushes, change");
+                                       "gives its part a colour that controllers and brushes can change");
 }
 
 }  // namespace troupe::models

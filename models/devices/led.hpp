@@ -8,33 +8,33 @@
 
 namespace troupe::models {
 
-/// What controllers ask of an LED: nothing, as long as they do not say `shows`; then this colour in each
-/// tick.
+/// The command of an LED: a colour that it takes in each tick if `shows` is 1. It holds until the controller
+/// replaces it.
 struct LedCommand {
-  std::uint8_t shows = 0;  ///< 1: the colour that follows
-  float red = 0;           ///< each from 0 to 1; what lies beyond is the nearest of these
-  float green = 0;         ///< likewise
-  float blue = 0;          ///< likewise
+  std::uint8_t shows = 0;  ///< 1: takes the colour; 0: keeps the present one
+  float red = 0;           ///< 0 to 1; values outside are clamped
+  float green = 0;         ///< as red
+  float blue = 0;          ///< as red
   TROUPE_FIELDS(shows, red, green, blue)
 
-  /// This colour from the next tick on, each part 0 to 1.
+  /// Shows this colour from the next tick on. Components from 0 to 1.
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
-/// The colour of the part that carries it. Others may change it, as brushes do (models/devices/brush.hpp).
+/// State of an LED: the colour of its part. Brushes may change it too (models/devices/brush.hpp).
 struct LedState {
-  std::array<float, 3> shown_color{};  ///< red, green, blue
+  std::array<float, 3> shown_color{};  ///< red, green, blue, 0 to 1
 
   static constexpr void describe(engine::Description<LedState>& d) {
     d.member<&LedState::shown_color>("shown_color", engine::facts::is_look);
   }
 };
 
-/// An LED, or paint: the part that carries it has the colour that it was given last, to blob finders and
-/// cameras, to what looks at the ground, and in pictures.
+/// An LED, or paint: it gives the part that carries it a colour, which blob finders, cameras, ground sensors
+/// and pictures show.
 ///
-/// parameters  color: with which it begins
-/// when        a colour that a controller asks for is there from the next tick on
+/// parameters  shows: the colour at the start
+/// when        a commanded colour is visible from the next tick on
 engine::DeviceKind led_kind();
 
 }  // namespace troupe::models

@@ -12,7 +12,7 @@ using engine::DeviceBatch;
 using engine::DeviceKind;
 using sensors::LightSource;
 
-/// Whether the light is on at `time_s` (s) if no controller has switched it.
+/// Whether the light is lit at `time_s` (s) if no controller has switched it.
 bool is_lit(const LightSource& light, double time_s) {
   if (!light.enabled) return false;
   if (light.period_s == 0) return light.dutycycle > 0;
@@ -20,7 +20,7 @@ bool is_lit(const LightSource& light, double time_s) {
   return cycles - std::floor(cycles) < light.dutycycle;
 }
 
-/// The kind of a light with these parameters. Its data are a LightSource, by which light sensors know it.
+/// The kind of a light with these parameters. Its data are a LightSource, which light sensors look for.
 template <class Params>
 DeviceKind make_light(std::string_view name, std::string_view text) {
   DeviceKind kind{.name = name, .text = text, .params = engine::described<Params>()};
@@ -49,7 +49,7 @@ struct IndicatorParams {
 
   static constexpr void describe(engine::Description<IndicatorParams>& d) {
     d.member<&IndicatorParams::intensity>("intensity", engine::facts::within(0, 1e6),
-                                          "what a light sensor reads that faces it from 1 m");
+                                          "brightness that a light sensor facing it reads at 1 m");
   }
   LightSource source(const Pose& pose_body_light) const {
     return {.pose_body_light = pose_body_light, .intensity = intensity};
@@ -65,10 +65,10 @@ struct BlinkenParams {
   static constexpr void describe(engine::Description<BlinkenParams>& d) {
     using namespace engine::facts;
     d.member<&BlinkenParams::period>("period", engine::Unit::seconds, within(0, 1e6),
-                                     "from one flash to the next; 0: it shines all the time");
+                                     "time from one flash to the next; 0: no blinking");
     d.member<&BlinkenParams::dutycycle>("dutycycle", within(0, 1),
-                                        "the share of each period for which it is lit");
-    d.member<&BlinkenParams::enabled>("enabled", "whether it blinks before a controller switches it");
+                                        "fraction of each period in which it is lit");
+    d.member<&BlinkenParams::enabled>("enabled", "whether it blinks until a controller switches it");
     d.part<&BlinkenParams::light>();
   }
   LightSource source(const Pose& pose_body_light) const {

@@ -6,13 +6,13 @@
 
 namespace troupe::models {
 
-/// What controllers ask of a light; it stays so until they ask otherwise.
+/// The command of a light. It holds until the controller replaces it.
 struct LightCommand {
-  /// What overrides the blinking.
+  /// State of the light, which may override the blinking.
   enum Switch : std::uint8_t {
-    as_world_says,  ///< as its parameters have it
-    on,             ///< it shines, and does not blink
-    off,            ///< it is dark
+    as_world_says,  ///< follows its parameters
+    on,             ///< lit, without blinking
+    off,            ///< dark
   };
   std::uint8_t state = as_world_says;  ///< a Switch
   TROUPE_FIELDS(state)
@@ -23,9 +23,9 @@ using sensors::LightState;
 /// A light that blinks: lit for the first `dutycycle` of each `period`, from tick 0 on.
 ///
 /// parameters  period (s), dutycycle (0 to 1), enabled, intensity
-/// state       LightState; commands: LightCommand, of which `on` and `off` end the blinking
-/// edges       a period of 0 shines for ever, as a dutycycle of 1 does; the moment at which the dutycycle
-///             ends is dark
+/// state       LightState; commands: LightCommand; `on` and `off` override the blinking
+/// edges       with a period of 0 it does not blink: it is lit unless the dutycycle is 0; at the instant at
+///             which the lit part of a period ends it is dark
 engine::DeviceKind blinkenlight_kind();
 
 /// A light that is off until a controller switches it on.

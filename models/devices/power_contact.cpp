@@ -27,9 +27,9 @@ struct PowerContact {
       using enum engine::Unit;
       constexpr double k_most_watts = 1e9;
       d.member<&Params::give>("give", watts, within(0, k_most_watts),
-                              "at most, to each contact that it touches and that takes");
+                              "greatest power to each contact that it touches and that takes energy");
       d.member<&Params::take>("take", watts, within(0, k_most_watts),
-                              "at most, from each contact that touches it and gives");
+                              "greatest power from each contact that touches it and gives energy");
     }
   };
   using State = PowerContactState;
@@ -50,14 +50,14 @@ const PowerContact* as_contact(const BodyType::Device& device) {
   return std::any_cast<PowerContact>(&device.prepared.data);
 }
 
-/// A contact that is touched: which body's, and which of its devices.
+/// A contact that is touched: a body, and the index of the device.
 struct Taker {
   BodyId body;
   std::size_t device = 0;
   auto operator<=>(const Taker&) const = default;
 };
 
-/// The lowest of those met, in whatever order they come.
+/// Keeps the k_most_takers lowest of the takers added, in order.
 class Takers {
  public:
   void add(const Taker& taker) {
@@ -98,8 +98,8 @@ Result<> PowerContact::mount(const engine::TypeSpec& type, std::uint32_t part) {
   return {};
 }
 
-/// Givers look about them: poses are those of the last tick, and what packs hold shows when effects are
-/// applied.
+/// Givers find the contacts that they touch, by the poses of the last tick. The transfers, which depend on
+/// what the packs hold, are computed when effects are applied.
 void PowerContact::act(const DeviceBatch& batch) const {
   if (!(params.give > 0) || shape.empty()) return;
   const World& world = batch.world;
@@ -147,8 +147,8 @@ void PowerContact::apply(World& world, const Effect& effect) const {
 }  // namespace
 
 DeviceKind power_contact_kind() {
-  return engine::make_device_kind<PowerContact>("power_contact",
-                                                "gives energy to, or takes it from, bodies it touches");
+  return engine::make_device_kind<PowerContact>(
+      "power_contact", "gives energy to the bodies that it touches, or takes it from them");
 }
 
 }  // namespace troupe::models

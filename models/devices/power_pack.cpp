@@ -13,11 +13,12 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 
-// To itself, while it is charged: whether that goes on. Controllers read of the last tick after act() has
-// run, so `charging` changes only with the transfers, which come before this or behind it.
+// An effect on itself, while it is charging, which tests whether charging continues. It cannot be tested in
+// act(): controllers read the state of the last tick after act(), so `charging` may change only together with
+// the transfers, which are applied before or after this effect.
 constexpr std::uint32_t k_ask_whether_charging = 0;
 
-constexpr double k_watts_per_kg = 10;  // and m/s or rad/s: Stage's position model
+constexpr double k_watts_per_kg = 10;  // per m/s or rad/s too, as in Stage's position model
 
 enum class WhenEmpty : std::uint8_t { stop, nothing, die };
 constexpr std::array<std::string_view, 3> names_of(WhenEmpty) { return {"stop", "nothing", "die"}; }
@@ -40,20 +41,19 @@ struct PowerPack {
       using namespace engine::facts;
       using enum engine::Unit;
       constexpr double k_most_watts = 1e9;
-      d.member<&Params::capacity>("capacity", joules, within(0, k_most_joules), "what it can hold");
-      d.member<&Params::stored>(
-          "stored", joules, within(0, k_most_joules),
-          "what it holds at the start; no more than its capacity, and that unless given");
-      d.member<&Params::infinite>("infinite", "it never runs out, nor is ever charged");
+      d.member<&Params::capacity>("capacity", joules, within(0, k_most_joules), "energy that it can hold");
+      d.member<&Params::stored>("stored", joules, within(0, k_most_joules),
+                                "energy at the start, at most its capacity; a full pack if not given");
+      d.member<&Params::infinite>("infinite", "it never runs out and is never charged");
       d.member<&Params::draw>("draw", watts, within(0, k_most_watts),
-                              "what the body draws all the time, beside its drive and devices");
+                              "constant power that the body draws in addition to its drive and devices");
       d.member<&Params::mass>("mass", kilograms, within(0, 1e6),
-                              "of what the drive moves: 10 W for each kg and m/s or rad/s");
-      d.member<&Params::idle>("idle", watts, within(0, k_most_watts), "what the drive draws at rest");
+                              "mass that the drive moves: 10 W for each kg and each m/s or rad/s");
+      d.member<&Params::idle>("idle", watts, within(0, k_most_watts), "power that the drive draws at rest");
       d.member<&Params::when_empty>(
           "when_empty",
-          "whether an empty pack stops what runs on it, or nothing comes of it, as in Stage, or its body "
-          "dies, docs/lives.md");
+          "effect of an empty pack: it stops all that it supplies; nothing, as in Stage; or it stops all "
+          "that it supplies, and its body dies (docs/lives.md)");
     }
   };
 
@@ -71,7 +71,7 @@ struct PowerPack {
     row.stored = std::min(params.stored, params.capacity);
   }
 
-  /// W: what the drive of a row draws.
+  /// Power that the drive of a body draws, W. v: the velocity that the drive produces.
   double drive_watts(const engine::Velocity& v) const {
     return params.idle + k_watts_per_kg * params.mass * (std::abs(v.x) + std::abs(v.y) + std::abs(v.turn));
   }
@@ -117,8 +117,8 @@ struct PowerPack {
 }  // namespace
 
 DeviceKind power_pack_kind() {
-  return engine::make_device_kind<PowerPack>("power_pack",
-                                             "what the part that carries it, and those on it, run on");
+  return engine::make_device_kind<PowerPack>(
+      "power_pack", "supplies the part that carries it and the parts mounted on that part");
 }
 
 }  // namespace troupe::models

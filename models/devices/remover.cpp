@@ -19,7 +19,7 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// The lowest ids of those that come, in whatever order.
+/// Keeps the k_most_removed lowest of the ids added, in order.
 class Lowest {
  public:
   void add(BodyId body) {
@@ -45,15 +45,16 @@ struct Remover {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::radius>("radius", engine::Unit::meters, above(0), at_most(1000),
-                                "who comes this near, with its origin, dies");
-      d.member<&Params::of>("of", "bodies of the type of this name, robots or not; empty: robots of any");
+                                "bodies whose origin comes this near die");
+      d.member<&Params::of>("of",
+                            "type of the bodies that it removes, robots or not; empty: robots of any type");
     }
   };
   using State = RemoverState;
 
   Params params;
-  Mount place;                           // its frame in the body's
-  std::vector<std::uint8_t> types = {};  // a TypeId each: 1: its bodies are removed; empty: those of any
+  Mount place;                           // of the remover, in the frame of its body or joint
+  std::vector<std::uint8_t> types = {};  // per TypeId, 1: its bodies are removed; empty: all robots are
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_remover) {
     return {.data = Remover{params, Mount(pose_body_remover)},
@@ -105,7 +106,7 @@ struct Remover {
 }  // namespace
 
 DeviceKind remover_kind() {
-  return engine::make_device_kind<Remover>("remover", "ends the lives of bodies that come to it");
+  return engine::make_device_kind<Remover>("remover", "removes bodies that come near it");
 }
 
 }  // namespace troupe::models

@@ -7,22 +7,22 @@
 
 namespace troupe::models {
 
-/// What a remover has done.
+/// State of a remover.
 struct RemoverState {
-  std::uint64_t removed = 0;  ///< bodies, since its own life began
+  std::uint64_t removed = 0;  ///< bodies that it has removed since its own birth
   TROUPE_FIELDS(removed)
 };
 
-/// Ends the lives of bodies that come to it: an exit, a pit, a mill.
+/// Removes bodies that come near it: an exit, a pit, a mill.
 ///
-/// who    robots (bodies with a drive), or with `of` the bodies of the type of this name, whose origin lies
-///        within `radius` of its own, whatever their height; but for its own body, and for those that
-///        are carried. Of more than k_most_removed in a tick the lowest ids
-/// when   they die at the end of the tick after the one that brought them (docs/lives.md)
+/// which  robots (bodies with a drive), or with `of` the bodies of the type of this name, whose origin is
+///        within `radius` of its own, whatever their height; not its own body, nor bodies that are carried.
+///        Of more than k_most_removed bodies in a tick, those with the lowest ids
+/// when   they die at the end of the tick after the one in which they came near (docs/lives.md)
 /// state  RemoverState; no commands
 engine::DeviceKind remover_kind();
 
-/// Bodies that one remover takes in a tick.
+/// Bodies that one remover removes in a tick, at most.
 inline constexpr std::size_t k_most_removed = 16;
 
 }  // namespace troupe::models

@@ -21,14 +21,14 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// How many whole periods of its life end within the ticks since it last ran.
+/// Number of periods of the body's life that have ended since the device last ran, own_period ticks ago.
 std::uint64_t periods_ended(const World& world, Row row, std::uint64_t own_period, double every_s) {
   const std::uint64_t age = world.tick() - world.birth_tick(row);
   const std::uint64_t every = engine::period_ticks(every_s, world.tick_s());
   return age / every - (age - std::min(age, own_period)) / every;
 }
 
-/// Flags that others gave to the row's body since its life began.
+/// Flags that the row's body has received from others since its birth.
 std::uint64_t flags_received(const World& world, Row row) {
   std::uint64_t sum = 0;
   for (const BodyType::Device& device : world.type(row).devices)
@@ -46,16 +46,16 @@ struct Spawner {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::population>("population", "of which bodies are born: one with a reserve");
+      d.member<&Params::population>("population",
+                                    "the population whose bodies it spawns; it must have a reserve");
       d.member<&Params::every>("every", seconds, at_least(0), at_most(1e9),
-                               "from one birth to the next; 0: none by itself");
+                               "time from one birth to the next; 0: no periodic births");
       d.member<&Params::per_flags>(
           "per_flags", at_least(0), at_most(1e9),
-          "a birth for each so many flags that others give to its body; 0: for none");
+          "number of flags given to its body for which a body is born; 0: none are born for flags");
       d.member<&Params::within>(
           "within", meters, at_least(0), at_most(1000),
-          "radius of the circle in which they are born, anywhere and heading anywhere; 0: at its own "
-          "pose");
+          "radius of the circle in which bodies are born, at random poses; 0: at its own pose");
     }
   };
   using State = SpawnerState;
@@ -63,7 +63,7 @@ struct Spawner {
 
   Params params;
   Mount mount_body_spawner;
-  std::uint32_t reserve = 0;  // index into the world's
+  std::uint32_t reserve = 0;  // index into WorldSpec::reserves
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_spawner) {
     return {.data = Spawner{params, Mount(pose_body_spawner)}, .most_effects = 1};
@@ -74,7 +74,7 @@ struct Spawner {
     const bool has_flags = std::ranges::any_of(
         type.devices, [](const engine::DeviceSpec& device) { return device.kind == "flags"; });
     if (has_flags) return {};
-    return Error{"counts flags, and its body has no device \"flags\" that others could give them to"};
+    return Error{"counts flags, but its body has no device \"flags\""};
   }
 
   Result<> look(const engine::WorldSpec& world) {
@@ -87,9 +87,9 @@ struct Spawner {
     for (const engine::ReserveSpec& other : world.reserves) known.push_back(other.population);
     if (known.empty())
       return Error{
-          fmt::format("bears \"{}\", and no population of this world has a \"reserve\"", params.population)};
+          fmt::format("spawns \"{}\", but no population of this world has a \"reserve\"", params.population)};
     return Error{
-        fmt::format("bears {}", unknown_name("population with a reserve", params.population, known))};
+        fmt::format("spawns {}", unknown_name("population with a reserve", params.population, known))};
   }
 
   Pose place(const DeviceBatch& batch, std::size_t i) const {
@@ -144,7 +144,7 @@ struct Spawner {
 }  // namespace
 
 DeviceKind spawner_kind() {
-  return engine::make_device_kind<Spawner>("spawner", "bears bodies of a population's reserve");
+  return engine::make_device_kind<Spawner>("spawner", "spawns bodies from the reserve of a population");
 }
 
 }  // namespace troupe::models

@@ -25,12 +25,12 @@ struct Drive {
   double wheelbase = 1;
 };
 
-// How robots go to a goal: Stage's numbers.
+// Constants of driving to a goal, from Stage.
 constexpr double k_go_to_speed = 0.4;      // m/s
 constexpr double k_go_to_turn = 1;         // rad/s
 constexpr double k_arrived_m = 0.02;       // along both axes
-constexpr double k_heads_for = k_pi / 16;  // rad: a diff drives on once the goal lies within this
-constexpr double k_car_steers = 2;         // 1/s: a car turns by this much of what it is off course
+constexpr double k_heads_for = k_pi / 16;  // rad: a diff drives while the goal is this near straight ahead
+constexpr double k_car_steers = 2;         // 1/s: gain from the bearing of the goal to a car's turn rate
 
 Drive drive_of(const DriveParams& params, double wheelbase = 1) {
   const MotionParams& m = params.motion;
@@ -45,7 +45,7 @@ Drive drive_of(const DriveParams& params, double wheelbase = 1) {
 }
 Drive drive_of(const CarParams& params) { return drive_of(params.drive, params.wheelbase); }
 
-// Not std::clamp: NaN must stay NaN, for the step to name the robot.
+// Not std::clamp: NaN must stay NaN, so that the step can report the robot.
 double bounded(double v, const Bounds& bounds) {
   return v < bounds.min ? bounds.min : v > bounds.max ? bounds.max : v;
 }
@@ -55,15 +55,15 @@ Velocity bounded(const Drive& d, double x, double y, double turn) {
   return {bounded(x, d.x), bounded(y, d.y), bounded(turn, d.turn)};
 }
 
-/// Speeds proportional to what is missing, 1/s, but where the drive is so rarely due that it would overshoot.
+/// Gain of the proportional control, 1/s: `most`, or less if the drive is due so rarely that this overshoots.
 double gain(double most, double elapsed_s) { return most * elapsed_s > 1 ? 1 / elapsed_s : most; }
 
-/// What is missing to the goal.
+/// What remains to the goal.
 struct Missing {
-  double x, y;      // m, frame of the estimate
+  double x, y;      // m, axes of the estimate's frame
   double distance;  // m
   double turn;      // rad, to the goal's heading
-  bool arrived;     // but for the heading
+  bool arrived;     // whatever the heading
 
   Missing(const Command& goal, const Pose& at)
       : x(goal.x - at.x),
@@ -71,7 +71,7 @@ struct Missing {
         distance(sqrt(x * x + y * y)),
         turn(wrap_angle(goal.turn - at.heading)),
         arrived(x > -k_arrived_m && x < k_arrived_m && y > -k_arrived_m && y < k_arrived_m) {}
-  /// By how much the robot must turn to face the goal.
+  /// Angle by which the robot must turn to face the goal, rad.
   double off_course(const Pose& at) const { return wrap_angle(atan2(y, x) - at.heading); }
 };
 
@@ -80,7 +80,7 @@ struct Diff {
   static Velocity accelerate(const Drive& d, const Command& c, const Velocity& v, double dt) {
     return bounded(d, v.x + bounded(c.x, d.x_rate) * dt, 0, v.turn + bounded(c.turn, d.turn_rate) * dt);
   }
-  /// Turns towards the goal, drives there, turns to its heading.
+  /// Turns towards the goal, drives to it, then turns to its heading.
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);
@@ -98,7 +98,7 @@ struct Omni {
     return bounded(d, v.x + bounded(c.x, d.x_rate) * dt, v.y + bounded(c.y, d.y_rate) * dt,
                    v.turn + bounded(c.turn, d.turn_rate) * dt);
   }
-  /// Straight there, turning on the way.
+  /// Drives straight to the goal, turning on the way.
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);
@@ -109,20 +109,20 @@ struct Omni {
 };
 
 struct Car {
-  /// Of the front wheels: their speed and steering angle make the car's.
+  /// The velocity of the car from the speed (m/s) and steering angle (rad) of its front wheels.
   static Velocity steer(const Drive& d, double speed, double angle) {
     const SinCos steering = sincos(angle);
     return bounded(d, speed * steering.cos, 0, speed * steering.sin / d.wheelbase);
   }
   static Velocity speed(const Drive& d, const Command& c) { return steer(d, c.x, c.turn); }
-  /// Accelerates the front wheels, which roll as fast as the last tick's motion says.
+  /// Accelerates the front wheels, starting from their speed in the last tick.
   static Velocity accelerate(const Drive& d, const Command& c, const Velocity& v, double dt) {
     const double across = v.turn * d.wheelbase;
     const double rolling = sqrt(v.x * v.x + across * across);
     return steer(d, (v.x < 0 ? -rolling : rolling) + bounded(c.x, d.x_rate) * dt, c.turn);
   }
-  /// Drives in a curve towards a goal before it; with the front wheels across it swings about its rear axle
-  /// towards one behind it, and to the goal's heading in the end.
+  /// Drives in a curve towards a goal ahead. Swings about the rear axle, with the front wheels at a right
+  /// angle, towards a goal behind, and finally to the goal's heading.
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);
@@ -185,7 +185,7 @@ Result<> MotionParams::check() const {
         Limits{turn_acceleration_min, turn_acceleration_max, "turn_acceleration"}})
     if (limits.low > limits.high)
       return Error{
-          fmt::format("the bounds of {} stand the wrong way round: the lower must come first", limits.name)};
+          fmt::format("{}: lower bound {:g} exceeds upper bound {:g}", limits.name, limits.low, limits.high)};
   return {};
 }
 
@@ -200,8 +200,8 @@ engine::DriveKind omni_drive() {
 }
 
 engine::DriveKind car_drive() {
-  return engine::make_drive_kind<Driving<Car, CarParams>>(
-      "car", "front wheels that steer: speed and steering angle");
+  return engine::make_drive_kind<Driving<Car, CarParams>>("car",
+                                                          "steered front wheels: speed and steering angle");
 }
 
 }  // namespace troupe::models

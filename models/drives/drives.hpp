@@ -8,7 +8,8 @@
 
 namespace troupe::models {
 
-/// How fast a drive may go, and how it sets out.
+/// Limits of the speeds and accelerations of a drive, and its velocity until it is first due. Units and
+/// frames: describe().
 struct MotionParams {
   double velocity_min_x = -1;
   double velocity_max_x = 1;
@@ -36,28 +37,30 @@ struct MotionParams {
     d.member<&MotionParams::turn_min>("turn_min", radians_per_second, "clockwise limit");
     d.member<&MotionParams::turn_max>("turn_max", radians_per_second, "counter-clockwise limit");
     d.member<&MotionParams::acceleration_min_x>("acceleration_min_x", meters_per_second_squared,
-                                                "least commanded acceleration forward");
+                                                "lower limit of the commanded acceleration, forward");
     d.member<&MotionParams::acceleration_max_x>("acceleration_max_x", meters_per_second_squared,
-                                                "greatest forward");
+                                                "upper limit of the commanded acceleration, forward");
     d.member<&MotionParams::acceleration_min_y>("acceleration_min_y", meters_per_second_squared,
-                                                "least to the left");
+                                                "lower limit of the commanded acceleration, to the left");
     d.member<&MotionParams::acceleration_max_y>("acceleration_max_y", meters_per_second_squared,
-                                                "greatest to the left");
+                                                "upper limit of the commanded acceleration, to the left");
     d.member<&MotionParams::turn_acceleration_min>("turn_acceleration_min", radians_per_second_squared,
-                                                   "least of the turn rate");
+                                                   "lower limit of the commanded angular acceleration");
     d.member<&MotionParams::turn_acceleration_max>("turn_acceleration_max", radians_per_second_squared,
-                                                   "greatest of the turn rate");
+                                                   "upper limit of the commanded angular acceleration");
     d.member<&MotionParams::start_x>("start_x", meters_per_second,
-                                     "speed forward until the drive is due for the first time, not limited");
-    d.member<&MotionParams::start_y>("start_y", meters_per_second, "the same to the left");
-    d.member<&MotionParams::start_turn>("start_turn", radians_per_second, "the same of the turn");
+                                     "forward speed until the drive is first due, not limited");
+    d.member<&MotionParams::start_y>("start_y", meters_per_second,
+                                     "speed to the left until the drive is first due, not limited");
+    d.member<&MotionParams::start_turn>("start_turn", radians_per_second,
+                                        "turn rate until the drive is first due, not limited");
   }
 
-  /// Whether the bounds stand the right way round.
+  /// An error if a lower bound exceeds the upper one.
   Result<> check() const;
 };
 
-/// What any drive takes.
+/// Parameters of every drive.
 struct DriveParams {
   MotionParams motion;
   std::int64_t pushes = 4;
@@ -67,12 +70,12 @@ struct DriveParams {
     using namespace engine::facts;
     d.part<&DriveParams::motion>();
     d.member<&DriveParams::pushes>("pushes", within(0, engine::k_most_pushed), fixed,
-                                   "how many pushable bodies it pushes at once; more stop it");
+                                   "number of pushable bodies that it pushes at once; more stop it");
     d.part<&DriveParams::localization>();
   }
 };
 
-/// What a car takes.
+/// Parameters of a car.
 struct CarParams {
   double wheelbase = 1;
   DriveParams drive;
@@ -85,19 +88,23 @@ struct CarParams {
   }
 };
 
-/// What a command becomes, within the bounds of its drive; docs/driving.md has the whole of it.
+/// The velocity that each kind of drive computes from a command. It is clamped to the limits of the drive.
+/// docs/driving.md has the details.
 ///
-/// speed   as in Stage the speed of the next tick; acceleration is not limited
+/// speed   the velocity of the next tick, as in Stage; the acceleration is not limited
 ///         diff  v = (x, 0), turn = turn
 ///         omni  v = (x, y), turn = turn
-///         car   v = (x cos(steering), 0), turn = x sin(steering) / wheelbase, where turn is the steering
-///         angle
-/// acceleration   within bounds of its own, times the time since the drive was due, is added to the last
-///         tick's velocity; a car's to the speed of its front wheels
-/// goal    proportional to what is missing (1/s), at most 0.4 m/s and 1 rad/s; arrived within 0.02 m
-///         diff  turns to the goal, drives while it is within pi/16 ahead, then turns to the goal's heading
-///         omni  straight to the goal, turning on the way
-///         car   in a curve, turning twice as fast; swings about its rear axle towards what lies behind it
+///         car   v = (x cos(steering), 0), turn = x sin(steering) / wheelbase; the command's turn is the
+///         steering angle
+/// acceleration   clamped to limits of its own, multiplied by the time since the drive was last due, and
+///         added to the velocity of the last tick; for a car, to the speed of its front wheels
+/// goal    proportional to the remaining distance and angle (gain 1/s), at most 0.4 m/s and 1 rad/s; arrived
+///         within 0.02 m along both axes
+///         diff  turns to the goal, drives while the goal is within pi/16 of straight ahead, then turns to
+///         the goal's heading
+///         omni  drives straight to the goal, turning on the way
+///         car   drives in a curve, turning with twice the gain; swings about its rear axle towards a goal
+///         behind it
 ///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();

@@ -20,7 +20,7 @@ using engine::DriveKind;
 using engine::Record;
 using engine::Velocity;
 
-// How far from its rest it may go: the circle about its body grows with that.
+// Limit of the distance from its rest position: the bounding circle of its body grows with it.
 constexpr double k_most_reach_m = 100;
 
 enum class Law : std::uint8_t { diff, omni, car };
@@ -32,7 +32,7 @@ const DriveKind& kind_of(Law law) {
 }
 
 struct Wheels {
-  /// All that any drive takes, but for what it knows of where it is, and what it pushes: joints push nothing.
+  /// The parameters of a drive without localization, and without pushes: joints push nothing.
   struct Params {
     Law drive = Law::diff;
     double wheelbase = CarParams().wheelbase;
@@ -41,7 +41,7 @@ struct Wheels {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::drive>("drive", "how it drives");
+      d.member<&Params::drive>("drive", "kind of drive");
       d.member<&Params::wheelbase>("wheelbase", meters, above(0), "distance between the axles");
       d.part<&Params::motion>();
     }
@@ -52,7 +52,7 @@ struct Wheels {
 
   const DriveKind* kind = nullptr;
   std::any data;
-  Result<> bounds;  // whether the parameters fit together
+  Result<> bounds;  // an error if the parameters contradict each other
   Pose rest;        // of the part, body frame
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_part) {
@@ -66,7 +66,7 @@ struct Wheels {
   }
   Result<> mount(const engine::TypeSpec&, std::uint32_t) const {
     if (bounds) return {};
-    return Error{fmt::format("has drive parameters that contradict one another: {}", bounds.error().text)};
+    return Error{fmt::format("has contradictory drive parameters: {}", bounds.error().text)};
   }
 
   void act(const DeviceBatch& batch) const;
@@ -81,7 +81,8 @@ struct Wheels {
   }
 };
 
-/// In the frame of the joint's rest, by the heading at the beginning, as bodies move.
+/// The joint's pose after dt, in the frame of its rest pose. Moves along the heading at the start of the
+/// tick, as bodies do.
 Pose moved(const Pose& q, const Velocity& v, double dt) {
   const Vec2 way = Rotation(q.heading) * Vec2(v.x * dt, v.y * dt);
   return {q.x + way.x(), q.y + way.y(), q.z, q.heading + v.turn * dt};
@@ -95,9 +96,8 @@ void Wheels::act(const DeviceBatch& batch) const {
     const Velocity v = drive(batch.commands->as<Command>(batch.slot(i)), at, batch.period_s,
                              {state.forward, state.left, state.turn});
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn))
-      throw engine::StepError(
-          fmt::format("tick {}: a part of \"{}\" was commanded what is not a finite number",
-                      batch.world.tick(), batch.world.spec().name(batch.body(i))));
+      throw engine::StepError(fmt::format("tick {}: the command of a part of \"{}\" is not a finite number",
+                                          batch.world.tick(), batch.world.spec().name(batch.body(i))));
     state = {at.x + 0.0, at.y + 0.0, at.z + 0.0, at.heading + 0.0, v.x + 0.0, v.y + 0.0, v.turn + 0.0, 0};
     if (v.x == 0 && v.y == 0 && v.turn == 0) continue;
     const Pose to = moved(q, v, batch.period_s);
@@ -115,7 +115,7 @@ void Wheels::settled(const DeviceBatch& batch) const {
 }  // namespace
 
 DeviceKind wheels_kind() {
-  return engine::make_device_kind<Wheels>("wheels", "a drive of a part of its own, which moves on its body");
+  return engine::make_device_kind<Wheels>("wheels", "gives a part of a body a drive of its own");
 }
 
 }  // namespace troupe::models

@@ -5,30 +5,30 @@
 
 namespace troupe::models {
 
-/// Where a part that drives on its body is, and how it moves.
+/// State of a part that drives on its body.
 struct WheelsState {
-  double x = 0;              ///< m, world frame, as is what follows: where it was when it last set out
+  double x = 0;              ///< m, world frame; x, y, z and heading are the pose at the start of the tick
   double y = 0;              ///< m
   double z = 0;              ///< m
   double heading = 0;        ///< rad
-  double forward = 0;        ///< m/s, its own frame, of this tick
+  double forward = 0;        ///< m/s, its own frame; velocity of this tick
   double left = 0;           ///< m/s
   double turn = 0;           ///< rad/s
-  std::uint8_t stalled = 0;  ///< 1: something was in the way
+  std::uint8_t stalled = 0;  ///< 1: its motion was blocked
   TROUPE_FIELDS(x, y, z, heading, forward, left, turn, stalled)
 };
 
-/// A drive that a part of a body has for itself, as a `position` inside another model of Stage: it drives in
-/// the frame of what it stands on, and goes where that goes.
+/// A drive for one part of a body, like a `position` inside another model of Stage: it drives in the frame of
+/// the part that carries it, and moves with that part.
 ///
-/// parameters  drive (diff, omni, car), and those of the drive but for its localization
-/// state       WheelsState; commands: engine::Command, as those of a body's own drive
-/// moves       as a joint: with what stands on it, until it would overlap something that is no part of its
-///             own tree; a motion that is refused leaves it where it is, stalled
-/// estimate    its true pose in the world: what controllers of its part know, and what goals are given in
-/// edges       it is due in each tick; the bounds of the world do not hold it, but it goes no farther than
-///             100 m from where it is at rest
-/// errors      a command that is no finite number: engine::StepError
+/// parameters  drive (diff, omni, car), and the parameters of that drive without localization and pushes
+/// state       WheelsState; commands: engine::Command, as for the drive of a body
+/// moves       as a joint, with the parts mounted on it, unless it would overlap a body outside its own tree
+///             of carriers; a blocked motion leaves it where it is, stalled
+/// estimate    its true pose in the world: controllers of its part see it, and goals are in the world frame
+/// edges       it is due in each tick; it may leave the bounds of the world, but goes no farther than 100 m
+///             from its position at rest
+/// errors      a command that is not a finite number: engine::StepError
 engine::DeviceKind wheels_kind();
 
 }  // namespace troupe::models

@@ -16,7 +16,7 @@ namespace {
 using engine::Ailment;
 using engine::BodyType;
 
-/// "ir, sonar" -> ir, sonar.
+/// Splits at commas and trims spaces: "ir, sonar" -> "ir", "sonar".
 std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
   while (!text.empty()) {
@@ -35,14 +35,14 @@ struct DeadSensors {
     std::string sensors;
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::sensors>("sensors",
-                                 "their names, with commas between them; empty: all that the robot has");
+      d.member<&Params::sensors>(
+          "sensors", "names of the sensors, separated by commas; empty: all sensors of the robot");
     }
   };
 
   static Result<Ailment> prepare(const Params& params, const BodyType& type) {
     Ailment ailment;
-    std::vector<std::string_view> sensors;  // of the type
+    std::vector<std::string_view> sensors;  // names of the sensors of the type
     for (const BodyType::Device& device : type.devices)
       if (device.kind->is_sensor()) sensors.push_back(device.name);
     std::vector<std::string_view> wanted = words_of(params.sensors);
@@ -54,8 +54,8 @@ struct DeadSensors {
         return Error{unknown_name(fmt::format("sensor of type \"{}\"", type.name), name, sensors)};
       const auto d = static_cast<std::size_t>(device - type.devices.begin());
       if (d >= engine::k_most_fallible)
-        return Error{fmt::format("\"{}\" is device {} of type \"{}\", and the first {} can fail", name, d + 1,
-                                 type.name, engine::k_most_fallible)};
+        return Error{fmt::format("\"{}\" is device {} of type \"{}\", and only the first {} can fail", name,
+                                 d + 1, type.name, engine::k_most_fallible)};
       ailment.dead |= std::uint32_t{1} << d;
     }
     return ailment;
@@ -69,7 +69,7 @@ struct SlowWheels {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::factor>("factor", above(0), at_most(1), required,
-                                "what its speeds are multiplied by");
+                                "factor by which its speeds are multiplied");
     }
   };
 
@@ -87,12 +87,12 @@ struct DropOut {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::rate>("rate", per_second, above(0), at_most(1e6), required,
-                              "mean rate at which it happens to one robot; the probability that it has "
-                              "happened within t is 1 - exp(-rate t)");
+      d.member<&Params::rate>(
+          "rate", per_second, above(0), at_most(1e6), required,
+          "mean rate for one robot: the probability of a failure within t is 1 - exp(-rate t)");
       d.member<&Params::duration>(
           "for", seconds, within(0, 1e9),
-          "how long it is out; then it works again, until the next time; 0: for good");
+          "how long a failure lasts; then the robot works again, until the next one; 0: for good");
     }
   };
 
@@ -104,15 +104,15 @@ struct DropOut {
 }  // namespace
 
 engine::FaultKind dead_sensors_fault() {
-  return engine::make_fault_kind<DeadSensors>("dead_sensors", "sensors that keep the reading they had");
+  return engine::make_fault_kind<DeadSensors>("dead_sensors", "sensors that keep their last readings");
 }
 
 engine::FaultKind slow_wheels_fault() {
-  return engine::make_fault_kind<SlowWheels>("slow_wheels", "a drive that gives less than it is asked for");
+  return engine::make_fault_kind<SlowWheels>("slow_wheels", "a drive that is slower than commanded");
 }
 
 engine::FaultKind drop_out_fault() {
-  return engine::make_fault_kind<DropOut>("drop_out", "a robot that stops with all it has");
+  return engine::make_fault_kind<DropOut>("drop_out", "a robot that stops completely");
 }
 
 }  // namespace troupe::models

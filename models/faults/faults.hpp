@@ -4,16 +4,15 @@
 
 namespace troupe::models {
 
-/// Sensors that do not look any more: they keep the readings that they had, of which a controller is not
-/// told.
+/// Sensors that stop working: they keep their last readings, and controllers cannot tell.
 engine::FaultKind dead_sensors_fault();
 
-/// A drive that gives less than it is asked for: all its speeds are `factor` of what they would be.
-/// Odometry counts what the wheels did.
+/// A drive that is slower than commanded: all its velocities are multiplied by `factor`. Odometry counts the
+/// motion that results.
 engine::FaultKind slow_wheels_fault();
 
-/// A robot that stops with all it has, at a time that is exponentially distributed with mean 1 / `rate`, for
-/// good or for a while.
+/// A robot that stops completely after an exponentially distributed time of mean 1 / `rate`, for good or for
+/// a while.
 engine::FaultKind drop_out_fault();
 
 }  // namespace troupe::models

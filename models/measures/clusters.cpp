@@ -14,7 +14,7 @@ using engine::Measure;
 using engine::Unit;
 using engine::World;
 
-/// Pushable bodies, joined where they lie near one another.
+/// Finds the clusters of pushable bodies by union-find.
 class Clusters : public Measure {
  public:
   struct Params {
@@ -23,7 +23,7 @@ class Clusters : public Measure {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::distance>("distance", Unit::meters, above(0), at_most(1000), required,
-                                  "origins that are no farther apart are of one cluster");
+                                  "bodies whose origins are at most this far apart are in one cluster");
     }
   };
 
@@ -69,7 +69,7 @@ class Clusters : public Measure {
   }
 
   double distance_;
-  std::vector<std::uint32_t> parents_;  // a row each
+  std::vector<std::uint32_t> parents_;  // union-find forest, per row
   std::vector<std::uint32_t> sizes_;
 };
 
@@ -93,16 +93,16 @@ class LargestCluster : public Clusters {
 
 engine::MeasureKind clusters_measure() {
   return engine::make_measure_kind<ClusterCount>(
-      "clusters", Unit::none, "in how many heaps the pushable bodies lie",
-      "The connected components of the graph that joins pushable bodies whose origins are at most `distance` "
-      "apart; a body that lies alone counts as one. Whichever robots are measured.");
+      "clusters", Unit::none, "number of clusters of pushable bodies",
+      "The number of connected components of the graph that joins pushable bodies whose origins are at most "
+      "`distance` apart; a body on its own counts as one. It does not depend on which robots are measured.");
 }
 
 engine::MeasureKind largest_cluster_measure() {
   return engine::make_measure_kind<LargestCluster>(
-      "largest_cluster", Unit::none, "which share of the pushable bodies lies in the largest heap",
-      "The bodies of the largest of the components that `clusters` counts, over all pushable bodies. Not a "
-      "number where there are none.");
+      "largest_cluster", Unit::none, "fraction of the pushable bodies that are in the largest cluster",
+      "The number of bodies in the largest of the components that `clusters` counts, divided by the number "
+      "of all pushable bodies. Not a number if there are none.");
 }
 
 }  // namespace troupe::models

@@ -17,9 +17,9 @@ using engine::Measure;
 using engine::Unit;
 using engine::World;
 
-constexpr double k_most_cells = 25e6;  // two bytes each
+constexpr double k_most_cells = 25e6;  // of two bytes
 
-/// Where robots may be; where nothing says so, the ground on which anything stands at the start.
+/// The bounds of the world; without any, the box around the static scene and the robots at the start.
 Box ground_of(const World& world, std::span<const Row> robots) {
   if (world.spec().bounds) return *world.spec().bounds;
   Box box = world.scene().bounds();
@@ -93,13 +93,13 @@ class Coverage : public Measure {
     const std::int64_t y = std::int64_t{cell.y} - low_.y;
     if (x < 0 || y < 0 || x >= static_cast<std::int64_t>(columns_) || y >= static_cast<std::int64_t>(lines_))
       return;
-    // Robots of several tasks may be in one cell; whichever comes first, it has been visited.
+    // Robots of several tasks may be in one cell: all of them write the same value.
     std::atomic_ref<std::uint8_t> visited(visited_[static_cast<std::size_t>(y) * columns_ + x]);
     if (visited.load(std::memory_order_relaxed) == 0) visited.store(1, std::memory_order_relaxed);
   }
 
-  /// Takes the cells whose centres lie in a solid: line by line, between every other two crossings of its
-  /// edges with the line of the centres.
+  /// Marks the cells whose centres are in a solid as not free, by the even-odd rule: line by line, between
+  /// every other pair of crossings of its edges with the line through the centres.
   void take(const Solid& solid) {
     std::vector<std::vector<double>> crossings(lines_);
     for (const Ring& ring : solid.contours)
@@ -121,7 +121,7 @@ class Coverage : public Measure {
     }
   }
 
-  /// The first of `count` cells from `low` on whose centre is not below v.
+  /// Index of the first of `count` cells from `low` on whose centre is not below v; `count` if none is.
   std::size_t first_not_below(std::int32_t low, std::size_t count, double v) const {
     const std::int64_t near = std::int64_t{grid_.cell({v, 0}).x} - low;
     auto i = static_cast<std::size_t>(std::clamp<std::int64_t>(near, 0, static_cast<std::int64_t>(count)));
@@ -143,12 +143,12 @@ class Coverage : public Measure {
 
 engine::MeasureKind coverage_measure() {
   return engine::make_measure_kind<Coverage>(
-      "coverage", Unit::none, "share of the free ground that robots have been on",
-      "Of the square cells of edge `cell`, one corner of which is the world's origin, that are free the "
-      "share in which the origin of a robot has been at the end of any tick since measuring began. A cell is "
-      "free when its centre lies in the bounds of the world and in no obstacle that never moves, whatever "
-      "its height. A world without bounds has those of what stands in it at the start. Ground that no robot "
-      "can reach counts.");
+      "coverage", Unit::none, "fraction of the free ground that robots have visited",
+      "The fraction of the free cells in which the origin of a robot has been at the end of any tick since "
+      "measuring began. Cells are squares of edge `cell`, and one of their corners is the world's origin. A "
+      "cell is free if its centre lies within the bounds of the world and in no static obstacle, whatever "
+      "the height of the obstacle. If the world has no bounds, the box around the static scene and the "
+      "robots at the start is used. Ground that no robot can reach counts.");
 }
 
 }  // namespace troupe::models

@@ -4,7 +4,7 @@
 
 namespace troupe::models {
 
-/// How much of the ground robots have been on: docs/measures.md.
+/// `coverage`: fraction of the free ground that robots have visited (docs/measures.md).
 engine::MeasureKind coverage_measure();
 
 }  // namespace troupe::models

@@ -20,14 +20,14 @@ using engine::StateTable;
 using engine::Unit;
 using engine::World;
 
-/// A measure of the state alone.
+/// A measure over robots, computed from the present state.
 class OfRobots : public Measure {
  public:
   OfRobots(const World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
 
  protected:
   std::span<const Row> robots() const { return robots_; }
-  /// Of those that are in the world.
+  /// Mean of term(i) over the robots that are in the world; NaN if there are none.
   template <class Term>
   double mean(World& world, Term&& term) const {
     const std::size_t there = engine::count_there(world, robots_);
@@ -96,11 +96,12 @@ class PathLength : public OfRobots {
   double value(World& world) override {
     return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
-  // The places need not be kept: in a state that is put back, they are those where it begins.
+  // The places are not saved: the constructor reads them from the state that is restored.
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
-  /// Who was born since the last tick comes from where that was; who is not there stays.
+  /// The path of a robot born since the last tick begins at its birthplace. A robot that is not in the world
+  /// does not move.
   void begin_life(const World& world, std::size_t i) {
     const Row row = robots()[i];
     const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(world.body(row));
@@ -110,7 +111,7 @@ class PathLength : public OfRobots {
       places_[i] = world.origin(row);
   }
 
-  /// Who was put elsewhere went from there: that it was put there is no way.
+  /// A robot that a program moved continues from its new pose: the move itself is not counted.
   void set_out_from(std::span<const World::Placed> placed) {
     if (placed.empty()) return;
     if (numbers_.empty()) {
@@ -125,10 +126,10 @@ class PathLength : public OfRobots {
   }
   static std::size_t by_row(const std::pair<Row, std::uint32_t>& number) { return number.first.index(); }
 
-  std::vector<double> lengths_;                         // beside robots(), as are
-  std::vector<Vec2> places_;                            // in the state that was seen last
-  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // of robots(), by row; made when a robot is placed
-  std::uint64_t tick_;                                  // that was seen last
+  std::vector<double> lengths_;                         // m, per robot, in the order of robots()
+  std::vector<Vec2> places_;                            // per robot, in the state that see() saw last
+  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // indices into robots(), by row; built when needed
+  std::uint64_t tick_;                                  // that see() saw last
 };
 
 class MeanSpeed : public OfRobots {
@@ -172,8 +173,8 @@ class ShareWithin : public OfRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::center>("center", Unit::meters, required, "[x, y] of the circle");
-      d.member<&Params::radius>("radius", Unit::meters, at_least(0), required, "of the circle");
+      d.member<&Params::center>("center", Unit::meters, required, "centre of the circle, [x, y]");
+      d.member<&Params::radius>("radius", Unit::meters, at_least(0), required, "radius of the circle");
     }
   };
 
@@ -191,7 +192,7 @@ class ShareWithin : public OfRobots {
   Params circle_;
 };
 
-/// Of those robots whose state has the component.
+/// Over the robots whose state has the component.
 class StateMean : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
@@ -208,10 +209,10 @@ class StateMean : public OfRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::component>("component", required,
-                                   "of the state, as \"KIND/0\" is the memory of the first controller");
-      d.member<&Params::field>("field", required, "of the component");
-      d.member<&Params::column>("column", within(0, 1e6), "of a field that is an array");
+      d.member<&Params::component>(
+          "component", required, "component of the state; \"KIND/0\" is the memory of the first controller");
+      d.member<&Params::field>("field", required, "field of the component");
+      d.member<&Params::column>("column", within(0, 1e6), "column of a field that is an array");
     }
   };
 
@@ -226,14 +227,14 @@ class StateMean : public OfRobots {
   }
 
  private:
-  /// cells: by body.
+  /// cells: per body.
   StateMean(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
       : OfRobots(world, with(world, cells, std::move(rows))),
         column_(static_cast<std::size_t>(params.column)) {
     for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
   }
 
-  /// Each type that has the component keeps a table of its own.
+  /// The cell of each body. Every type that has the component has its own table.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
@@ -287,7 +288,7 @@ class StateMean : public OfRobots {
   }
 
   std::size_t column_;
-  std::vector<Cell> cells_;  // beside robots()
+  std::vector<Cell> cells_;  // per robot, in the order of robots()
 };
 
 class Alive : public OfRobots {
@@ -303,7 +304,7 @@ class Deaths : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::type>("type", engine::facts::required,
-                              "of the bodies that are counted, robots or not");
+                              "type of the bodies that are counted, robots or not");
     }
   };
 
@@ -332,79 +333,77 @@ class Deaths : public Measure {
 }  // namespace
 
 engine::MeasureKind stalls_measure() {
-  return engine::make_measure_kind<Stalls>(
-      "stalls", Unit::none, "robots that are stalled",
-      "The number of robots whose last motion was refused, because something stood in its way, or because it "
-      "would have left the world.");
+  return engine::make_measure_kind<Stalls>("stalls", Unit::none, "number of stalled robots",
+                                           "The number of robots whose last motion was blocked by something "
+                                           "in its way, or would have left the world.");
 }
 
 engine::MeasureKind alive_measure() {
-  return engine::make_measure_kind<Alive>(
-      "alive", Unit::none, "robots that are in the world",
-      "The number of robots that have been born and have not died. All other measures are of these alone.");
+  return engine::make_measure_kind<Alive>("alive", Unit::none, "number of robots in the world",
+                                          "The number of robots that have been born and have not died. Other "
+                                          "measures of robots cover only these.");
 }
 
 engine::MeasureKind deaths_measure() {
   return engine::make_measure_kind<Deaths>(
-      "deaths", Unit::none, "bodies of a type that have died",
-      "The number of bodies of a type that were in the world and are no more: pucks that a remover took, "
-      "robots whose packs ran empty. Whichever robots are measured.");
+      "deaths", Unit::none, "number of bodies of a type that have died",
+      "The number of bodies of a type that have died, such as pucks that a remover took or robots whose "
+      "packs ran empty. It does not depend on which robots are measured.");
 }
 
 engine::MeasureKind held_measure() {
   return engine::make_measure_kind<Held>(
-      "held", Unit::none, "robots held at the world's bounds",
-      "The number of robots whose last motion would have left the world. They count as stalled, too.");
+      "held", Unit::none, "number of robots stopped at the world's bounds",
+      "The number of robots whose last motion would have left the world. They also count as stalled.");
 }
 
 engine::MeasureKind displacement_measure() {
   return engine::make_measure_kind<Displacement>(
-      "displacement", Unit::meters, "mean distance of robots from where they started",
-      "The mean over the robots of the straight distance between their origins now and at tick 0, or where "
-      "they were born.");
+      "displacement", Unit::meters, "mean distance of the robots from where they started",
+      "The mean over the robots of the straight-line distance between a robot's origin now and at tick 0, or "
+      "at its birth.");
 }
 
 engine::MeasureKind path_length_measure() {
   return engine::make_measure_kind<PathLength>(
-      "path_length", Unit::meters, "mean length of the paths that robots have gone",
-      "The mean over the robots of the sum, over all ticks since measuring began, of the straight distance "
-      "between their origins before and after the tick. Where a program puts a robot between two ticks it "
-      "has "
-      "not gone.");
+      "path_length", Unit::meters, "mean length of the robots' paths",
+      "The mean over the robots of the sum, over all ticks since measuring began, of the straight-line "
+      "distance between a robot's origin before and after the tick. Moves by a program between two ticks do "
+      "not count.");
 }
 
 engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
-      "mean_speed", Unit::meters_per_second, "mean speed of robots in the last tick",
-      "The mean over the robots of the speed, in any direction, with which their origins moved in the last "
-      "tick; 0 for one that is stalled, and for all before the first tick.");
+      "mean_speed", Unit::meters_per_second, "mean speed of the robots in the last tick",
+      "The mean over the robots of the speed of their origins in the last tick, in any direction; 0 for a "
+      "stalled robot, and for all robots before the first tick.");
 }
 
 engine::MeasureKind order_measure() {
   return engine::make_measure_kind<Order>(
-      "order", Unit::none, "how far headings agree: 0 not at all, 1 wholly",
-      "The length of the mean of the robots' unit vectors of heading. Vicsek et al., Novel type of phase "
-      "transition in a system of self-driven particles, Physical Review Letters 75, 1995, for particles of "
-      "one speed; also called polarisation.");
+      "order", Unit::none, "agreement of the headings, from 0 (none) to 1 (full)",
+      "The length of the mean of the robots' unit heading vectors, also called polarisation. Vicsek et al., "
+      "Novel type of phase transition in a system of self-driven particles, Physical Review Letters 75, "
+      "1995, for particles of one speed.");
 }
 
 engine::MeasureKind spread_measure() {
   return engine::make_measure_kind<Spread>(
-      "spread", Unit::meters, "mean distance of robots from their centre",
-      "The mean over the robots of the distance between their origins and the mean of all their origins.");
+      "spread", Unit::meters, "mean distance of the robots from their centre",
+      "The mean over the robots of the distance between a robot's origin and the mean of all their origins.");
 }
 
 engine::MeasureKind share_within_measure() {
   return engine::make_measure_kind<ShareWithin>(
-      "share_within", Unit::none, "share of the robots that are in a circle",
-      "The share of the robots whose origin lies within `radius` of `center`, the circle included.");
+      "share_within", Unit::none, "fraction of the robots that are in a circle",
+      "The fraction of the robots whose origin is at most `radius` from `center`.");
 }
 
 engine::MeasureKind state_mean_measure() {
   return engine::make_measure_kind<StateMean>(
-      "state_mean", Unit::none, "mean of a number of the robots' state",
-      "The mean of one number of the state over the robots that have it: what a controller remembers, what a "
-      "sensor reads. Of a field that is 0 or 1 it is a share.");
+      "state_mean", Unit::none, "mean of a number in the robots' state",
+      "The mean of one number of the state over the robots that have it, such as the memory of a controller "
+      "or the reading of a sensor. For a field that is 0 or 1, it is a fraction of the robots.");
 }
 
 }  // namespace troupe::models

@@ -14,9 +14,9 @@ using engine::Measure;
 using engine::Unit;
 using engine::World;
 
-constexpr std::size_t k_batch = 256;  // robots a task
+constexpr std::size_t k_batch = 256;  // robots per task
 
-/// Robots that look for one another through the index.
+/// Finds the neighbours of robots through the index.
 class AmongRobots : public Measure {
  public:
   AmongRobots(const World& world, std::vector<Row> robots)
@@ -27,7 +27,7 @@ class AmongRobots : public Measure {
  protected:
   std::span<const Row> robots() const { return robots_; }
 
-  /// work(row), in parallel, of neighbours one after another: they share what the caches hold.
+  /// Calls work(row) for all robots, in parallel, in the order of the index: neighbours share the caches.
   template <class Work>
   void for_each_robot(World& world, Work&& work) const {
     const std::span<const std::uint32_t> order = world.index().order();
@@ -38,17 +38,17 @@ class AmongRobots : public Measure {
     });
   }
 
-  /// visit(squared distance) for the others within `reach`, and for some beyond it. It may be reduced on the
-  /// way.
+  /// Calls visit(squared distance) for the other robots in the box of half-width `radius` that are within
+  /// `reach`, and for some that are farther. visit() may reduce `reach`.
   template <class Visit>
   void for_each_other(const World& world, std::uint32_t row, double radius, const double& reach,
                       Visit&& visit) const {
-    constexpr double k_round = 1 + 1e-9;  // of the products that are compared
+    constexpr double k_round = 1 + 1e-9;  // covers the rounding of the products compared below
     const Vec2 place = world.transform(Row(row)).position;
-    // The index holds every origin within the box; those of wide bodies more than once.
+    // The index visits every body whose origin is in the box, once.
     world.index().for_each_near(Box::around(place, radius), [&](const partition::BodyCircle& other) {
       if (other.row == row || !measured_[other.row]) return;
-      // The circle's centre is rounded; its radius makes up for it.
+      // The centre of the circle is rounded to float; its radius is large enough to cover that.
       const double x = other.x - place.x();
       const double y = other.y - place.y();
       const double far = (reach + other.radius) * k_round;
@@ -59,7 +59,7 @@ class AmongRobots : public Measure {
 
  private:
   std::vector<Row> robots_;
-  std::vector<std::uint8_t> measured_;  // a row each
+  std::vector<std::uint8_t> measured_;  // per row, 1: it is one of the robots
 };
 
 class MeanNearestDistance : public AmongRobots {
@@ -78,8 +78,8 @@ class MeanNearestDistance : public AmongRobots {
   }
 
  private:
-  /// Looks in a box, and in a larger one until the nearest found lies in it. There is another robot, so it
-  /// ends; where it begins changes speed alone: a little beyond where the nearest was.
+  /// Searches boxes of growing size until the nearest robot found is within the box. It ends because there is
+  /// another robot. The first size, slightly more than the last distance, affects only the speed.
   double nearest(const World& world, std::uint32_t row) const {
     double radius = std::max(1.25 * distances_[row], 0.1 * world.geometry().cell_m);
     for (;;) {
@@ -91,7 +91,7 @@ class MeanNearestDistance : public AmongRobots {
     }
   }
 
-  std::vector<double> distances_;  // a row each, when they were last asked for
+  std::vector<double> distances_;  // per row, at the last value()
 };
 
 class Neighbours : public AmongRobots {
@@ -101,7 +101,8 @@ class Neighbours : public AmongRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::radius>("radius", Unit::meters, above(0), at_most(1000), "how near a neighbour is");
+      d.member<&Params::radius>("radius", Unit::meters, above(0), at_most(1000),
+                                "greatest distance of a neighbour");
     }
   };
 
@@ -124,7 +125,7 @@ class Neighbours : public AmongRobots {
 
  private:
   double radius_;
-  std::vector<std::uint32_t> counts_;  // a row each
+  std::vector<std::uint32_t> counts_;  // per row
 };
 
 }  // namespace
@@ -132,16 +133,16 @@ class Neighbours : public AmongRobots {
 engine::MeasureKind mean_nearest_distance_measure() {
   return engine::make_measure_kind<MeanNearestDistance>(
       "mean_nearest_distance", Unit::meters, "mean distance to the nearest other robot",
-      "The mean over the robots of the distance between a robot's origin and that of the nearest other one "
-      "of those that are measured, walls or not. Not a number for fewer than two robots. Clark and Evans, "
-      "Distance to nearest neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.");
+      "The mean over the robots of the distance from a robot's origin to that of the nearest other measured "
+      "robot, even through walls. Not a number for fewer than two robots. Clark and Evans, Distance to "
+      "nearest neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.");
 }
 
 engine::MeasureKind neighbours_measure() {
   return engine::make_measure_kind<Neighbours>(
-      "neighbours", Unit::none, "mean number of other robots that are near",
-      "The mean over the robots of the number of others, of those that are measured, whose origin lies "
-      "within `radius` of its own, walls or not: the mean degree of the graph that joins robots within that "
+      "neighbours", Unit::none, "mean number of other robots nearby",
+      "The mean over the robots of the number of other measured robots whose origin lies within `radius` of "
+      "the robot's own, even through walls: the mean degree of the graph that joins robots within that "
       "distance.");
 }
 

@@ -2,7 +2,7 @@
 
 #include "engine/measure_kind.hpp"
 
-/// Measures of how near robots are to one another. Their definitions stand in the kinds (`troupe describe`).
+/// Measures of the distances between robots. `troupe describe` prints their definitions.
 namespace troupe::models {
 
 engine::MeasureKind mean_nearest_distance_measure();  ///< `mean_nearest_distance`, m

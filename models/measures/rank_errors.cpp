@@ -21,7 +21,8 @@ class RankErrors : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::center>("center", Unit::meters, required, "[x, y]: from where distances count");
+      d.member<&Params::center>("center", Unit::meters, required,
+                                "point from which distances are measured, [x, y]");
     }
   };
 
@@ -37,7 +38,7 @@ class RankErrors : public Measure {
       const std::size_t type = world.spec().bodies[world.body(row).index()].type.index();
       ranked_.push_back({(world.transform(row).position - center_).squaredNorm(), type});
     }
-    // Of equal distances the lower type comes first, so that they count as right.
+    // At equal distances the lower type comes first, so that such pairs count as right.
     std::ranges::sort(ranked_);
     std::ranges::fill(met_, 0);
     std::uint64_t pairs = 0;
@@ -57,17 +58,18 @@ class RankErrors : public Measure {
   std::vector<Row> robots_;
   Vec2 center_;
   std::vector<std::pair<double, std::size_t>> ranked_;  // squared distance, type
-  std::vector<std::uint64_t> met_;                      // robots of each type, from the centre on
+  std::vector<std::uint64_t> met_;                      // robots so far, per type, from the centre outwards
 };
 
 }  // namespace
 
 engine::MeasureKind rank_errors_measure() {
   return engine::make_measure_kind<RankErrors>(
-      "rank_errors", Unit::none, "share of the pairs of unlike robots that stand in the wrong order",
-      "Of all pairs of robots of different types, the share in which the one whose type stands later in the "
-      "world is nearer to `center`. 0: robots stand in rings, type by type; about one half: they are mixed. "
-      "Not a number where all are of one type. Gross, Magnenat, Mondada, Segregation in swarms of mobile "
+      "rank_errors", Unit::none,
+      "fraction of the pairs of robots of different types that are in the wrong order",
+      "The fraction of the pairs of robots of different types in which the robot whose type comes later in "
+      "the world is nearer to `center`. 0: the robots form rings, type by type; about one half: they are "
+      "mixed. Not a number if all are of one type. Gross, Magnenat, Mondada, Segregation in swarms of mobile "
       "robots based on the Brazil nut effect, IROS 2009: the percentage of errors in rank.");
 }
 

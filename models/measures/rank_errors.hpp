@@ -4,7 +4,7 @@
 
 namespace troupe::models {
 
-/// How far robots of several types are from standing in the order of their types, from a centre outwards.
+/// `rank_errors`: fraction of the pairs of robots of different types that are in the wrong order.
 engine::MeasureKind rank_errors_measure();
 
 }  // namespace troupe::models

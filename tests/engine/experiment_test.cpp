@@ -440,7 +440,7 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(outside), HasSubstr("\"r0\" would be put outside of the world's bounds"));
   const FieldTable& drive = test::registry().drive("diff")->params;
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "velocity_max_x", -2.0)),
-              HasSubstr("drive \"diff\": the bounds of velocity_x stand the wrong way round"));
+              HasSubstr("drive \"diff\": velocity_x: lower bound -1 exceeds upper bound -2"));
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "localization", "odom")),
               HasSubstr("\"localization\" is the same for as long as the world runs"));
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "pushes", 2)),

@@ -93,9 +93,8 @@ TEST(World, BoundsTheWrongWayRoundAreAnError) {
   scene.body("r", type);
   Diagnostics diagnostics;
   EXPECT_THROW(World(scene.spec, test::registry(), {.threads = 1}, diagnostics), InputError);
-  EXPECT_EQ(
-      diagnostics.text(diagnostics.findings()[0]),
-      "error: drive \"diff\": the bounds of velocity_x stand the wrong way round: the lower must come first");
+  EXPECT_EQ(diagnostics.text(diagnostics.findings()[0]),
+            "error: drive \"diff\": velocity_x: lower bound 1 exceeds upper bound -1");
 }
 
 TEST(World, TwoSensorsOfOneNameAreToldApart) {

@@ -199,8 +199,8 @@ TEST(Expand, EachBeamOfATransducerHasItsClearance) {
 
 TEST(Expand, WhatNeverPointsAheadIsAFault) {
   const std::string fault =
-      "needs a ranger with a beam ahead, or beams to the left and to the right: the vector sum of those of "
-      "\"sensor\" never points ahead";
+      "needs a ranger with a beam ahead, or beams to the left and to the right: the vector sum of the "
+      "beams of \"sensor\" never points ahead";
   for (const std::vector<double>& headings : {std::vector{k_pi}, {1.0}, {2.0, -2.0}, {0.6, 1.2, 2.9}})
     EXPECT_EQ(
         Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
@@ -268,7 +268,7 @@ TEST(Wander, NeedsMoreThanEightSamples) {
   EXPECT_EQ(
       decide.error,
       "needs a scanner: a ranger with 9 or more beams, in one transducer or several, one of them within "
-      "30 degrees of straight ahead; \"sensor\" (8) has too few");
+      "30 degrees of straight ahead; \"sensor\" (8 beams) has too few");
 }
 
 TEST(Script, WaveFollowsItsLaw) {
@@ -314,7 +314,7 @@ TEST(Script, LegsMustFollowOneAnother) {
       {}, "script",
       test::record(table, {{"legs", std::vector<engine::Record>{test::record(leg, {{"until", 5.0}}),
                                                                 test::record(leg, {{"until", 2.0}})}}}));
-  EXPECT_EQ(decide.error, "has a leg that ends before it begins: `until` must rise");
+  EXPECT_EQ(decide.error, "has a leg whose `until` is not above that of the leg before it");
 }
 
 TEST(Expand, MoreClearancesThanTransducersIsAFault) {
@@ -324,7 +324,7 @@ TEST(Expand, MoreClearancesThanTransducersIsAFault) {
 
 TEST(Script, TimedWithoutLegsIsAFault) {
   Decision decide({}, "script", test::registry().controller("script")->params.defaults());
-  EXPECT_EQ(decide.error, "needs legs: the law `timed` drives nothing without them");
+  EXPECT_EQ(decide.error, "needs `legs` for the law `timed`");
 }
 
 /// Of each x, y, z and heading; and, where they are given, time, speed and wait.
@@ -357,7 +357,7 @@ TEST(Waypoints, GoesFromGoalToGoalAndBeginsAgainWhereItShould) {
 TEST(Waypoints, NeedsGoals) {
   std::vector<bool> claimed;
   EXPECT_EQ(test::registry().controller("waypoints")->prepare(goals({}, false), {}, claimed).error().text,
-            "needs goals: without them it has nowhere to go");
+            "needs at least one goal");
 }
 
 TEST(Wander, TakesOverARobotThatWasSentSomewhere) {

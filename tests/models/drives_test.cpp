@@ -311,7 +311,7 @@ TEST(Drives, BoundsOfAccelerationsMustNotStandTheWrongWayRound) {
         std::tuple("turn_acceleration_min", "turn_acceleration_max", "turn_acceleration")}) {
     const engine::DriveSpec spec = test::drive("car", {{low, 2.0}, {high, 1.0}});
     EXPECT_EQ(car_drive().check(spec.params).error().text,
-              "the bounds of " + std::string(name) + " stand the wrong way round: the lower must come first");
+              std::string(name) + ": lower bound 2 exceeds upper bound 1");
   }
 }
 

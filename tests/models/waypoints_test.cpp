@@ -158,12 +158,13 @@ TEST(Movers, WithoutObstaclesOfTheirOwnTheyPassThroughAll) {
 TEST(Movers, WhatTheyCannotKeepIsTold) {
   EXPECT_THAT(
       Mover({{1, 0, 0, 0, 2}}).fault(),
-      HasSubstr("controller \"waypoints\" has a goal 1 with a speed of 2 m/s: its drive gives 1 m/s in "
-                "any direction"));
+      HasSubstr("controller \"waypoints\" has a goal 1 with a speed of 2 m/s: its drive reaches only 1 m/s "
+                "in every direction"));
   EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).fault(),
-              HasSubstr("has a goal 2 3 m from the one before it, in 1 s: its drive gives 1 m/s"));
+              HasSubstr("has a goal 2 that is 3 m from the one before it, to be covered in 1 s: its drive "
+                        "reaches only 1 m/s"));
   EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).fault(),
-              HasSubstr("has a goal 2 at 2 s, and one before it at 3 s: times must rise"));
+              HasSubstr("has a goal 2 at 2 s, after one at 3 s: times must increase"));
   EXPECT_THAT(Mover({{1, 0, 0, 3, 1}}).fault(), HasSubstr("with both `at` and `speed`"));
   Mover diff({{1, 0, 0, 3}});
   diff.scene[diff.type].drive = test::drive("diff");

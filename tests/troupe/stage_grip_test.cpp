@@ -45,8 +45,8 @@ TEST_F(StageGrip, AnActuatorsLimitsStandInTheirOrder) {
     ADD_FAILURE() << "it was read";
   } catch (const InputError& fault) {
     EXPECT_THAT(fault.what(),
-                ::testing::EndsWith("w.world:2: error: device \"lift\" needs a \"min_position\", here "
-                                    "2, of at most its \"max_position\", here 1"));
+                ::testing::EndsWith("w.world:2: error: device \"lift\" has a \"min_position\" of 2, "
+                                    "above its \"max_position\" of 1"));
   }
 }
 
