@@ -104,8 +104,8 @@ bool WorldContractor::is_floor_plan(std::size_t body) {
 std::size_t WorldContractor::count_floor_plans() {
   std::size_t count = 0;
   while (count + 1 < spec_.bodies.size() && is_floor_plan(count + 1)) ++count;
-  for (std::size_t b = count + 1; b < spec_.bodies.size();
-       ++b)  // a type with another body is no floor plan's
+  // The type of a floor plan must not have other bodies.
+  for (std::size_t b = count + 1; b < spec_.bodies.size(); ++b)
     if (const std::size_t type = spec_.bodies[b].type.index(); type >= 1 && type <= count) count = type - 1;
   return count;
 }
