@@ -18,10 +18,10 @@ struct Named {
 
 struct Shades {
   std::string_view name;
-  std::array<std::uint32_t, 5> rgb;  // the plain name, then 1 to 4
+  std::array<std::uint32_t, 5> rgb;  // the name without a number, then 1 to 4
 };
 
-// Both tables are sorted by name. Grays 0 to 100 follow a rule and stand in neither.
+// Both tables are sorted by name. gray0 to gray100 are computed (color_by_name()).
 constexpr auto k_plain = std::to_array<Named>({
     {"AliceBlue", 0xf0f8ff},
     {"BlanchedAlmond", 0xffebcd},
@@ -210,7 +210,7 @@ std::optional<Color> color_by_name(std::string_view given) {
   if (fault != std::errc() || rest != end) return {};
   if (stem == "gray") {
     if (number > 100) return {};
-    // Halves are rounded up in X11's list, but for these two.
+    // X11's list rounds halves up, except for these two.
     const std::uint32_t level = (number * 255 + 50) / 100 - (number == 50 || number == 90);
     return color_of(level << 16 | level << 8 | level);
   }

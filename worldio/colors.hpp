@@ -11,16 +11,16 @@
 namespace troupe::worldio {
 
 /// The opaque colour of an X11 name: "red", "DarkSlateGray", "dark slate grey", "SteelBlue3", "gray30".
-/// Names are case-sensitive, as in X11's list; "grey" is "gray". Empty when there is no such name.
+/// Names are case-sensitive, as in X11's list; "grey" means "gray". Empty for an unknown name.
 std::optional<Color> color_by_name(std::string_view name);
 
-/// The names without their numbered shades and second spellings, for suggestions.
+/// All colour names, sorted, without numbered shades and alternative spellings: for suggestions in messages.
 std::span<const std::string_view> color_names();
 
-/// What bodies of each type of a JSON world have where it gives no color. Robots, and whatever else carries a
-/// device or can be moved, have by type the colours of Okabe and Ito, "Color Universal Design" (2008), which
-/// the colour-blind can tell apart: blue, orange, green, vermilion, sky blue, purple, yellow, and again.
-/// Everything else is gray30.
+/// The default colour of each type of a JSON world. Types with a drive, a device, a controller, or a part
+/// that can be pushed or gripped cycle through the colour-blind-safe palette of Okabe and Ito, "Color
+/// Universal Design" (2008): blue, orange, green, vermilion, sky blue, purple, yellow. All other types are
+/// gray30.
 std::vector<Color> default_colors(std::span<const engine::TypeSpec> types);
 
 }  // namespace troupe::worldio

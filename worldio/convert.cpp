@@ -21,11 +21,11 @@ std::size_t count_types(const engine::WorldSpec& spec) {
   return static_cast<std::size_t>(std::ranges::count(is_used, true));
 }
 
-/// What a world in JSON says, for the lines of its keys; empty where it is none.
+/// The document of a JSON world, for the lines of its keys. Empty for a `.world` or an unreadable file.
 std::optional<WorldDocument> document_of(const std::filesystem::path& file, const engine::Registry& registry,
                                          const LoadOptions& options, const Diagnostics& diagnostics) {
   if (file.extension() != ".json") return std::nullopt;
-  Diagnostics reported(diagnostics.files());  // when it was loaded
+  Diagnostics reported(diagnostics.files());  // ignored: the load has reported the same findings
   const std::optional<std::string> text = read_file(file);
   return text ? load_json_document(file, *text, registry, options, reported) : std::nullopt;
 }
@@ -44,7 +44,7 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
   }
   engine::WorldSpec spec = load_world(from, registry, options, diagnostics);
   if (diagnostics.has_errors()) return {};
-  // A world of Stage without a name is called by its file, which this is not.
+  // A Stage world without a name has its file's name as title: the new file's name replaces it.
   if (spec.title == from.string() || spec.title == from.stem().string()) spec.title = to.stem().string();
   ConvertedWorld converted{.bodies = spec.bodies.size() - 1, .types = count_types(spec)};
   const auto source = document_of(from, registry, options, diagnostics);

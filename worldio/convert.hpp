@@ -9,20 +9,20 @@
 
 namespace troupe::worldio {
 
-/// A world in the format of another file.
+/// A world as the text of a file in another format.
 struct ConvertedWorld {
-  std::string text;        ///< of that file
-  std::size_t bodies = 0;  ///< without the ground
-  std::size_t types = 0;   ///< of these bodies
+  std::string text;        ///< content of that file
+  std::size_t bodies = 0;  ///< number of bodies, without the ground
+  std::size_t types = 0;   ///< number of types that these bodies use
 };
 
-/// The world in `from` as the text of `to`, each in the format that its name ends in: `.world` or `.json`.
-/// Nothing is written: `to` is where the text will lie, which the paths of images are made relative to.
-/// - as JSON: a run of it has the same hash log. Nothing of a `.world` is lost but its macros, of JSON its
-///   presets, and its populations, which are listed one by one.
-/// - as `.world`: the same, as far as Stage has words for it. What it has none for is an error at its place;
-///   what comes out otherwise in its last bits, a warning.
-/// The result is meaningless when `diagnostics` has errors.
+/// Converts the world file `from` to the text of a file `to`. Each name must end in `.world` or `.json`,
+/// which selects the format. Writes no file; paths of images in the text are relative to the folder of `to`.
+/// - To JSON: a run of the result has the same hash log. Macros of a `.world` and presets of a JSON world are
+///   expanded, and populations become one model per body.
+/// - To `.world`: likewise, for everything that Stage can express. Anything else is an error at its place; a
+///   value that changes in its last bits is a warning.
+/// Do not use the result if `diagnostics` has errors.
 ConvertedWorld convert_world(const std::filesystem::path& from, const std::filesystem::path& to,
                              const engine::Registry& registry, const LoadOptions& options,
                              Diagnostics& diagnostics);

@@ -19,12 +19,12 @@ Result<> check_readable(const std::filesystem::path& file, std::uintmax_t most_b
   if (stat(file.c_str(), &status) != 0)
     return errno == ENOENT || errno == ENOTDIR ? Error{"there is no such file"} : system_reason();
   if (S_ISDIR(status.st_mode)) return Error{"this is a folder"};
-  if (S_ISFIFO(status.st_mode)) return Error{"this is a pipe, no regular file"};
-  if (S_ISSOCK(status.st_mode)) return Error{"this is a socket, no regular file"};
-  if (!S_ISREG(status.st_mode)) return Error{"this is a device, no regular file"};
+  if (S_ISFIFO(status.st_mode)) return Error{"this is a pipe, not a regular file"};
+  if (S_ISSOCK(status.st_mode)) return Error{"this is a socket, not a regular file"};
+  if (!S_ISREG(status.st_mode)) return Error{"this is a device, not a regular file"};
   if (access(file.c_str(), R_OK) != 0) return system_reason();
   if (static_cast<std::uintmax_t>(status.st_size) > most_bytes)
-    return Error{fmt::format("it has {} bytes; at most {} are read", status.st_size, most_bytes)};
+    return Error{fmt::format("is too large: {} bytes; at most {} are allowed", status.st_size, most_bytes)};
   return {};
 }
 

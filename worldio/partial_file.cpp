@@ -17,20 +17,20 @@ namespace troupe::worldio {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int k_most_writers = 1000;  // of one file at one time
-constexpr mode_t k_mode = 0666;       // of a new file, less what the user's umask takes away
+constexpr int k_most_writers = 1000;  // simultaneous writers of one file
+constexpr mode_t k_mode = 0666;       // of a new file, before the umask
 
 void check(std::int64_t result) {
   if (result < 0) throw std::system_error(errno, std::generic_category());
 }
 
-/// Whether an error of open() is about what has this name already, so that another name may do.
+/// Whether an error of open() is caused by an existing entry of this name, so that another name may work.
 bool is_of_the_name(int error) {
   return error == EACCES || error == EPERM || error == EISDIR || error == ELOOP || error == ENXIO ||
          error == EEXIST;
 }
 
-/// Whether a name still is that of an open file: its writer may have given it its own, or removed it.
+/// Whether a name still refers to the open file: its writer may have renamed or removed it.
 bool is_called(int descriptor, const fs::path& name) {
   struct stat opened {};
   struct stat named {};
@@ -49,7 +49,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
   std::error_code ignored;
   if (fs::is_directory(file_, ignored))
     throw std::system_error(std::make_error_code(std::errc::is_a_directory));
-  if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // it would be one from then on
+  if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // the rename would replace it
     throw std::system_error(std::make_error_code(std::errc::not_supported));
   for (int n = 1; n <= k_most_writers; ++n) {
     const std::string number = n == 1 ? "" : fmt::format(".{}", n);
@@ -69,7 +69,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
 
 PartialFile::~PartialFile() {
   if (descriptor_ < 0) return;
-  unlink(partial_.c_str());  // before the lock goes
+  unlink(partial_.c_str());  // while still locked, so that no other writer has taken the file over
   close(descriptor_);
 }
 
@@ -93,7 +93,7 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
       unlink(partial.c_str());  // without locks no writer owns this name
       return give_up(Taken::no_locks);
     }
-    if (!is_called(descriptor, partial)) {  // its writer came to its end between open() and flock()
+    if (!is_called(descriptor, partial)) {  // its writer renamed or removed it between open() and flock()
       close(descriptor);
       continue;
     }
@@ -102,7 +102,7 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
     try {
       check(ftruncate(descriptor, 0));
     } catch (...) {
-      close(descriptor);  // not removed: what it is we do not know
+      close(descriptor);  // not removed: its content may belong to another program
       throw;
     }
     return Taken::yes;
@@ -121,7 +121,8 @@ void PartialFile::write(std::span<const std::byte> bytes) {
 void PartialFile::sync() { check(fsync(descriptor_)); }
 
 void PartialFile::commit() {
-  // Some file systems tell only then that there was no room; the lock stays until the file has its name.
+  // Some file systems report a full disk only on close. The duplicate is closed, so the lock is kept until
+  // the file has its final name.
   check(close(dup(descriptor_)));
   check(std::rename(partial_.c_str(), file_.c_str()));
   close(std::exchange(descriptor_, -1));

@@ -7,29 +7,30 @@
 
 namespace troupe::worldio {
 
-/// A file that is being made, under another name beside the one that it will get: `NAME.partial`, or
-/// `NAME.2.partial`, `NAME.3.partial`, ... where others write the same file at the same time. A writer holds
-/// a lock (flock) on its partial file until it gives the file its name or removes it; a partial file without
-/// a lock was left by a writer that was killed, and the next writer of the same name takes it over. On file
-/// systems without locks the name holds the process id, and what a killed writer leaves stays.
+/// A file that is written under a temporary name in the folder of its final one: `NAME.partial`, or
+/// `NAME.2.partial`, `NAME.3.partial`, ... if several writers write NAME at the same time. A writer holds a
+/// lock (flock) on its partial file until it renames or removes it. An unlocked partial file was left by a
+/// killed writer; the next writer of NAME reuses it. On file systems without locks the temporary name
+/// contains the process id, and the partial file of a killed writer remains.
 ///
-/// Everything throws std::system_error. What has the name already must be a regular file.
+/// All functions throw std::system_error. If NAME exists, it must be a regular file.
 class PartialFile {
  public:
-  /// A new, empty one. `ending` follows the name, for programs that look at it: ".mp4".
+  /// Creates an empty partial file for `file`. `ending` is appended to the temporary name, for programs that
+  /// choose a format by it: ".mp4".
   explicit PartialFile(std::filesystem::path file, std::string_view ending = {});
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
-  /// Removes it, unless it was given its name.
+  /// Removes the partial file, unless commit() renamed it.
   ~PartialFile();
 
-  const std::filesystem::path& path() const { return partial_; }
-  /// Open for writing. A process that inherits it holds the lock as well.
+  const std::filesystem::path& path() const { return partial_; }  ///< the temporary name
+  /// Open for writing. A process that inherits it shares the lock.
   int descriptor() const { return descriptor_; }
   void write(std::span<const std::byte> bytes);
-  /// Hands what was written to the disk.
+  /// Flushes the written bytes to the disk (fsync).
   void sync();
-  /// Gives it its name, in place of a file that has it.
+  /// Renames the partial file to its final name, replacing any existing file.
   void commit();
 
  private:

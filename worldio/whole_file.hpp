@@ -6,9 +6,9 @@
 
 namespace troupe::worldio {
 
-/// Writes the pieces, one after another, to another name beside `file`, and renames that when it is whole:
-/// who looks at `file` sees what was there before, or all of it. Throws std::system_error, and leaves nothing
-/// behind then. What is neither a file nor a folder (/dev/stdout, a pipe) is written into instead.
+/// Writes the concatenated pieces to a temporary file in the folder of `file` and renames it when complete,
+/// so that readers see either the old content or the whole new one. Throws std::system_error and then leaves
+/// no temporary file. If `file` is a device or a pipe (/dev/stdout), writes directly into it.
 void write_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 
 }  // namespace troupe::worldio

@@ -15,9 +15,9 @@ using engine::Unit;
 
 constexpr double k_most_window_px = 16384;
 constexpr double k_most_turn = 100;  // rad
-constexpr double k_reach_m = 100e3;  // as far as worlds go
+constexpr double k_reach_m = 100e3;  // the extent of worlds
 
-/// What can be shown or not, with Stage's defaults.
+/// The layers that can be switched on and off, with Stage's defaults.
 constexpr std::pair<std::string_view, bool> k_switches[] = {
     {"show_data", false},
     {"show_blocks", true},
@@ -59,7 +59,7 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{400, 300},
        .min = -k_most_window_px,
        .max = k_most_window_px,
-       .text = "width and height; below 0: the whole screen",
+       .text = "width and height of the window; negative: full screen",
        .columns = 2},
       {.name = "center",
        .type = FieldType::numbers,
@@ -67,7 +67,7 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{0, 0},
        .min = -k_reach_m,
        .max = k_reach_m,
-       .text = "what the middle shows",
+       .text = "centre of the orthographic view: x, y",
        .columns = 2},
       {.name = "rotate",
        .type = FieldType::numbers,
@@ -75,13 +75,13 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{0, 0},
        .min = -k_most_turn,
        .max = k_most_turn,
-       .text = "pitch, 0 straight down, and yaw",
+       .text = "pitch (0: straight down) and yaw of the orthographic view",
        .columns = 2},
       {.name = "scale_px_per_m",
        .fallback = 15.0,
        .min = 0,
        .max = 1e6,
-       .text = "of the view from above",
+       .text = "scale of the orthographic view",
        .above_min = true},
       {.name = "camera",
        .type = FieldType::numbers,
@@ -89,7 +89,7 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{0, -4, 3},
        .min = -k_reach_m,
        .max = k_reach_m,
-       .text = "where the camera of the perspective view stands: x, y, z",
+       .text = "camera position of the perspective view: x, y, z",
        .columns = 3},
       {.name = "camera_angle",
        .type = FieldType::numbers,
@@ -97,24 +97,30 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{radians(70), 0},
        .min = -k_most_turn,
        .max = k_most_turn,
-       .text = "its pitch, 0 straight down, and yaw",
+       .text = "pitch (0: straight down) and yaw of the perspective view",
        .columns = 2},
-      {.name = "perspective", .type = FieldType::boolean, .fallback = false, .text = "it is the one"},
+      {.name = "perspective",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "use the perspective view"},
       {.name = "interval",
        .unit = Unit::seconds,
        .fallback = 0.04,
        .min = 0,
        .max = 1e6,
-       .text = "from one picture to the next",
+       .text = "time between two updates of the window",
        .above_min = true},
-      {.name = "screenshots", .type = FieldType::boolean, .fallback = false, .text = "pictures are kept"},
+      {.name = "screenshots", .type = FieldType::boolean, .fallback = false, .text = "save screenshots"},
       {.name = "screenshot_skip",
        .type = FieldType::integer,
        .fallback = 1,
        .min = 1,
        .max = 1e9,
-       .text = "of so many pictures one"},
-      {.name = "follow", .type = FieldType::text, .fallback = "", .text = "the model that stays in view"},
+       .text = "save one of this many screenshots"},
+      {.name = "follow",
+       .type = FieldType::text,
+       .fallback = "",
+       .text = "name of the model that the view follows"},
   }};
   for (const auto& [name, is_on] : k_switches)
     table.fields.push_back({.name = name, .type = FieldType::boolean, .fallback = is_on});

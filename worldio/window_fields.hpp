@@ -4,8 +4,8 @@
 
 namespace troupe::worldio {
 
-/// The window through which a world asks to be seen (engine::WorldSpec::window), Stage's `window`: where its
-/// cameras stand, and what is drawn.
+/// The parameters of a world's `window` (engine::WorldSpec::window), as of Stage's: camera poses and which
+/// layers are drawn.
 const engine::FieldTable& window_fields();
 
 }  // namespace troupe::worldio

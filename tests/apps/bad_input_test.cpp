@@ -252,11 +252,11 @@ class NoRegularFile : public ProgramTest {
 
 TEST_F(NoRegularFile, IsRefusedByEveryCommandAtOnce) {
   ASSERT_EQ(mkfifo(path("pipe.world").c_str(), 0600), 0);
-  refused("pipe.world", "this is a pipe, no regular file");
+  refused("pipe.world", "this is a pipe, not a regular file");
   std::filesystem::create_symlink("loop.json", path("loop.json"));
   refused("loop.json", "cannot be read: Too many levels of symbolic links");
   std::filesystem::create_symlink("/dev/zero", path("zero.json"));
-  refused("zero.json", "this is a device, no regular file");
+  refused("zero.json", "this is a device, not a regular file");
   std::filesystem::create_directory(path("folder.json"));
   refused("folder.json", "this is a folder");
   EXPECT_THAT(files(), ::testing::ElementsAre("folder.json", "loop.json", "pipe.world", "zero.json"));

@@ -192,7 +192,7 @@ TEST_F(Resume, ChangesWhatIsSet) {
   const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--set", "/tick_s=0.2"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err,
-              StartsWith("--set /tick_s: error: a world that is under way keeps this; what can change: "));
+              StartsWith("--set /tick_s: error: cannot be changed in a stored world; allowed are: "));
 }
 
 TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {

@@ -206,13 +206,12 @@ TEST_F(Tables, WrongMeasuresOfAWorldAreFoundAtTheirLines) {
       ElementsAre(
           StartsWith("w.json:3: error: /measures/0: unknown measure \"stals\"; known: "),
           StartsWith("w.json:4: error: /measures/1/cell_m: "),
-          "w.json:5: error: /measures/2/name: \"a,b\" is no name of a column: letters, digits and _ - . : "
-          "may "
-          "stand in it",
+          "w.json:5: error: /measures/2/name: \"a,b\" is not a column name: only letters, digits and _ - . : "
+          "are allowed",
           StartsWith(
               "w.json:6: error: /measures/3: expected the name of a measure, or {\"kind\": ..., ...}, "),
-          "w.json:6: error: /measures/4: \"stalls:\": the name of a type, a population or a robot stands "
-          "behind the colon",
+          "w.json:6: error: /measures/4: \"stalls:\": expected the name of a type, a population or a "
+          "robot after the colon",
           StartsWith("w.json:7: error: /measures/5: missing \"kind\"")));
   write("w.json", "{\"troupe\": 1,\n \"measures\": [\n  \"stalls:missing\"]}");
   EXPECT_THAT(

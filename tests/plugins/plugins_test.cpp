@@ -451,8 +451,8 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_THAT(fault(room("unprepared"), "unusable"),
               EndsWith("unprepared.so has a sensor or device \"unprepared\" without `prepare`"));
   EXPECT_EQ(fault(room("beam_ranger", {}, "devices")),
-            ":3: error: /types/bot/devices/0/kind: \"beam_ranger\" only looks: it belongs under \"sensors\"");
-  EXPECT_EQ(fault(room("led")), at("3", "/kind") + "\"led\" does something: it belongs under \"devices\"");
+            ":3: error: /types/bot/devices/0/kind: \"beam_ranger\" is a sensor: it belongs in \"sensors\"");
+  EXPECT_EQ(fault(room("led")), at("3", "/kind") + "\"led\" is not a sensor: it belongs in \"devices\"");
   EXPECT_THAT(fault_of(stage_world("beam_ranger"), options({folder_of("plugins")})),
               EndsWith("has no controller \"beam_ranger\"; it has: no controller, but beam_ranger"));
 }

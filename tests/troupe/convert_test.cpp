@@ -378,7 +378,7 @@ TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
 
 TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {
   convert(write("w.world", "model( name \"caf\xe9\" )\n"), "w.json");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("is no UTF-8, in which JSON is written: \"caf\"")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("is not UTF-8, which JSON requires; it begins with \"caf\"")));
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ TEST(WorldBuilder, AKeyThatIsSaidTwiceIsAnError) {
   WorldBuilder world("bad");
   world.type("bot").size(1, 1, 1).sensor("eye", "bumper").set("sensors", std::vector<Setting>());
   EXPECT_THAT(message_of<InputError>([&] { const Simulation simulation(world); }),
-              HasSubstr("bad.json:7: error: the key \"sensors\" already stands on line 6"));
+              HasSubstr("bad.json:7: error: repeated key \"sensors\": first given on line 6"));
 }
 
 TEST(WorldBuilder, RefusesWhatNoFileCanSay) {

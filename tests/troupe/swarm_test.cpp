@@ -76,7 +76,7 @@ TEST(WorldsFromText, AreThoseOfTheirFiles) {
 
 TEST(WorldsFromText, NameWhatIsWrongByTheirNames) {
   EXPECT_EQ(message_of<InputError>([] { Simulation::from_text("{\n\"troupe\": 2}", "made/here.json"); }),
-            "made/here.json:2: error: /troupe: format version 2 is not known: this version reads 1");
+            "made/here.json:2: error: /troupe: unknown format version 2: this program reads version 1");
   EXPECT_THAT(message_of<InputError>([] { Simulation::from_text("", "here.yaml"); }),
               HasSubstr("here.yaml: error: a world's file name ends in .world (Stage's syntax) or .json"));
 }

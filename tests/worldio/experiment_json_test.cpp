@@ -82,15 +82,16 @@ TEST(ExperimentJson, WrongConditionsAreTold) {
   EXPECT_THAT(found(R"("covrage >= 0.9")"), HasSubstr("(did you mean \"coverage\"?)"));
   EXPECT_THAT(
       found(R"("coverage")"),
-      HasSubstr("expected a condition on a measure, as \"coverage >= 0.9\": one of <, <=, >, >=, ==, != "
-                "and a number, found the text \"coverage\""));
-  EXPECT_THAT(found(R"("coverage = 0.9")"), HasSubstr("\"= 0.9\" is no comparison with a number"));
-  EXPECT_THAT(found(R"("coverage >= 90 %")"), HasSubstr("\">= 90 %\" is no comparison with a number"));
-  EXPECT_THAT(found(R"("coverage >= nan")"), HasSubstr("is no comparison with a number"));
+      HasSubstr(
+          "expected a condition on a measure, as in \"coverage >= 0.9\", with one of <, <=, >, >=, ==, != "
+          "and a number, found the text \"coverage\""));
+  EXPECT_THAT(found(R"("coverage = 0.9")"), HasSubstr("\"= 0.9\" is not a comparison"));
+  EXPECT_THAT(found(R"("coverage >= 90 %")"), HasSubstr("\">= 90 %\" is not a comparison"));
+  EXPECT_THAT(found(R"("coverage >= nan")"), HasSubstr("is not a comparison"));
   EXPECT_THAT(found(R"("> 3")"), HasSubstr("expected a condition on a measure"));
   EXPECT_THAT(found("3"), HasSubstr("expected a condition on a measure"));
   EXPECT_THAT(found(R"({"measure": "alive"})"), HasSubstr("missing \"is\""));
-  EXPECT_THAT(found(R"({"measure": "alive", "is": "0"})"), HasSubstr("is no comparison with a number"));
+  EXPECT_THAT(found(R"({"measure": "alive", "is": "0"})"), HasSubstr("is not a comparison"));
   EXPECT_THAT(found(R"({"measure": "alive", "is": "> 0", "at": 1})"), HasSubstr("unknown key \"at\""));
 }
 
@@ -143,35 +144,36 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
     const Loaded loaded("\"at\": [\n" + entry + "]");
     return loaded.found.empty() ? std::string("nothing") : loaded.found.front();
   };
-  EXPECT_THAT(found(R"({"remove": {"population": "r"}})"),
-              HasSubstr("maze.json:11: error: /at/0: missing \"time_s\" or \"time_ms\": when it is done"));
+  EXPECT_THAT(
+      found(R"({"remove": {"population": "r"}})"),
+      HasSubstr("maze.json:11: error: /at/0: missing \"time_s\" or \"time_ms\": time of the intervention"));
   EXPECT_THAT(found(R"({"time": 3, "remove": {"population": "r"}})"), HasSubstr("\"time\" needs its unit"));
   EXPECT_THAT(found(R"({"time_s": -1, "remove": {"population": "r"}})"), HasSubstr("/at/0/time_s: must be"));
   EXPECT_THAT(found(R"({"time_s": 1})"),
-              HasSubstr("nothing is done: give one of remove, add, disable, enable, move, set"));
+              HasSubstr("no action: give one of remove, add, disable, enable, move, set"));
   EXPECT_THAT(found(R"({"time_s": 1, "remvoe": {"population": "r"}})"), HasSubstr("unknown key \"remvoe\""));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"model": "r1"}, "enable": {"model": "r2"}})"),
-              HasSubstr("one thing is done at a time"));
+              HasSubstr("give each action an entry of its own"));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"count": 3}})"),
               HasSubstr("/at/0/remove: give one of \"population\", \"type\" and \"model\""));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"model": "r1", "type": "bot"}})"),
-              HasSubstr("whom is it about? Here are several"));
+              HasSubstr("\"type\" and \"model\", not several"));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"population": "r", "count": 1, "share": 0.2}})"),
               HasSubstr("give \"count\" or \"share\", not both"));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"population": "r", "share": 2}})"),
               HasSubstr("/at/0/remove/share: must be from 0 to 1, found 2"));
   EXPECT_THAT(found(R"({"time_s": 1, "add": {"count": 2}})"), HasSubstr("missing \"population\""));
   EXPECT_THAT(found(R"({"time_s": 1, "add": {"population": "r", "region_m": [[3, 3], [1, 1]]}})"),
-              HasSubstr("the corners stand the wrong way round"));
+              HasSubstr("corners in the wrong order"));
   EXPECT_THAT(found(R"({"time_s": 1, "move": {"model": "r1"}})"),
-              HasSubstr("missing \"pose\": where it is put"));
+              HasSubstr("missing \"pose\": the new pose"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bto", "drive": {"turn_max_degps": 3}}})"),
               HasSubstr("/at/0/set/type: unknown type \"bto\"; known: bot, crate (did you mean \"bot\"?)"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "crate", "drive": {"turn_max_degps": 3}}})"),
               HasSubstr("type \"crate\" has no drive"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot"}})"),
-              HasSubstr("give one of drive, device, controller: what of the type is set?"));
-  EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "drive": {}}})"), HasSubstr("nothing is set"));
+              HasSubstr("give one of \"drive\", \"device\" and \"controller\""));
+  EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "drive": {}}})"), HasSubstr("no parameters"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "device": {"name": "it"}}})"),
               HasSubstr("unknown device \"it\"; known: ir"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "controller": {"kind": "wander"}}})"),
@@ -200,10 +202,9 @@ TEST(ExperimentJson, FaultsAreReadAndWrongOnesTold) {
     const Loaded wrong("\"faults\": [\n" + entry + "]");
     return wrong.found.empty() ? std::string("nothing") : wrong.found.front();
   };
-  EXPECT_THAT(
-      found(R"({"population": "r"})"),
-      HasSubstr("maze.json:11: error: /faults/0: no fault is given: give one of dead_sensors, slow_wheels, "
-                "drop_out"));
+  EXPECT_THAT(found(R"({"population": "r"})"),
+              HasSubstr("maze.json:11: error: /faults/0: no fault: give one of dead_sensors, slow_wheels, "
+                        "drop_out"));
   EXPECT_THAT(found(R"({"population": "r", "slow_wheel": {"factor": 1}})"),
               HasSubstr("unknown key \"slow_wheel\""));
   EXPECT_THAT(found(R"({"population": "r", "slow_wheels": {"factor": 0}})"),
@@ -261,7 +262,7 @@ TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4], "deviation_m": [0, 0]})"),
               HasSubstr("placed 1 of 200 bodies"));
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4]})"), HasSubstr("missing \"deviation_m\""));
-  EXPECT_THAT(found(R"({"rule": "uniform"})"), HasSubstr("or \"polygon_m\", as there is no floor plan"));
+  EXPECT_THAT(found(R"({"rule": "uniform"})"), HasSubstr("or \"polygon_m\": the world has neither bounds"));
   EXPECT_THAT(found(R"({"rule": "uniform", "polygon_m": [[0, 0], [2, 2], [2, 0], [0, 2]]})"),
               HasSubstr("/populations/0/place/polygon_m: "));
   EXPECT_THAT(found(R"({"rule": "poison_disc"})"),

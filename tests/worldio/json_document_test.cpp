@@ -95,8 +95,8 @@ TEST(JsonDocument, SyntaxErrorsNameTheLine) {
 
 TEST(JsonDocument, RepeatedKeysAreErrors) {
   EXPECT_THAT(Parsed("{\n\"a\": 1,\n\"b\": {\"a\": 2},\n\"a\": 3,\n\"a\": 4}").errors,
-              ElementsAre("maze.json:4: error: the key \"a\" already stands on line 2",
-                          "maze.json:5: error: the key \"a\" already stands on line 2"));
+              ElementsAre("maze.json:4: error: repeated key \"a\": first given on line 2",
+                          "maze.json:5: error: repeated key \"a\": first given on line 2"));
 }
 
 TEST(JsonDocument, DepthIsBounded) {
@@ -135,11 +135,11 @@ TEST(JsonDocument, SetSaysWhatIsWrong) {
       findings(diagnostics),
       ElementsAre("--set : error: not a JSON pointer: write it as in --set /populations/0/count=500",
                   "--set count: error: not a JSON pointer: write it as in --set /populations/0/count=500",
-                  "--set /list/1/name: error: /list has 1 entries, there is no /list/1",
-                  "--set /list/2: error: /list has 1 entries, there is no /list/2",
-                  "--set /list/x: error: /list is a list: \"x\" is no position in it",
+                  "--set /list/1/name: error: /list has 1 entries: there is no /list/1",
+                  "--set /list/2: error: /list has 1 entries: there is no /list/2",
+                  "--set /list/x: error: /list is a list: \"x\" is neither a position nor -",
                   "--set /lst/0: error: the world has no \"lst\" (did you mean \"list\"?)",
-                  "--set /count/x: error: /count is the number 3: nothing stands below it",
+                  "--set /count/x: error: /count is the number 3, not an object or a list",
                   "--set /a~2: error: not a JSON pointer: write it as in --set /populations/0/count=500"));
 }
 

@@ -129,8 +129,8 @@ TEST(JsonJoints, RecordingsKnowTheirFrames) {
 
 TEST(JsonJoints, WhatIsWrongIsTold) {
   EXPECT_THAT(Read(changed(R"("on": "boom"},)", R"("on": "bom"},)")).found,
-              ElementsAre("gate.json:12: error: /types/gate/devices/1/on: unknown device that moves what "
-                          "stands on it \"bom\"; known: boom (did you mean \"boom\"?)"));
+              ElementsAre("gate.json:12: error: /types/gate/devices/1/on: unknown device with a joint "
+                          "\"bom\"; known: boom (did you mean \"boom\"?)"));
   EXPECT_THAT(Read(changed(R"("on": "boom", "pose": {"x_m": 0.2})", R"("on": 3)")).found,
               ElementsAre(::testing::HasSubstr("gate.json:7: error: /types/gate/sensors/0/on: ")));
   EXPECT_THAT(Read(changed(R"("size_m": [1, 0.04, 0.05])", R"("size_m": [1, 0, 0.05])")).found,

@@ -147,10 +147,10 @@ TEST(JsonWorld, ModelsMayHaveNumbersForFinders) {
                {"name": "b", "type": "plain", "pose": {"x_m": 3}, "fiducial_return": 4}]})");
   EXPECT_THAT(
       wrong.found,
-      ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: only a type without one "
-                  "is not marked",
-                  "maze.json:4: error: /models/1/fiducial_return: needs a type with a \"fiducial_return\", "
-                  "which says that its robots are marked"));
+      ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: give the model a type "
+                  "without \"fiducial_return\" instead",
+                  "maze.json:4: error: /models/1/fiducial_return: the type of the model must have a "
+                  "\"fiducial_return\" too"));
 }
 
 TEST(JsonWorld, SettingsAndUnits) {
@@ -400,7 +400,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{R"("troupe": 1,)", "", R"(maze.json:1: error: missing "troupe": the version of the format, 1)"},
         Wrong{R"("troupe": 1)", R"("troupe": 2)",
-              "maze.json:2: error: /troupe: format version 2 is not known: this version reads 1"},
+              "maze.json:2: error: /troupe: unknown format version 2: this program reads version 1"},
         Wrong{R"("troupe": 1)", R"("troupe": "1")",
               R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
         Wrong{
@@ -419,7 +419,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("seed": 7)", R"("tick": 0.1)",
               R"(maze.json:3: error: "tick" needs its unit: write "tick_s" or "tick_ms")"},
         Wrong{R"("seed": 7)", R"("tick_s": 0.1, "tick_ms": 100)",
-              R"(maze.json:3: error: /tick_ms: said twice: give only one of "tick_s" or "tick_ms")"},
+              R"(maze.json:3: error: /tick_ms: given twice: give only one of "tick_s" or "tick_ms")"},
         Wrong{R"("seed": 7)", R"("tick_s": "fast")",
               R"(maze.json:3: error: /tick_s: expected a number in s, found the text "fast")"},
         Wrong{R"("seed": 7)", R"("quit_time_s": -1)",
@@ -435,8 +435,9 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Types, JsonWorldError,
     testing::Values(
-        Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})",
-              R"(maze.json:11: error: /types/crate: has no body: give "size_m" (a box) or "blocks")"},
+        Wrong{
+            R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})",
+            R"(maze.json:11: error: /types/crate: has no body: give "size_m" (a box), "blocks", "bitmap" or "device")"},
         Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)",
               "maze.json:11: error: /types/crate: expected an object, found the number 3"},
         Wrong{"[1, 1, 1]", "[1, 0, 1]",
@@ -464,8 +465,9 @@ INSTANTIATE_TEST_SUITE_P(
               "b, a], found a list of 2"},
         Wrong{R"([1, 1, 1])", R"([1, 1, 1], "obstacle": 1)",
               "maze.json:11: error: /types/crate/obstacle: expected true or false, found the number 1"},
-        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "controller": {"kind": "expand"})",
-              R"(maze.json:11: error: /types/crate: a controller needs a "drive" to command)"},
+        Wrong{
+            R"([1, 1, 1])", R"([1, 1, 1], "controller": {"kind": "expand"})",
+            R"(maze.json:11: error: /types/crate: the controller commands a drive: the type needs a "drive")"},
         Wrong{
             R"("kind": "diff")", R"("kind": "hover")",
             R"(maze.json:7: error: /types/minibot/drive/kind: unknown drive "hover"; known: car, diff, omni)"},
@@ -492,7 +494,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0: "fov" needs its unit: write "fov_rad" or "fov_deg")"},
         Wrong{
             R"("range_max_m": 2)", R"("fov_deg": 1, "fov_rad": 1)",
-            R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: said twice: give only one of "fov_rad" or "fov_deg")"},
+            R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: given twice: give only one of "fov_rad" or "fov_deg")"},
         Wrong{R"("range_max_m": 2)", R"("samples": 2.5)",
               "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: expected a whole number, "
               "found the number 2.5"},
@@ -507,7 +509,7 @@ INSTANTIATE_TEST_SUITE_P(
               "100000 m, found 1000000"},
         Wrong{R"("transducers")",
               R"("name": "ir"}, {"name": "x", "kind": "ranger", "period_s": -1, "transducers")",
-              R"(maze.json:8: error: the key "name" already stands on line 8)"},
+              R"(maze.json:8: error: repeated key "name": first given on line 8)"},
         Wrong{R"({"name": "ir", "kind": "ranger", )",
               R"({"name": "ir", "kind": "ranger", "transducers": []}, {"name": "ir", "kind": "ranger", )",
               R"(maze.json:8: error: /types/minibot/sensors/1/name: the type has a sensor "ir" already)"},
@@ -534,7 +536,7 @@ INSTANTIATE_TEST_SUITE_P(
               "found a list of 3"},
         Wrong{
             R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]]}])",
-            R"(maze.json:11: error: /types/crate/blocks/0: missing "z_m", "z_cm" or "z_mm": the heights between which the block stands, [min, max])"},
+            R"(maze.json:11: error: /types/crate/blocks/0: missing "z_m", "z_cm" or "z_mm": the heights of bottom and top, [min, max])"},
         Wrong{
             R"("size_m": [1, 1, 1])", R"("blocks": [{"z_m": [0, 1]}])",
             R"(maze.json:11: error: /types/crate/blocks/0: missing "points_m": the outline, [[x, y], ...])"},
@@ -556,9 +558,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("name": "c0")", R"("name": "")",
               R"(maze.json:14: error: /models/0/name: expected a name, found the text "")"},
         Wrong{R"("name": "c0")", R"("name": "r2")",
-              R"(maze.json:17: error: the name "r2" is taken by the body of line 14)"},
+              R"(maze.json:17: error: the name "r2" is already used by the body on line 14)"},
         Wrong{R"("name": "c0")", R"("name": "_ground_model")",
-              R"(maze.json:14: error: the name "_ground_model" is taken)"},
+              R"(maze.json:14: error: the name "_ground_model" is already used)"},
         Wrong{R"("type": "crate", )", "",
               R"(maze.json:14: error: /models/0: missing "type": the name of one of /types)"},
         Wrong{
@@ -587,7 +589,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"("count": 4)", R"("count": 4, "reserve": "many")",
             "maze.json:17: error: /populations/0/reserve: expected a whole number, found the text \"many\""},
         Wrong{R"("count": 4,)", "",
-              R"(maze.json:17: error: /populations/0: missing "count": how many bodies)"},
+              R"(maze.json:17: error: /populations/0: missing "count": number of bodies)"},
         Wrong{R"("count": 4)", R"("count": 26)",
               "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no more "
               "free cells (of 25)"},
@@ -606,15 +608,15 @@ INSTANTIATE_TEST_SUITE_P(
               "place for the next"},
         Wrong{
             R"("region_m": [[0, 0], [1, 1]], )", "",
-            R"(maze.json:18: error: /populations/0/place: missing "region_m": [[x_min, y_min], [x_max, y_max]], or "polygon_m", as there is no floor plan to fill)"},
+            R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]], or "polygon_m": the world has neither bounds nor floor plans)"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]",
-              "maze.json:18: error: /populations/0/place/region_m: the corners stand the wrong way round: "
-              "give [[x_min, y_min], [x_max, y_max]]"},
+              "maze.json:18: error: /populations/0/place/region_m: corners in the wrong order: expected "
+              "[[x_min, y_min], [x_max, y_max]]"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0]]",
               "maze.json:18: error: /populations/0/place/region_m: expected 2 points, found 1"},
         Wrong{
             R"(, "pitch_m": 0.25)", "",
-            R"(maze.json:18: error: /populations/0/place: missing "pitch_m", "pitch_cm" or "pitch_mm": the distance between neighbours)"},
+            R"(maze.json:18: error: /populations/0/place: missing "pitch_m", "pitch_cm" or "pitch_mm": the distance between neighbouring cells)"},
         Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 0)",
               "maze.json:18: error: /populations/0/place/pitch_m: must be above 0 and at most 100000 m, "
               "found 0"},
@@ -635,7 +637,7 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
              "\"models\": [{\"name\": \"m\", \"type\": \"b\"}, 4]}")
           .found,
       ElementsAre(
-          "maze.json:2: error: /troupe: format version 3 is not known: this version reads 1",
+          "maze.json:2: error: /troupe: unknown format version 3: this program reads version 1",
           "maze.json:4: error: /types/a/size_m: expected a list of 3 numbers in m, found the number 1",
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
@@ -665,14 +667,13 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
       text.erase(at, file.parent_path().string().size() + 1);
     return text;
   };
-  EXPECT_EQ(
-      wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1]})"),
-      "maze.json:2: error: /floorplans/0/bitmap: \"white.pgm\" has no dark pixel: nothing of it is solid");
+  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1]})"),
+            "maze.json:2: error: /floorplans/0/bitmap: \"white.pgm\" has no dark pixel, so nothing is solid");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm"})"),
             R"(maze.json:2: error: /floorplans/0: missing "size_m", "size_cm" or "size_mm": [x, y, height])");
   EXPECT_EQ(
       wrong(R"({"name": "a", "size_m": [4, 4, 1]})"),
-      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, or of the YAML of a map, relative to the world file)");
+      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, or of the YAML file of a ROS map, relative to the world file)");
   EXPECT_EQ(
       wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "margins": "kep"})"),
       R"(maze.json:2: error: /floorplans/0/margins: unknown margins "kep"; known: keep, trim (did you mean "keep"?))");
@@ -682,14 +683,14 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
             R"(maze.json:3: error: /models/0: "m" overlaps "a" at the start)");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "obstacle": false})"), "");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "pose": {"x_m": 9}})"),
-            R"(maze.json:3: error: /models/0: "m" stands outside of the floor plans)");
+            R"(maze.json:3: error: /models/0: "m" is outside the bounds of the world)");
 }
 
 TEST(JsonWorld, OutlineFaults) {
   EXPECT_TRUE(check_outline({{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}}));  // need not be convex
   EXPECT_EQ(check_outline({{0, 0}, {0, 0}, {2, 1}}).error().text, "point 1 repeats point 0");
   EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 1}, {0, 0}}).error().text,
-            "the last point repeats the first: the outline is closed anyway");
+            "the last point repeats the first: leave it out, outlines are closed");
   EXPECT_EQ(check_outline({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}).error().text, "the outline has no area");
   EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}).error().text,
             "the outline turns back on itself at point 3");
@@ -767,12 +768,11 @@ TEST(JsonWorld, RobotsSetAPopulation) {
   EXPECT_EQ(load(two, {{"s", 3}, {"r", 0}}).spec.bodies.size(), 2u + 3);
   EXPECT_THAT(
       load(two, {{"", 3}}).found,
-      ElementsAre(
-          "--robots 3: error: the world has 2 populations: say which, NAME=COUNT with NAME one of r, s"));
+      ElementsAre("--robots 3: error: the world has 2 populations: give NAME=COUNT, with NAME one of r, s"));
   EXPECT_THAT(load(two, {{"t", 3}}).found,
               ElementsAre("--robots t=3: error: unknown population \"t\"; known: r, s"));
   EXPECT_THAT(load("{\"troupe\": 1}", {{"", 3}}).found,
-              ElementsAre("--robots 3: error: the world has no population whose size could be set"));
+              ElementsAre("--robots 3: error: the world has no populations"));
   EXPECT_THAT(
       load(k_world, {{"r", ~std::size_t{0}}}).found,
       ElementsAre(
@@ -838,8 +838,8 @@ TEST(JsonWorld, AGridMaySpill) {
   EXPECT_THAT(
       Loaded(k_world, options).found,
       ElementsAre(
-          "--set /populations/0/place/spill_m: error: /populations/0/place/spill_m: the corners stand "
-          "the wrong way round: give [[x_min, y_min], [x_max, y_max]]"));
+          "--set /populations/0/place/spill_m: error: /populations/0/place/spill_m: corners in the wrong "
+          "order: expected [[x_min, y_min], [x_max, y_max]]"));
 }
 
 TEST(JsonWorld, AMillionRobotsLoadInSeconds) {

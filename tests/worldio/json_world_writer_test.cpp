@@ -267,7 +267,7 @@ TEST(JsonWorldWriter, SeesThatSomethingIsNotSaid) {
   EXPECT_FALSE(write_json_world(spec, "w.json", registry(), diagnostics));
   ASSERT_TRUE(diagnostics.has_errors());
   EXPECT_THAT(diagnostics.text(diagnostics.findings().front()),
-              HasSubstr("w.json: error: a JSON world cannot say this: types[1].parts[0].alias"));
+              HasSubstr("w.json: error: a JSON world cannot express this: types[1].parts[0].alias"));
 }
 
 std::string written(const WorldSpec& spec) {

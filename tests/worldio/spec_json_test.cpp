@@ -295,16 +295,15 @@ TEST(SpecJson, ChangesWhatKeepsTheShapeOfTheState) {
 TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
   const StoredSpec stored = store_spec(full_spec(), make_registry());
   const std::vector<std::pair<Changes::value_type, std::string>> cases{
-      {{"/tick_s", "1"},
-       "--set /tick_s: error: a world that is under way keeps this; what can change: /seed, "},
-      {{"/types/1/parts/0/obstacle", "true"}, "keeps this"},
-      {{"/types/1/drive", "{}"}, "keeps this"},
-      {{"/types/1/drive/params", "{}"}, "keeps this"},
-      {{"/types/1/drive/kind", "diff"}, "keeps this"},
-      {{"/types/1/controllers/0/period_s", "1"}, "keeps this"},
-      {{"/types/1/sensors/0/name", "x"}, "keeps this"},
-      {{"/words/0", "x"}, "keeps this"},
-      {{"", "1"}, "keeps this"},
+      {{"/tick_s", "1"}, "--set /tick_s: error: cannot be changed in a stored world; allowed are: /seed, "},
+      {{"/types/1/parts/0/obstacle", "true"}, "cannot be changed"},
+      {{"/types/1/drive", "{}"}, "cannot be changed"},
+      {{"/types/1/drive/params", "{}"}, "cannot be changed"},
+      {{"/types/1/drive/kind", "diff"}, "cannot be changed"},
+      {{"/types/1/controllers/0/period_s", "1"}, "cannot be changed"},
+      {{"/types/1/sensors/0/name", "x"}, "cannot be changed"},
+      {{"/words/0", "x"}, "cannot be changed"},
+      {{"", "1"}, "cannot be changed"},
       {{"/seed", "-1"}, "--set /seed: error: /seed: expected a whole number from 0 to 2^64 - 1"},
       {{"/ranging", "gird"}, "unknown ranging \"gird\""},
       {{"/resolution_m", "0"}, "must be from 0.0001 to 100"},
@@ -351,8 +350,8 @@ TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
     damage(bad.bodies);
     EXPECT_EQ(errors_of(bad), "run.h5: error: " + message);
   };
-  expect([](BodyColumns& c) { c.pose.pop_back(); }, "the columns of the bodies have not all the same length");
-  expect([](BodyColumns& c) { c = {}; }, "there is no body: the first of every world is the ground");
+  expect([](BodyColumns& c) { c.pose.pop_back(); }, "the columns of the bodies differ in length");
+  expect([](BodyColumns& c) { c = {}; }, "there are no bodies: the first body of every world is the ground");
   expect([](BodyColumns& c) { c.type[1] = 2; }, "bodies[1].type: the world has 2 types; here is 2");
   expect([](BodyColumns& c) { c.word[1] = 99; }, "bodies[1].name: the world has 5 words; here is 99");
   expect([](BodyColumns& c) { c.alias_word[0] = 99; }, "aliases[0].name: the world has 5 words; here is 99");

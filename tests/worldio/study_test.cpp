@@ -148,7 +148,8 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
               testing::Contains(HasSubstr("study.json:2: error: /parameters/0: missing \"values\"")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "x", "values": [1]}])"),
               ElementsAre(HasSubstr("expected a JSON pointer")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": []}])"), ElementsAre(HasSubstr("needs 1 to")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": []}])"),
+              ElementsAre(HasSubstr("expected 1 to")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [2, 1]}], "samples": 2)"),
               ElementsAre(HasSubstr("must be below the second")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "log_uniform": [0, 1]}], "samples": 2)"),
@@ -160,9 +161,9 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1], "uniform": [1, 2]}])"),
               testing::Contains(HasSubstr("not both")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/seed", "values": [1]}])"),
-              ElementsAre(HasSubstr("another column is called \"seed\"")));
+              ElementsAre(HasSubstr("there is another column \"seed\"")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1]}, {"set": "/x", "values": [2]}])"),
-              ElementsAre(HasSubstr("/parameters/1: another column is called \"x\"")));
+              ElementsAre(HasSubstr("/parameters/1: there is another column \"x\"")));
   EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
   EXPECT_THAT(wrong(R"("statistics": ["median"])"), ElementsAre(HasSubstr("known: last, max, mean, min")));
   EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("twice")));
@@ -171,7 +172,7 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(
       wrong(
           R"("seeds": {"from": 1, "count": 1000}, "parameters": [{"set": "/x", "from": 0, "to": 1, "steps": 1001}])"),
-      ElementsAre(HasSubstr("these are 1.001e+06 runs; at most 1000000 are allowed")));
+      ElementsAre(HasSubstr("the study has 1.001e+06 runs; at most 1000000 are allowed")));
   EXPECT_THAT(wrong(R"("sample": 3)"), ElementsAre(HasSubstr("unknown key \"sample\"")));
   Diagnostics nowhere;
   load_study("nowhere.json", make_registry(), nowhere);

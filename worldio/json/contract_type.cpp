@@ -24,8 +24,8 @@ const Kind& known(const Kind* kind, const std::string& name) {
   return *kind;
 }
 
-/// Says how a type would be expanded, key by key, and so must know what expand_type() takes for granted: the
-/// part, the joint and the pose of what is not told otherwise.
+/// Writes the document of a type, without the values that expand_type() assumes: the part, the joint and the
+/// pose of a part or device that does not give them.
 class TypeContractor {
  public:
   TypeContractor(const engine::TypeSpec& type, const engine::Registry& registry,
@@ -53,10 +53,10 @@ class TypeContractor {
   }
 
  private:
-  /// What the device that a part is brings along, and so need not be said.
+  /// The parts and the size that follow from the device that a part is, and so are not written.
   struct Brought {
-    std::size_t parts = 0;          ///< that follow the part itself
-    Eigen::Vector3d size{0, 0, 0};  ///< of the part, once it is expanded
+    std::size_t parts = 0;          ///< number of parts that directly follow this one
+    Eigen::Vector3d size{0, 0, 0};  ///< size of this part after expansion
     bool needs_extent = false;
   };
 
@@ -71,7 +71,7 @@ class TypeContractor {
   std::optional<std::size_t> own_device(std::uint32_t p) const;
   std::optional<Brought> brought(std::uint32_t p, std::size_t device) const;
   OwnDeviceDocument contract_own_device(std::size_t device, std::int32_t joint);
-  /// What devices have, wherever they stand. usual: the pose and the joint that need not be said
+  /// Sets the members that all devices have. A pose or joint equal to the usual one is not written.
   void contract_device(std::size_t d, const Pose& usual_pose, std::int32_t usual_joint,
                        DeviceDocument& document);
   std::optional<JointName> joint_name(std::int32_t joint, std::int32_t usual) const;
@@ -80,7 +80,7 @@ class TypeContractor {
   const engine::Registry& registry_;
   const std::filesystem::path* folder_;
   std::optional<Color> color_;
-  std::vector<std::size_t> order_;  // of the devices, as they are expanded
+  std::vector<std::size_t> order_;  // of the devices, after expansion
 };
 
 void TypeContractor::contract_part(std::uint32_t p, std::int32_t joint, PartDocument& document) {
@@ -147,8 +147,7 @@ void TypeContractor::contract_contents(std::uint32_t p, const std::optional<std:
     if (type_.parts[q].parent == p && !is_brought[q]) contract_part(q, joint, document.parts.emplace_back());
 }
 
-/// The device that a part itself is: the one that moves it or something of it, or that models of its kind
-/// are.
+/// The device that a part itself is: one with a joint, or the device that models of the part's kind are.
 std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   const PartSpec& part = type_.parts[p];
   const engine::ModelKind* model = registry_.model(part.kind);
@@ -162,7 +161,7 @@ std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   return own;
 }
 
-/// Empty where the part and those behind it are not what the device would bring along.
+/// Empty if the part and those after it are not the ones that the device would add.
 std::optional<TypeContractor::Brought> TypeContractor::brought(std::uint32_t p, std::size_t device) const {
   if (!kind_of(device).body || type_.parts[p].image) return std::nullopt;
   for (const bool needs_extent : {true, false}) {

@@ -29,10 +29,10 @@ using engine::WorldSpec;
 
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 
-/// What is an error in the document unless it says otherwise; else it is a warning.
+/// Which violations the document treats as errors; the others are warnings.
 struct Checks {
   bool overlaps = true;    ///< bodies that overlap at the start
-  bool same_names = true;  ///< bodies of one name
+  bool same_names = true;  ///< bodies of the same name
 };
 
 enum class FloorPlans : std::uint8_t { none, with_their_bounds, with_other_bounds };
@@ -51,7 +51,7 @@ class WorldContractor {
  private:
   std::size_t count_floor_plans();
   bool is_floor_plan(std::size_t body);
-  /// Whether the image of a part makes its solids again.
+  /// Whether the image of a part gives its solids.
   bool makes(const PartSpec& part, bool as_floor_plan);
   void drop_images();
   void contract_settings(const Checks& checks, bool with_bounds, WorldDocument& document) const;
@@ -63,10 +63,10 @@ class WorldContractor {
   const engine::Registry& registry_;
   std::filesystem::path file_;
   std::filesystem::path folder_;
-  Diagnostics image_findings_;  // of images that cannot be read any more, which are outlines then
+  Diagnostics image_findings_;  // ignored: images that can no longer be read are written as outlines
   FloorImages images_;
   std::vector<std::string> keys_;             // of the types
-  std::vector<std::optional<Color>> colors_;  // of the types: that of their first body
+  std::vector<std::optional<Color>> colors_;  // of the types: the colour of their first body
   std::unordered_map<std::uint32_t, engine::Name> aliases_;
   std::unordered_map<std::uint32_t, std::set<std::string>> global_parts_;
 };
@@ -79,14 +79,14 @@ bool WorldContractor::makes(const PartSpec& part, bool as_floor_plan) {
   return made.size == part.size && made.solids == part.solids;
 }
 
-/// Images that do not make their part's solids are not named: the part's frame is another, or they changed.
+/// Drops images that do not give the solids of their part: the part's frame is another, or the image changed.
 void WorldContractor::drop_images() {
   for (TypeSpec& type : spec_.types)
     for (PartSpec& part : type.parts)
       if (part.image && !makes(part, false)) part.image.reset();
 }
 
-/// What `floorplans` can say: a model that is an image and nothing else, of a type of its own.
+/// Whether `floorplans` can express a body: one that is only an image, with a type of its own.
 bool WorldContractor::is_floor_plan(std::size_t body) {
   const BodySpec& spec = spec_.bodies[body];
   if (spec.type.index() != body || spec.type.index() >= spec_.types.size()) return false;
@@ -100,11 +100,12 @@ bool WorldContractor::is_floor_plan(std::size_t body) {
   return type.name == spec_.names.text(spec.name) && part.image->origin == Pose() && makes(part, true);
 }
 
-/// They come first, behind the ground.
+/// The number of floor plans, which are the first bodies after the ground.
 std::size_t WorldContractor::count_floor_plans() {
   std::size_t count = 0;
   while (count + 1 < spec_.bodies.size() && is_floor_plan(count + 1)) ++count;
-  for (std::size_t b = count + 1; b < spec_.bodies.size(); ++b)  // others of such a type are models
+  // The type of a floor plan must not have other bodies.
+  for (std::size_t b = count + 1; b < spec_.bodies.size(); ++b)
     if (const std::size_t type = spec_.bodies[b].type.index(); type >= 1 && type <= count) count = type - 1;
   return count;
 }
@@ -139,7 +140,7 @@ void WorldContractor::contract_settings(const Checks& checks, bool with_bounds,
   document.resolution = spec_.resolution_m;
   if (with_bounds) document.bounds = spec_.bounds;
   for (const engine::NamedBody& alias : spec_.aliases)
-    if (alias.body == BodyId(0) && !document.ground)  // more than one no document can say
+    if (alias.body == BodyId(0) && !document.ground)  // a document can have only one
       document.ground.emplace().alias = spec_.names.text(alias.name);
   if (const auto& record = spec_.record) {
     document.record.emplace();
@@ -167,7 +168,7 @@ FloorplanDocument WorldContractor::contract_floor_plan(const BodySpec& body) con
   return document;
 }
 
-/// Types are told apart by their keys, so that of two with one name the second has another key.
+/// Keys of types must be unique: of several types with the same name, all but the first get another key.
 void WorldContractor::contract_types(std::size_t first, WorldDocument& document) {
   keys_.assign(spec_.types.size(), {});
   colors_.assign(spec_.types.size(), {});
@@ -213,11 +214,11 @@ bool has_repeated_names(const WorldSpec& spec) {
   return false;
 }
 
-/// What came of one way to write a world.
+/// The result of one way to write a world.
 struct Attempt {
-  std::optional<JsonNode> document;  ///< one that reads back as the world
-  std::vector<Finding> findings;     ///< else what its reader found
-  std::string difference;            ///< else in what it is another world
+  std::optional<JsonNode> document;  ///< a document that reads back as the world
+  std::vector<Finding> findings;     ///< else the errors of its reader
+  std::string difference;            ///< else the first difference of the world that was read back
 };
 
 Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const Checks& checks,
@@ -233,7 +234,7 @@ Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const 
     const std::optional<JsonNode> read = parse_json(json_text(document), whole, true, found);
     const WorldSpec back = read ? read_json_world(file, *read, registry, {}, found) : WorldSpec();
     if (found.has_errors()) {
-      Diagnostics placed(files);  // the same where it stands in what was read
+      Diagnostics placed(files);  // the same errors, at the places of the source world
       if (read) read_json_world(file, document, registry, {}, placed);
       const auto findings = placed.has_errors() ? placed.findings() : found.findings();
       result.findings.assign(findings.begin(), findings.end());
@@ -263,7 +264,7 @@ std::optional<JsonNode> write_json_world(const WorldSpec& spec, const std::files
       last = attempt(spec, file, checks, way, registry, diagnostics.files());
       if (last.document) return std::move(last.document);
     }
-  constexpr std::string_view k_what = "a JSON world cannot say this: ";
+  constexpr std::string_view k_what = "a JSON world cannot express this: ";
   for (const Finding& finding : last.findings)
     diagnostics.error(finding.where, fmt::format("{}{}", k_what, finding.message));
   if (last.findings.empty())

@@ -19,22 +19,22 @@
 #include <utility>
 #include <vector>
 
-/// How the structs of a WorldDocument are described: each once, by a function that fills a table of its keys.
-/// The reader (read_document.cpp), the writer (write_document.cpp) and the schema (world_schema.cpp) are
-/// ordinary code over these tables.
+/// Description of the structs of a WorldDocument: for each, one function fills a table of its keys. The
+/// reader (read_document.cpp), the writer (write_document.cpp) and the schema (world_schema.cpp) interpret
+/// these tables.
 namespace troupe::worldio {
 
 struct DocumentTable;
 
-/// How the value of a key stands in a file, and what it is in C++.
+/// The form of a value in a file, and its C++ type.
 enum class Form : std::uint8_t {
-  value,            ///< as DocumentKey::field says
+  value,            ///< as described by DocumentKey::field
   choice,           ///< an enum of one byte: one of the field's choices, in their order
   block,            ///< engine::Record by DocumentKey::block
-  version,          ///< of the format, k_format_version; kept nowhere
+  version,          ///< version of the format, k_format_version; not stored
   seed,             ///< std::uint64_t
-  name,             ///< std::string: a text that is not empty
-  names,            ///< std::vector<std::string>: a list of such texts
+  name,             ///< std::string: a text, not empty
+  names,            ///< std::vector<std::string>: a list of texts, not empty
   model_kind,       ///< std::string: a name of Registry::models
   color,            ///< Color
   color_or_random,  ///< ColorDocument
@@ -44,46 +44,48 @@ enum class Form : std::uint8_t {
   contours,         ///< std::vector<Ring>
   joint,            ///< JointName: a text or null
   comparison,       ///< ComparisonDocument: `>= 0.9`
-  kept,             ///< JsonNode: as it is, of what is described elsewhere
+  kept,             ///< JsonNode: stored unread, because its keys depend on other objects
   kind,             ///< std::string: a name of DocumentTable::kinds
-  parameters,       ///< engine::Record: keys of the kind's own beside the others
-  faults,           ///< std::vector<FaultDocument::Impairment>: a key for each of Registry::faults
+  parameters,       ///< engine::Record: the parameters of the kind, among the other keys
+  faults,           ///< std::vector<FaultDocument::Impairment>: one key for each of Registry::faults
   object,           ///< a described struct
-  list,             ///< std::vector of one
-  map,              ///< std::vector of pairs of a name and one: an object by names
+  list,             ///< std::vector of described structs
+  map,              ///< std::vector of pairs of a name and a described struct: an object by names
 };
 
 /// One key of a described struct.
 struct DocumentKey {
-  engine::Field field;            ///< its name and text; of values also unit, limits and choices
-  Form form = Form::value;        ///< how its value stands in a file
-  bool required = false;          ///< an object without it is an error
-  std::string_view hint = {};     ///< behind `missing "key": `; empty: the field's text
-  std::string_view expects = {};  ///< of texts: behind `expected `
-  std::size_t least = 0;          ///< entries of a list
-  std::size_t most = std::numeric_limits<std::size_t>::max();  ///< as `least`
-  bool always = false;         ///< is written even where it is as by default; of a pose x, y and heading
-  bool counts_bodies = false;  ///< its limit is LoadOptions::most_bodies
+  engine::Field field;            ///< name and text of the key; for values also unit, limits and choices
+  Form form = Form::value;        ///< form of its value
+  bool required = false;          ///< an object without the key is an error
+  std::string_view hint = {};     ///< text after `missing "key": `; empty: the field's text
+  std::string_view expects = {};  ///< for texts: text after `expected `
+  std::size_t least = 0;          ///< minimum number of entries of a list
+  std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of entries of a list
+  bool always = false;         ///< written even at its default; of a pose, x, y and heading
+  bool counts_bodies = false;  ///< its maximum is LoadOptions::most_bodies
   std::optional<engine::Field>
-      other;  ///< of a value: its field where the object's kind has a parameter of its name
-  std::uint32_t variants = ~0u;  ///< for which values of DocumentTable::variant it is there, a bit each
-  const DocumentTable& (*table)() = nullptr;  ///< of object, list and map
-  const engine::FieldTable* block = nullptr;  ///< of block
-  /// Whether it is there beside the other keys of this object. Null: yes.
+      other;                     ///< replaces `field` if the object's kind has a parameter of the same name
+  std::uint32_t variants = ~0u;  ///< one bit per value of DocumentTable::variant: whether the key exists
+  const DocumentTable& (*table)() = nullptr;  ///< for object, list and map
+  const engine::FieldTable* block = nullptr;  ///< for block
+  /// Whether this object may have the key, given its other keys. Null: always.
   bool (*is_there)(const JsonNode& object) = nullptr;
-  /// Whether objects of this kind (a const engine::DeviceKind*) have it. Null: all.
+  /// Whether objects of this kind (a const engine::DeviceKind*) have the key. Null: all.
   bool (*is_of)(const void* kind) = nullptr;
 
   bool is_optional = false;  ///< the member is a std::optional
-  bool is_float = false;     ///< a value that is a float: written with as few digits as that needs
+  bool is_float = false;     ///< the value is a float: written with only as many digits as a float needs
 
-  // Access to members of other forms than `value`, by the address of the struct.
-  void* (*make)(void* object) = nullptr;                           ///< the member, made where it is missing
-  const void* (*find)(const void* object) = nullptr;               ///< the member; null where it is missing
-  std::size_t (*size)(const void* object) = nullptr;               ///< of list and map
-  void* (*append)(void* object, std::string_view name) = nullptr;  ///< as size; name: of map
-  const void* (*item)(const void* object, std::size_t index) = nullptr;        ///< as size
-  const std::string* (*item_name)(const void* object, std::size_t) = nullptr;  ///< of map
+  // Access to members of other forms than `value`. `object` is the struct for make() and find(), else the
+  // list or map, as they return it.
+  void* (*make)(void* object) = nullptr;                           ///< the member, created if missing
+  const void* (*find)(const void* object) = nullptr;               ///< the member; null if missing
+  std::size_t (*size)(const void* object) = nullptr;               ///< number of entries
+  void* (*append)(void* object, std::string_view name) = nullptr;  ///< adds an entry; name: its key in a map
+  const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< an entry
+  const std::string* (*item_name)(const void* object,
+                                  std::size_t) = nullptr;  ///< the key of an entry of a map
 
   std::string_view missing_hint() const {
     return !hint.empty() ? hint : !field.text.empty() ? field.text : expects;
@@ -110,7 +112,7 @@ struct DocumentKey {
     most = at_most;
     return *this;
   }
-  /// Another name, where the object's kind has a parameter of this one.
+  /// Sets the name to use if the object's kind has a parameter of the key's name.
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
@@ -122,85 +124,85 @@ struct DocumentKey {
   }
 };
 
-/// Which keys go together: for the reader and the schema.
+/// Which keys an object must or must not have together; checked by the reader and the schema.
 struct DocumentRule {
-  /// How many of the keys an object has.
+  /// How many of the keys an object has: exactly one, at least one, at most one.
   enum class How : std::uint8_t { one_of, any_of, not_both };
   How how = How::one_of;
   std::vector<std::string_view> keys = {};  ///< names of fields
-  std::string none = {};                    ///< the error where there is none of them; empty: no error
-  std::string several = {};                 ///< the error where there are more than one; empty: as `none`
-  bool at_key = false;  ///< `several` is reported at each key too many, else at the object
+  std::string none = {};                    ///< error if the object has none of the keys
+  std::string several = {};                 ///< error if it has more than one; empty: as `none`
+  bool at_key = false;  ///< `several` is reported at every key after the first, else at the object
   bool in_schema = true;
 };
 
-/// The kind of an object that has one.
+/// A kind that objects can have.
 struct DocumentKind {
   std::string_view name;
   std::string_view text;
   const engine::FieldTable* params = nullptr;
-  /// Other defaults; the name is that of a preset then, and objects are of the kind `preset_of`.
+  /// Defaults of a preset; `name` is then that of the preset, and objects are of the kind `preset_of`.
   std::span<const std::pair<std::string_view, engine::Value>> presets = {};
   std::string_view preset_of = {};
-  const void* kind = nullptr;  ///< for DocumentKey::is_of
+  const void* kind = nullptr;  ///< argument of DocumentKey::is_of
 };
 
-/// The kinds that objects of one struct may be of.
+/// The kinds that objects of one struct can have.
 struct DocumentKinds {
   std::string_view what;  ///< "drive"
-  std::string_view page;  ///< of the documentation of plug-ins with such kinds; empty: there are none
+  std::string_view page;  ///< documentation page of plug-ins with such kinds; empty: plug-ins cannot have any
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
   std::vector<std::string_view> (*known)(const engine::Registry& registry);  ///< for messages, sorted
-  std::vector<std::string_view> (*named)(const engine::Registry& registry);  ///< those that plug-ins' are not
-  /// Of this name, also of a plug-in, which is then loaded.
+  std::vector<std::string_view> (*named)(const engine::Registry& registry);  ///< names no plug-in may use
+  /// Finds a kind by name; loads the plug-in if it is a plug-in's.
   Result<DocumentKind> (*find)(const engine::Registry& registry, const std::string& name);
-  /// What an object around it says of the kind. Null: nothing.
+  /// The kind that follows from the enclosing object. Null: none does.
   std::optional<DocumentKind> (*implied)(const engine::Registry& registry, const JsonNode& around) = nullptr;
-  std::string_view expects = {};  ///< of the key `kind`; empty: "the name of a" what
-  std::string_view hint = {};     ///< of the key `kind`; empty: "one of" all known
+  std::string_view expects = {};  ///< as DocumentKey::expects, for `kind`; empty: "the name of a" what
+  std::string_view hint = {};     ///< as DocumentKey::hint, for `kind`; empty: "one of" all known
 };
 
-/// A text in place of an object.
+/// A text that may be given instead of an object.
 struct DocumentShorthand {
-  std::string_view expects;
-  /// Fills the object, or reports what is wrong.
+  std::string_view expects;  ///< as DocumentKey::expects
+  /// Fills the object, or reports errors.
   void (*read)(const JsonCursor& at, const std::string& text, const engine::Registry& registry, void* object);
-  /// The text; empty where there is none for this object.
+  /// The text; empty if this object has none.
   std::optional<std::string> (*write)(const void* object, const engine::Registry& registry);
   std::vector<JsonNode> (*schemas)(const engine::Registry& registry);
-  bool before_object = false;  ///< in the schema
+  bool before_object = false;  ///< order of the alternatives in the schema
 };
 
-/// A described struct.
+/// The description of a struct.
 struct DocumentTable {
-  std::string_view definition;  ///< of the schema; empty: it stands where it is needed
+  std::string_view definition;  ///< name of its definition in the schema; empty: inlined
   std::vector<DocumentKey> keys;
   std::vector<DocumentRule> rules;
   const DocumentKinds* kinds = nullptr;
   const DocumentShorthand* shorthand = nullptr;
-  std::string_view variant;  ///< the key whose choices tell variants apart; empty: there are none
-  /// What else is to hold, where all keys were read. Null: nothing.
+  std::string_view variant;  ///< the key whose choices select the variant; empty: no variants
+  /// Checks the object after all keys are read. Null: no check.
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
   Placed& (*placed)(void* object) = nullptr;
-  const void* usual = nullptr;  ///< a struct with its defaults
-  /// Whether `kind` needs not be said. Null: it must be.
+  const void* usual = nullptr;  ///< a struct with default values
+  /// Whether `kind` may be left out. Null: it must be given.
   bool (*is_kind_implied)(const void* object) = nullptr;
 
   const DocumentKey* find(std::string_view name) const;
 };
 
-/// `>= 0.9`. Empty, and reported, where the text is something else.
+/// Reads `>= 0.9`. Empty, with an error, if the text is not a comparison.
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
-/// What the schema says of such texts.
+/// The regular expression of comparisons, for the schema.
 std::string comparison_pattern();
 
-/// The table of a described struct; made when it is first asked for.
+/// The table of a described struct, made by the first call.
 template <class T>
 const DocumentTable& document_table();
 
-/// Of HeadingDocument, in radians or degrees: that of poses.
+/// The field of HeadingDocument, in radians or degrees: that of poses.
 const engine::Field& heading_field();
-/// The field of a key, for objects of a kind with these parameters (null: of no kind).
+/// The field of a key, for objects of a kind with these parameters (null: without a kind).
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
 namespace detail {
@@ -222,14 +224,14 @@ using Inner = typename InnerOf<T>::Type;
 
 }  // namespace detail
 
-/// Fills the table of T: a call for each key, in the order in which they are written.
+/// Fills the table of T: one call per key, in the order in which the writer writes them.
 template <class T>
 class DocumentKeys {
  public:
   explicit DocumentKeys(DocumentTable& table) : table_(table) {}
 
-  /// What engine::Description takes as a member: a number, a truth, an enum, a pose, ...; Path: the member,
-  /// or a member of a member.
+  /// A member that engine::Description takes: a number, a bool, an enum, a pose, ... Path: the member, or a
+  /// member of a member.
   template <auto... Path, class... Facts>
   DocumentKey& value(std::string_view name, Facts... facts) {
     static const T example{};
@@ -240,12 +242,12 @@ class DocumentKeys {
                               {engine::Fact(facts)...});
     DocumentKey& key = table_.keys.emplace_back();
     key.field = std::move(fields.fields.front());
-    key.field.fallback = {};  // a key that is not there leaves the member as it is
+    key.field.fallback = {};  // an absent key leaves the member unchanged
     key.is_float = std::is_same_v<detail::Inner<Member>, float>;
     return key;
   }
 
-  /// An enum of one byte, by its names in the order of its values.
+  /// An enum of one byte; `names` in the order of its values.
   template <auto... Path>
   DocumentKey& choice(std::string_view name, std::span<const std::string_view> names,
                       std::string_view text = {}) {
@@ -256,7 +258,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// A value of another form. expects: of texts
+  /// A value of another form. `expects` as in DocumentKey.
   template <auto... Path>
   DocumentKey& other(Form form, std::string_view name, std::string_view text = {},
                      std::string_view expects = {}) {
@@ -337,7 +339,7 @@ class DocumentKeys {
       Check(*static_cast<const T*>(object), at);
     };
   }
-  /// The rest of what a table has.
+  /// The other members of the table.
   DocumentTable& table() { return table_; }
 
  private:

@@ -19,14 +19,14 @@ std::vector<std::string_view> names(const Kinds& kinds) {
   return known;
 }
 
-/// What a part is to all that it carries.
+/// The part that things are mounted on, and the joint that moves it.
 struct Stand {
   std::uint32_t part = 0;
   std::int32_t joint = engine::k_rigid;
 };
 
-/// A device that stands on another which may come later: `on` names it, or its joint. A path would not live
-/// as long.
+/// A device mounted on another one that may come later in the file: `on` is that device's name, or its
+/// joint's. The pointer is stored as text because DocumentPaths live only on the stack.
 struct Riding {
   std::size_t device;
   std::string on;
@@ -44,7 +44,7 @@ class TypeExpander {
 
  private:
   void expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below);
-  /// What the part itself is. Then it stands on the part; where it moves, so does the part.
+  /// Adds the device that the part itself is, on the part. If the device moves, so does the part.
   void expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
                          Stand& stand);
   void expand_contents(const PartDocument& document, const DocumentPath& at, const Stand& stand);
@@ -53,10 +53,9 @@ class TypeExpander {
   engine::PartSpec device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                const engine::DeviceKind& kind) const;
   void expand_controller(const ControllerDocument& document, std::uint32_t part);
-  /// What else than the joint of the part around it something moves with.
+  /// Replaces `joint`, that of the enclosing part, if the document names another one.
   void expand_joint(const std::optional<JointName>& name, Where where, const DocumentPath& at,
                     std::int32_t& joint);
-  /// These say what is wrong; nothing where all is right.
   Result<> find_joint(const std::string& name, std::int32_t& joint) const;
   Result<> put_on(engine::DeviceSpec& device, const std::string& on) const;
   void order_devices(const TypeDocument& document, const DocumentPath& at);
@@ -90,13 +89,14 @@ void TypeExpander::expand_root(const TypeDocument& document, const DocumentPath&
       at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, stands.error().text));
   }
   order_devices(document, at);
-  const auto needs_drive = [&](const engine::ControllerSpec& controller) {  // those of parts may have wheels
+  // Controllers of parts are not checked: they may command wheels.
+  const auto needs_drive = [&](const engine::ControllerSpec& controller) {
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
     return controller.part == 0 && (kind == nullptr || kind->needs_drive);
   };
   if (!document.drive && std::ranges::any_of(type_.controllers, needs_drive))
     at.error_at(document.where_of(document.controller ? "controller" : "controllers"),
-                "a controller needs a \"drive\" to command");
+                "the controller commands a drive: the type needs a \"drive\"");
 }
 
 void TypeExpander::expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below) {
@@ -119,7 +119,7 @@ void TypeExpander::expand_part(const PartDocument& document, const DocumentPath&
 
 void TypeExpander::expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
                                      Stand& stand) {
-  // What moves of a gripper is declared to be as large as the gripper itself.
+  // Set before the device's body is added, because its moving parts copy the size.
   if (document.extent) type_.parts[stand.part].size = *document.extent;
   if (!document.device) return;
   const OwnDeviceDocument& own = *document.device;
@@ -161,7 +161,7 @@ void TypeExpander::expand_contents(const PartDocument& document, const DocumentP
        [&](const PartDocument& part, const DocumentPath& path) { expand_part(part, path, stand); });
 }
 
-/// Puts a device on another, which moves what stands on it.
+/// Mounts a device on a device with a joint.
 Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on) const {
   std::vector<std::string_view> known;
   for (const engine::DeviceSpec& other : type_.devices) {
@@ -175,15 +175,14 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
     return {};
   }
   if (known.empty())
-    return Error{
-        fmt::format("\"{}\" is no device before it that moves what stands on it; there is none", on)};
-  return Error{unknown_name("device that moves what stands on it", on, known)};
+    return Error{fmt::format("unknown device with a joint \"{}\"; there are none before this device", on)};
+  return Error{unknown_name("device with a joint", on, known)};
 }
 
-/// What a device shows of itself: the body of its kind, or one given by its size or blocks.
+/// The part of a device: with the body of its kind, or with that given by its size and blocks.
 engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                            const engine::DeviceKind& kind) const {
-  // Parts are of model kinds, and not every device that moves something ("wheels") is one.
+  // The kinds of parts are model kinds, and not every kind of device with a joint is one ("wheels").
   engine::PartSpec part{.name = device.name,
                         .kind = registry_.model(device.kind) ? device.kind : "model",
                         .pose_body_part = device.pose_body_sensor,
@@ -208,7 +207,7 @@ void TypeExpander::expand_device(const DeviceDocument& document, const DocumentP
                             .period_s = document.period,
                             .active = document.active,
                             .where = document.where};
-  if (device.name.empty()) {  // as Stage names a robot's second ranger: "ranger:1"
+  if (device.name.empty()) {  // "ranger:1", as Stage names the second ranger of a robot
     const auto before = std::ranges::count(devices, device.kind, &engine::DeviceSpec::kind);
     device.name = fmt::format("{}:{}", device.kind, before);
   } else if (std::ranges::find(devices, device.name, &engine::DeviceSpec::name) != devices.end()) {

@@ -36,9 +36,9 @@ const partition::ObstacleShape k_no_shape;
 struct Model {
   BodySpec body;
   std::optional<engine::Name> alias;
-  std::vector<std::string> global_parts;  ///< parts that have names of their own
-  std::optional<std::string> reserve_of;  ///< the population into which it may be born
-  std::string pointer;
+  std::vector<std::string> global_parts;  ///< ModelDocument::global_parts
+  std::optional<std::string> reserve_of;  ///< population that it may be born into
+  std::string pointer;                    ///< JSON pointer, for errors
 };
 
 class WorldExpander {
@@ -59,7 +59,7 @@ class WorldExpander {
     const DocumentPath world(document_.where, diagnostics_);
     expand_settings();
     each(world, "floorplans", document_.floorplans, &WorldExpander::expand_floorplan);
-    if (document_.bounds) spec_.bounds = document_.bounds;  // it beats those of the floor plans
+    if (document_.bounds) spec_.bounds = document_.bounds;  // overrides those of the floor plans
     expand_types(world);
     each(world, "models", document_.models, &WorldExpander::expand_model);
     each(world, "populations", document_.populations, &WorldExpander::expand_population);
@@ -68,7 +68,7 @@ class WorldExpander {
     std::vector<std::string> type_keys(spec_.types.size());
     for (const auto& [key, type] : type_ids_) type_keys[type.index()] = key;
     expand_experiment(document_.experiment, world, document_.where_of("at"), type_keys, registry_, spec_);
-    // Bodies are placed only in a world that is otherwise right: their findings would follow from the others.
+    // Bodies are placed only in a world without errors: theirs would be consequences of the earlier ones.
     if (!diagnostics_.has_errors()) place_bodies();
     if (!diagnostics_.has_errors()) report_repeated_names();
     return std::move(spec_);
@@ -96,7 +96,7 @@ class WorldExpander {
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
 
-  /// The type of this key; type 0 is the ground, for when there is none. object: what says it, at this path
+  /// The type of this name. Type 0, the ground, with an error at the `type` of `object`, if there is none.
   TypeId type_of(const std::string& name, const Placed& object, const DocumentPath& at);
   Color color_of(TypeId type) const {
     return type_colors_[type.index()].value_or(default_colors_[type.index()]);
@@ -108,12 +108,12 @@ class WorldExpander {
   const LoadOptions& options_;
   Diagnostics& diagnostics_;
   WorldSpec spec_;
-  std::vector<std::optional<Color>> type_colors_;          // beside spec_.types
-  std::vector<Color> default_colors_;                      // as those
-  std::unordered_map<std::string_view, TypeId> type_ids_;  // names of the document
-  FloorImages images_;                                     // plans may share one
+  std::vector<std::optional<Color>> type_colors_;          // parallel to spec_.types
+  std::vector<Color> default_colors_;                      // parallel to spec_.types
+  std::unordered_map<std::string_view, TypeId> type_ids_;  // by key of the document
+  FloorImages images_;                                     // shared, because plans may use the same image
   ImageFolder folder_;
-  std::size_t vertices_ = 0;  // of the floor plans
+  std::size_t vertices_ = 0;  // of all floor plans
   std::vector<Model> models_;
   std::vector<engine::PopulationSpec> populations_;
 };
@@ -127,7 +127,7 @@ void WorldExpander::expand_settings() {
   spec_.ranging = document_.ranging;
   spec_.resolution_m = document_.resolution;
   spec_.resolution_where = document_.where_of("resolution");
-  // The ground is a body, too, and may have another name, as in Stage.
+  // The ground is a body and may have another name, as in Stage.
   if (document_.ground && !document_.ground->alias.empty())
     spec_.aliases.push_back({spec_.names.add(document_.ground->alias), BodyId(0)});
   if (const auto& record = document_.record)
@@ -154,7 +154,7 @@ void WorldExpander::expand_floorplan(const FloorplanDocument& document, const Do
     part.image = image->spec;
     vertices_ += count_vertices(part.solids);
     if (vertices_ > engine::k_most_vertices) {
-      at.error(fmt::format("too large: the outlines of the floor plans have more than {} corners",
+      at.error(fmt::format("too large: the outlines of all floor plans have more than {} corners together",
                            engine::k_most_vertices));
       part.solids.clear();
     }
@@ -166,7 +166,7 @@ void WorldExpander::expand_floorplan(const FloorplanDocument& document, const Do
         spec_.bounds->extend(transform * Vec2(x, y));
   } else if (!spec_.bounds) {
     spec_.bounds.emplace().extend(
-        Vec2::Zero());  // else populations would be told that there is no floor plan
+        Vec2::Zero());  // avoids the error that a population has no floor plan to fill
   }
   body.type = TypeId(spec_.types.size());
   engine::TypeSpec type{.name = document.name};
@@ -209,7 +209,7 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
     model.body.fiducial = *document.fiducial_return;
     if (model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
       DocumentPath(at, "fiducial_return", document.where_of("fiducial_return"))
-          .error("needs a type with a \"fiducial_return\", which says that its robots are marked");
+          .error("the type of the model must have a \"fiducial_return\" too");
   }
   models_.push_back(std::move(model));
 }
@@ -251,7 +251,7 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
   return rule;
 }
 
-/// Where the bodies' origins may lie: in a box, a polygon, or both; else where robots may be.
+/// Sets the region of the bodies' origins: a box, a polygon, or both; else the bounds of the world.
 void WorldExpander::expand_region(const PlaceDocument& document, const DocumentPath& at,
                                   PlacementRule& rule) {
   if (document.polygon) rule.polygon = *document.polygon;
@@ -264,8 +264,8 @@ void WorldExpander::expand_region(const PlaceDocument& document, const DocumentP
     rule.region = Box::around(Vec2::Zero(), k_max_size_m);
   else
     at.error(
-        "missing \"region_m\": [[x_min, y_min], [x_max, y_max]], or \"polygon_m\", as there is no floor plan "
-        "to fill");
+        "missing \"region_m\", [[x_min, y_min], [x_max, y_max]], or \"polygon_m\": the world has neither "
+        "bounds nor floor plans");
 }
 
 TypeId WorldExpander::type_of(const std::string& name, const Placed& object, const DocumentPath& at) {
@@ -278,7 +278,8 @@ TypeId WorldExpander::type_of(const std::string& name, const Placed& object, con
 }
 
 void WorldExpander::place_bodies() {
-  const auto kept = std::make_shared<engine::Occupancy>(spec_, spec_.bodies.size());  // of the floor plans
+  // So far the bodies are the ground and the floor plans.
+  const auto kept = std::make_shared<engine::Occupancy>(spec_, spec_.bodies.size());
   engine::Occupancy& occupancy = *kept;
   make_shapes(occupancy);
   if (diagnostics_.has_errors()) return;
@@ -302,7 +303,7 @@ void WorldExpander::place_bodies() {
   };
 }
 
-/// Reports every type that bodies cannot be placed of, also one without bodies.
+/// Reports every type whose shape is too complex to place bodies of, also types without bodies.
 void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
   for (const auto& [name, type] : type_ids_) try {
       occupancy.shape(type);
@@ -312,7 +313,7 @@ void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
     }
 }
 
-/// Bodies of one reserve follow one another.
+/// Adds a body to the last reserve if it continues it, else to a new one: a reserve is a range of ids.
 void WorldExpander::add_to_reserve(const std::string& population, BodyId body, TypeId type) {
   auto& reserves = spec_.reserves;
   if (!reserves.empty()) {
@@ -329,7 +330,7 @@ void WorldExpander::add_to_reserve(const std::string& population, BodyId body, T
 void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy) {
   engine::Crowd& crowd = occupancy.crowd();
   const bool overlaps_are_errors = document_.overlaps == WorldDocument::Check::error;
-  if (model.reserve_of) return crowd.add(k_no_shape, {});  // it is not there yet
+  if (model.reserve_of) return crowd.add(k_no_shape, {});  // not born yet
   const BodySpec& body = model.body;
   const partition::ObstacleShape& shape = occupancy.shape(body.type);
   const auto overlaps = [&](const BodySpec& other) {
@@ -343,7 +344,7 @@ void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy
     for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
   if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
       !spec_.bounds->contains(body.pose_world_body.position()))
-    diagnostics_.error(body.where, fmt::format("{}: \"{}\" stands outside of the floor plans", model.pointer,
+    diagnostics_.error(body.where, fmt::format("{}: \"{}\" is outside the bounds of the world", model.pointer,
                                                spec_.names.text(body.name)));
   crowd.add(shape, body.pose_world_body);
 }
@@ -357,7 +358,7 @@ void WorldExpander::name_parts(const Model& model, BodyId body) {
 void WorldExpander::report_repeated_names() {
   engine::NameMap taken;
   taken.reserve(spec_.bodies.size());
-  const Where* reported = nullptr;  // one finding a population is enough
+  const Where* reported = nullptr;  // one error per population is enough
   for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
     const BodySpec& body = spec_.bodies[i];
     const BodyId first = taken.add(body.name, BodyId(i));
@@ -373,13 +374,13 @@ void WorldExpander::report_repeated_names() {
     const Where other = spec_.bodies[first.index()].where;
     diagnostics_.error(
         body.where,
-        fmt::format("the name \"{}\" is taken{}", spec_.name(BodyId(i)),
-                    other.line > 0 ? fmt::format(" by the body of line {}", other.line) : std::string()));
+        fmt::format("the name \"{}\" is already used{}", spec_.name(BodyId(i)),
+                    other.line > 0 ? fmt::format(" by the body on line {}", other.line) : std::string()));
     reported = &body.where;
   }
 }
 
-/// The member that `--robots` sets: the count of the population of this name, or of the only one.
+/// The index of the population that `--robots` sets: that of this name, or the only one for an empty name.
 std::optional<std::size_t> population_index(const JsonNode& document, const std::string& name, Where where,
                                             Diagnostics& diagnostics) {
   const JsonNode* node = document.find("populations");
@@ -392,14 +393,13 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
                                                    : std::string_view());
     }
   if (names.empty()) {
-    diagnostics.error(where, "the world has no population whose size could be set");
+    diagnostics.error(where, "the world has no populations");
     return std::nullopt;
   }
   if (name.empty()) {
     if (names.size() == 1) return 0;
-    diagnostics.error(where,
-                      fmt::format("the world has {} populations: say which, NAME=COUNT with NAME one of {}",
-                                  names.size(), comma_list(names)));
+    diagnostics.error(where, fmt::format("the world has {} populations: give NAME=COUNT, with NAME one of {}",
+                                         names.size(), comma_list(names)));
     return std::nullopt;
   }
   const auto found = std::ranges::find(names, name);
@@ -416,7 +416,7 @@ void set_robots(JsonNode& document, const std::string& name, std::size_t count, 
   if (!index) return;
   JsonNode& population = std::get<JsonNode::List>(document.find("populations")->value)[*index];
   auto* members = std::get_if<JsonNode::Object>(&population.value);
-  if (!members) return;  // reported when it is read
+  if (!members) return;  // the reader will report it
   JsonNode* node = population.find("count");
   if (!node) node = &members->emplace_back(JsonMember{"count", where, {}}).node;
   node->value = static_cast<std::uint64_t>(count);

@@ -53,7 +53,7 @@ void contract_group(const GroupSpec& group, GroupDocument& document) {
   document.share = group.share;
 }
 
-/// Those of a table that are given; the others are not. The last of what an object has.
+/// Reads those fields of a table that an object has; others stay not given. Finishes the object.
 Record read_some(JsonObject& object, const FieldTable& table) {
   const std::size_t before = object.at().diagnostics().findings().size();
   Record record;
@@ -61,7 +61,7 @@ Record read_some(JsonObject& object, const FieldTable& table) {
   object.finish();
   if (object.is_object() && std::ranges::none_of(record, &Value::given) &&
       object.at().diagnostics().findings().size() == before)
-    object.at().error("nothing is set: give the parameters that change");
+    object.at().error("no parameters: give those that change");
   return record;
 }
 
@@ -77,7 +77,7 @@ std::vector<std::string_view> names_of(const List& list, Projection name) {
   return names;
 }
 
-/// New parameters of a type, which the document keeps as they stand.
+/// Reads the new parameters of a type, which a document stores unread.
 class SettingExpander {
  public:
   SettingExpander(std::span<const std::string> type_keys, const engine::Registry& registry,
@@ -134,7 +134,7 @@ Record SettingExpander::expand_drive(const JsonCursor& at, const engine::TypeSpe
 Record SettingExpander::expand_device(const JsonCursor& at, const engine::TypeSpec& type,
                                       SettingSpec& setting) const {
   JsonObject object(at);
-  const JsonNode* node = object.require("name", "which of the type's sensors and devices");
+  const JsonNode* node = object.require("name", "the name of a sensor or device of the type");
   const std::string* name = node ? read_text(JsonCursor(at, "name", *node), "a name") : nullptr;
   if (!name) return {};
   const auto device = std::ranges::find(type.devices, *name, &engine::DeviceSpec::name);
@@ -151,7 +151,7 @@ Record SettingExpander::expand_device(const JsonCursor& at, const engine::TypeSp
 Record SettingExpander::expand_controller(const JsonCursor& at, const engine::TypeSpec& type,
                                           SettingSpec& setting) const {
   JsonObject object(at);
-  const JsonNode* node = object.require("kind", "which of the type's controllers");
+  const JsonNode* node = object.require("kind", "the kind of a controller of the type");
   const std::string* name =
       node ? read_text(JsonCursor(at, "kind", *node), "the kind of a controller") : nullptr;
   if (!name) return {};

@@ -44,7 +44,7 @@ std::string in_unit(std::string text, const UnitSuffix& suffix) {
   return text;
 }
 
-/// A number of a field in SI units; empty, and reported, where it is none or out of range.
+/// Reads a number of a field, in SI units. Empty, with an error, if it is no number or out of range.
 std::optional<double> read_number(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
   const std::optional<double> given = as_number(at.node());
   if (!given) {
@@ -52,7 +52,7 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
     return std::nullopt;
   }
   double si = *given * suffix.to_si;
-  // 360 deg must pass where the limit is 2 pi: a conversion may be off by its rounding.
+  // A value at the limit, 360 deg for 2 pi, must pass in spite of the rounding of its conversion.
   constexpr double k_rounding = 1e-14;
   if (si > field.max && si <= field.max + k_rounding * std::abs(field.max)) si = field.max;
   if (si < field.min && si >= field.min - k_rounding * std::abs(field.min)) si = field.min;
@@ -64,7 +64,7 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
 }
 
 Value read_integer(const JsonCursor& at, const Field& field) {
-  constexpr double k_exact = 9007199254740992.0;  // 2^53: beyond it a double is no count
+  constexpr double k_exact = 9007199254740992.0;  // 2^53: larger doubles are not exact integers
   std::optional<std::int64_t> given;
   if (const auto* x = std::get_if<std::int64_t>(&at.node().value)) given = *x;
   if (const auto* x = std::get_if<double>(&at.node().value))
@@ -177,7 +177,7 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
   return {};
 }
 
-/// Degrees of at most nine digits that turn into just this angle; empty where there are none.
+/// The value in another unit, of at most nine digits, that converts to exactly `si`. Empty if there is none.
 std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   std::array<char, 32> digits{};
   constexpr int k_digits = 9;
@@ -189,7 +189,7 @@ std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   return value;
 }
 
-/// The numbers in another unit, with nothing lost; empty where that cannot be.
+/// The numbers in another unit. Empty if one of them cannot be converted exactly.
 std::optional<std::vector<double>> exactly_in(std::span<const double> si, const UnitSuffix& suffix) {
   std::vector<double> values;
   for (const double x : si)
@@ -198,7 +198,7 @@ std::optional<std::vector<double>> exactly_in(std::span<const double> si, const 
   return values;
 }
 
-/// Angles are thought of in degrees, everything else in the SI unit.
+/// Whether values are written in degrees, which are more readable than radians.
 bool has_degrees(Unit unit) {
   return unit == Unit::radians || unit == Unit::radians_per_second ||
          unit == Unit::radians_per_second_squared;
@@ -327,7 +327,7 @@ FoundField find_field(JsonObject& object, const Field& field) {
     if (!node) continue;
     const JsonCursor at(object.at(), key, *node);
     if (found.where)
-      at.error(fmt::format("said twice: give only one of {}", quoted_keys(field)));
+      at.error(fmt::format("given twice: give only one of {}", quoted_keys(field)));
     else
       found.value = read_in_unit(at, field, suffix);
     found.where = node->where;

@@ -62,7 +62,7 @@ std::string value_text(const Value& value, const Field& field) {
     return fmt::format("[{}]", texts);
   }
   if (std::holds_alternative<std::vector<engine::Record>>(value.v) || field.optional) return "none";
-  // A block that is left out has the defaults of its fields, unless one of them has none.
+  // A block may be left out, with the defaults of its fields, unless a field is required.
   const bool optional = field.type == FieldType::record &&
                         std::ranges::all_of(field.record->fields,
                                             [](const Field& f) { return f.fallback.given() || f.optional; });
@@ -81,7 +81,7 @@ void append_table(const FieldTable& table, std::string& text) {
   text += '\n';
   for (const Field& field : table.fields) {
     if (!field.record || field.record == &engine::pose_fields())
-      continue;  // poses stand once, with the conventions
+      continue;  // poses have one table of their own
     text += fmt::format("{} `{}`:\n\n", field.type == FieldType::records ? "Each of" : "In", field.name);
     append_table(*field.record, text);
   }
@@ -100,14 +100,13 @@ void append_kinds(std::string_view heading, const Kinds& kinds, std::string& tex
 std::string world_format_reference(const engine::Registry& registry) {
   std::string text = "### Poses\n\n";
   append_table(engine::pose_fields(), text);
-  text += "### `watch{}`: how the world is watched\n\nNothing of it changes a result.\n\n";
+  text += "### `watch{}`: clock and pace\n\nThese keys change no result.\n\n";
   append_table(engine::watch_fields(), text);
   text +=
-      "### `window{}`: the view it asks for\n\nThat of `--camera window` ([pictures.md](pictures.md)). What "
-      "is drawn is asked for "
-      "by `--layers`, beside `show_grid`, `show_clock`, `show_footprints`, `show_occupancy` and, with "
-      "`show_data`, "
-      "`show_ranger_ranges` and `show_fiducial`.\n\n";
+      "### `window{}`: the view of `--camera window`\n\n[pictures.md](pictures.md) describes this view. It "
+      "shows the layers `show_grid`, `show_clock`, `show_footprints` and `show_occupancy`; with `show_data`, "
+      "also `show_ranger_ranges`, `show_fiducial`, `show_gripper_data` and `blobfinder_vis`. `--layers` adds "
+      "and removes layers. The other switches, `interval` and the keys of screenshots have no effect.\n\n";
   append_table(window_fields(), text);
   append_kinds("Drive", registry.drives, text);
   append_kinds("Sensor", registry.sensors(), text);

@@ -6,12 +6,11 @@
 
 namespace troupe::worldio {
 
-/// The part of docs/world-format.md that follows from the field tables, as Markdown: the parameters of every
-/// drive, sensor, controller and preset with their keys, units, limits and defaults.
+/// The generated part of docs/world-format.md, as Markdown: poses, `watch`, `window`, and the parameters of
+/// all drives, devices, controllers, faults and presets, with keys, units, limits and defaults.
 std::string world_format_reference(const engine::Registry& registry);
 
-/// The part of docs/measures.md that follows from the kinds: every measure with its column, its definition
-/// and its parameters.
+/// The generated part of docs/measures.md, as Markdown: all measures with column, definition and parameters.
 std::string measures_reference(const engine::Registry& registry);
 
 }  // namespace troupe::worldio

@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::size_t k_max_depth = 64;  // the reader and the destructors recurse
 
-/// Where the lexer is: it takes characters one by one through the iterator below.
+/// Position of the lexer, which reads characters one by one through CountingIterator.
 struct Progress {
   std::uint32_t line = 1;
   char last = 0;
 };
 
-/// Counts the lines of what passes through it, because nlohmann's parser keeps no positions.
+/// Counts lines while the parser reads, because nlohmann's parser does not report positions of values.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -49,13 +49,13 @@ void report_repeated(const JsonNode::Object& members, bool fixed_place, Diagnost
   for (const JsonMember& member : members) {
     const auto [first, fresh] = seen.emplace(member.key, member.where);
     if (fresh) continue;
-    diagnostics.error(member.where, fixed_place ? fmt::format("the key \"{}\" stands here twice", member.key)
-                                                : fmt::format("the key \"{}\" already stands on line {}",
+    diagnostics.error(member.where, fixed_place ? fmt::format("repeated key \"{}\"", member.key)
+                                                : fmt::format("repeated key \"{}\": first given on line {}",
                                                               member.key, first->second.line));
   }
 }
 
-/// nlohmann's SAX interface, building the tree.
+/// Builds the tree from the events of nlohmann's SAX interface.
 class TreeBuilder {
  public:
   TreeBuilder(std::string_view text, const Progress& progress, Where start, bool fixed_place,
@@ -75,7 +75,7 @@ class TreeBuilder {
   }
   bool number_float(double x, const std::string&) { return add(x, true); }
   bool string(std::string& x) { return add(std::move(x)); }
-  bool binary(nlohmann::json::binary_t&) { return false; }  // never met in JSON text
+  bool binary(nlohmann::json::binary_t&) { return false; }  // does not occur in JSON text
 
   bool start_array(std::size_t) { return add(JsonNode::List{}) && open(); }
   bool end_array() { return close(); }
@@ -91,8 +91,8 @@ class TreeBuilder {
   }
 
   bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception& fault) {
-    // The reader's message: "[json.exception...] parse error at line 2, column 3: what"; the line is ours to
-    // say.
+    // The parser's message is "[json.exception...] parse error at line 2, column 3: what". Only "what" is
+    // kept: `where` has the line.
     std::string_view message = fault.what();
     if (const std::size_t end = message.find("] "); end != std::string_view::npos)
       message.remove_prefix(end + 2);
@@ -100,7 +100,7 @@ class TreeBuilder {
       if (const std::size_t end = message.find(": "); end != std::string_view::npos)
         message.remove_prefix(end + 2);
     std::string what(message);
-    // It names only what would end the list, where one more member would do as well.
+    // The parser names only the closing bracket, although a comma would be valid too.
     for (const std::string_view end : {"expected '}'", "expected ']'"})
       if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
     Where where = start_;
@@ -108,7 +108,7 @@ class TreeBuilder {
       const std::size_t before = std::min(position > 0 ? position - 1 : 0, text_.size());
       where.line = 1 + static_cast<std::uint32_t>(std::count(text_.begin(), text_.begin() + before, '\n'));
     }
-    constexpr int k_out_of_range = 406;  // a number that no double holds: a value, which has a pointer
+    constexpr int k_out_of_range = 406;  // nlohmann's id for a number that is too large for a double
     const bool has_pointer = fault.id == k_out_of_range && !open_.empty();
     diagnostics_.error(where, has_pointer ? fmt::format("{}: {}", next_pointer(), what) : what);
     return false;
@@ -117,14 +117,15 @@ class TreeBuilder {
   JsonNode take() { return std::move(root_); }
 
  private:
-  /// A number's end is only known from the character after it, which may have been the line's end.
+  /// The line of the current value. The lexer finds the end of a number only by reading the next character
+  /// (`read_ahead`), which may be the end of the line.
   Where here(bool read_ahead) const {
     if (fixed_place_) return start_;
     const bool passed = read_ahead && progress_.last == '\n';
     return {start_.file, progress_.line - (passed ? 1 : 0)};
   }
 
-  /// The pointer of the value that comes next.
+  /// The JSON pointer of the next value.
   std::string next_pointer() const {
     std::string pointer;
     for (const JsonNode* node : open_) {
@@ -157,7 +158,7 @@ class TreeBuilder {
       diagnostics_.error(last_->where, fmt::format("nested deeper than {} levels", k_max_depth));
       return false;
     }
-    open_.push_back(last_);  // stays where it is: nothing is added beside it before it is closed
+    open_.push_back(last_);  // stays valid: its list gets no other entry until it is closed
     return true;
   }
   bool close() {
@@ -175,7 +176,7 @@ class TreeBuilder {
   std::vector<JsonNode*> open_;
 };
 
-/// A pointer's tokens, unescaped; empty where it is no pointer to something below the root.
+/// The unescaped tokens of a JSON pointer. Empty if it is malformed or points to the root.
 std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointer) {
   if (pointer.empty() || pointer[0] != '/') return std::nullopt;
   std::vector<std::string> tokens;
@@ -192,7 +193,7 @@ std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointe
   return tokens;
 }
 
-/// Position in a list, or its size for `-`; empty where the token is no number.
+/// Position in a list; its size for `-`. Empty if the token is not a number.
 std::optional<std::size_t> list_index(const std::string& token, std::size_t size) {
   if (token == "-") return size;
   std::size_t index = 0;
@@ -246,7 +247,7 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
   }
 
   JsonNode node;
-  Diagnostics unread;  // a text need not be JSON
+  Diagnostics unread;  // ignored: a value that is not JSON is a text
   if (std::optional<JsonNode> parsed = parse_json(value, where, true, unread)) {
     node = std::move(*parsed);
   } else {
@@ -265,12 +266,13 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
     if (auto* list = std::get_if<JsonNode::List>(&at->value)) {
       const auto index = list_index(token, list->size());
       if (!index) {
-        diagnostics.error(where, fmt::format("{} is a list: \"{}\" is no position in it", parent, token));
+        diagnostics.error(where,
+                          fmt::format("{} is a list: \"{}\" is neither a position nor -", parent, token));
         return;
       }
       if (*index > list->size() || (*index == list->size() && !last)) {
         diagnostics.error(where,
-                          fmt::format("{} has {} entries, there is no {}", parent, list->size(), path));
+                          fmt::format("{} has {} entries: there is no {}", parent, list->size(), path));
         return;
       }
       if (*index == list->size()) list->emplace_back();
@@ -286,7 +288,7 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
       }
       at = member ? member : &members->emplace_back(JsonMember{token, where, {}}).node;
     } else {
-      diagnostics.error(where, fmt::format("{} is {}: nothing stands below it", parent, at->describe()));
+      diagnostics.error(where, fmt::format("{} is {}, not an object or a list", parent, at->describe()));
       return;
     }
   }

@@ -13,34 +13,35 @@ namespace troupe::worldio {
 
 struct JsonMember;
 
-/// One value of a JSON document and the place where it begins. nlohmann::json is not kept as the tree because
-/// it knows no lines.
+/// One value of a JSON document and the place where it begins. A nlohmann::json tree would not keep line
+/// numbers.
 struct JsonNode {
   using List = std::vector<JsonNode>;      ///< in file order
   using Object = std::vector<JsonMember>;  ///< in file order, keys unique
 
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Object>
-      value;    ///< nothing: null
+      value;    ///< std::monostate is null
   Where where;  ///< where it begins
 
-  /// Null where it is something else.
+  /// The value, or null if it is of another type.
   ///@{
   const List* list() const { return std::get_if<List>(&value); }
   const Object* object() const { return std::get_if<Object>(&value); }
   const std::string* text() const { return std::get_if<std::string>(&value); }
   ///@}
-  /// The member of this key, or null; null too where this is no object.
+  /// The value of a key; null if there is no such key or this is not an object.
+  ///@{
   const JsonNode* find(std::string_view key) const;
-  /// The same.
   JsonNode* find(std::string_view key) { return const_cast<JsonNode*>(std::as_const(*this).find(key)); }
-  /// For messages: `a number`, `the text "abc"`, `a list`, ...
+  ///@}
+  /// For messages: `the number 3`, `the text "abc"`, `a list of 2`, `an object`, `null`, ...
   std::string describe() const;
 };
 
 /// A key of an object and its value.
 struct JsonMember {
-  std::string key;  ///< without quotes and escapes
-  Where where;      ///< of the key
+  std::string key;  ///< unquoted and unescaped
+  Where where;      ///< where the key begins
   JsonNode node;    ///< the value
 };
 

@@ -22,7 +22,7 @@ using engine::PartSpec;
 using engine::Unit;
 using engine::Value;
 
-constexpr double k_map_height_m = 1;  // of the walls of a map of ROS
+constexpr double k_map_height_m = 1;  // default height of the walls of a ROS map
 
 Solid box(const Eigen::Vector3d& size) {
   const double x = size.x() / 2;
@@ -30,7 +30,7 @@ Solid box(const Eigen::Vector3d& size) {
   return {{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, size.z()}};
 }
 
-/// Sign of the turn a -> b -> c.
+/// Sign of the turn a -> b -> c: 1 is to the left.
 int turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double t = cross(b - a, c - a);
   return t > 0 ? 1 : t < 0 ? -1 : 0;
@@ -41,7 +41,7 @@ bool within_box(const Vec2& a, const Vec2& b, const Vec2& p) {
          p.y() >= std::min(a.y(), b.y()) && p.y() <= std::max(a.y(), b.y());
 }
 
-/// True when the closed segments share a point.
+/// Whether the closed segments ab and cd share a point.
 bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const int abc = turn(a, b, c), abd = turn(a, b, d), cda = turn(c, d, a), cdb = turn(c, d, b);
   if (abc * abd < 0 && cda * cdb < 0) return true;
@@ -49,7 +49,7 @@ bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
          (cda == 0 && within_box(c, d, a)) || (cdb == 0 && within_box(c, d, b));
 }
 
-/// Empty where the document does not say all of it, which was reported.
+/// Empty if the document is incomplete, which the reader has reported.
 std::optional<Solid> expand_block(const BlockDocument& document, const Pose& pose_body_part) {
   if (!document.z || (!document.points && !document.contours)) return std::nullopt;
   Solid solid{{}, {(*document.z)[0], (*document.z)[1]}};
@@ -100,7 +100,7 @@ bool same_size(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
          worldio::same_bits(a.z(), b.z());
 }
 
-/// What Stage makes of blocks, in the body's frame.
+/// The blocks scaled to the part's size as Stage does, in the body's frame.
 std::vector<Solid> fitted_solids(const engine::FittedBlocks& fitted, const PartSpec& part) {
   std::vector<Solid> solids = fitted.blocks;
   normalise(solids, part.size);
@@ -109,7 +109,7 @@ std::vector<Solid> fitted_solids(const engine::FittedBlocks& fitted, const PartS
   return solids;
 }
 
-/// Blocks that are stretched to the size.
+/// Sets the shape of a part with `fit`: blocks scaled to the size.
 void expand_fitted(const PartDocument& document, PartSpec& part) {
   engine::FittedBlocks fitted;
   fitted.origin = document.origin.value_or(Pose());
@@ -120,14 +120,14 @@ void expand_fitted(const PartDocument& document, PartSpec& part) {
   part.fitted = std::move(fitted);
 }
 
-/// Whether its blocks make its solids again.
+/// Whether the fitted blocks of a part give its solids.
 bool is_fitted(const PartSpec& part) {
   if (!part.fitted || part.size.minCoeff() <= 0) return false;
   const std::vector<Solid> solids = fitted_solids(*part.fitted, part);
   return std::equal(solids.begin(), solids.end(), part.solids.begin(), part.solids.end(), same_solid);
 }
 
-/// The one box that `size_m` would put there.
+/// Whether the part's shape is the box that `size_m` gives.
 bool is_box(const PartSpec& part) {
   if (part.solids.size() != 1 || part.size.minCoeff() <= 0) return false;
   Solid expected = box(part.size);
@@ -173,7 +173,7 @@ std::optional<Box> read_box(const JsonCursor& at) {
   box.min = corners[0];
   box.max = corners[1];
   if (!box.empty()) return box;
-  at.error("the corners stand the wrong way round: give [[x_min, y_min], [x_max, y_max]]");
+  at.error("corners in the wrong order: expected [[x_min, y_min], [x_max, y_max]]");
   return std::nullopt;
 }
 
@@ -183,7 +183,7 @@ Result<> check_outline(const Ring& ring) {
   for (std::size_t i = 0; i < n; ++i)
     if (at(i) == at(i + 1))
       return Error{i + 1 < n ? fmt::format("point {} repeats point {}", i + 1, i)
-                             : "the last point repeats the first: the outline is closed anyway"};
+                             : "the last point repeats the first: leave it out, outlines are closed"};
   constexpr double k_flat = 1e-12;  // rounding, relative to the extent
   const double widest = bounds(ring).size().maxCoeff();
   if (std::ranges::all_of(ring, [&](const Vec2& p) {
@@ -216,7 +216,7 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
   if (made.image->contours.empty()) {
     DocumentPath(at, "bitmap", where)
         .error(is_map ? fmt::format("\"{}\" has no occupied cell", document.bitmap)
-                      : fmt::format("\"{}\" has no dark pixel: nothing of it is solid", document.bitmap));
+                      : fmt::format("\"{}\" has no dark pixel, so nothing is solid", document.bitmap));
     return std::nullopt;
   }
   if (is_map)
@@ -291,7 +291,7 @@ bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFol
     part.solids = expand_solids(document.image.size, blocks, part.pose_body_part);
     is_given = document.blocks || !part.solids.empty();
     measure_part(part);
-    // A box is as large as it says, wherever it stands.
+    // The exact size: that of the placed box has rounding errors.
     if (!document.blocks && document.image.size) part.size = *document.image.size;
   }
   part.floor_plan = document.floor_plan.value_or(has_image);

@@ -15,60 +15,60 @@
 #include <string_view>
 #include <vector>
 
-/// The bodies of types and their parts: between what a document says of them and what is made of it.
+/// Shapes of types and parts: conversion between documents and specs.
 namespace troupe::worldio {
 
-/// Pairs of metres: [[x, y], ...]. Empty, and reported, where they are wrong or number fewer or more than
-/// asked.
+/// Reads [[x, y], ...], m. Empty, with an error, if a value is wrong or there are not `least` to `most`
+/// points.
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least,
                               std::size_t most = std::numeric_limits<std::size_t>::max());
 JsonNode points_node(std::span<const Vec2> points);
 
-/// A box: [[x_min, y_min], [x_max, y_max]], m. Nothing where it is wrong, which is reported.
+/// Reads [[x_min, y_min], [x_max, y_max]], m. Empty, with an error, if it is wrong.
 std::optional<Box> read_box(const JsonCursor& at);
 
-/// Whether a ring can be the outline of a block; else what is wrong: repeated points, crossing edges, no
-/// area. The ring has points.
+/// Checks that a ring, which is not empty, can be the outline of a block. Errors: repeated points, crossing
+/// edges, no area.
 Result<> check_outline(const Ring& ring);
 
-/// What the image of a part makes of it, in the body's frame; the part's size is that of a map of ROS then.
+/// The solids that the image of a part gives it, in the body's frame.
 std::vector<Solid> image_solids(const FloorImage& image, engine::PartSpec& part);
 
-/// Where the images of a world are.
+/// The images of a world and the folder that their paths are relative to.
 struct ImageFolder {
   FloorImages& images;
   std::filesystem::path folder;
 };
-/// The image that an object names, and how it is to be stretched.
+/// An image and how it is scaled.
 struct ExpandedImage {
   const FloorImage* image = nullptr;
   engine::ImageSpec spec;
-  Eigen::Vector3d size{0, 0, 0};  ///< of a map of ROS its own
+  Eigen::Vector3d size{0, 0, 0};  ///< m; for a ROS map, x and y follow from the map
 };
-/// Empty, and reported, where the image cannot be read or has nothing solid, and where its size is missing.
-/// object: what has the image, at this path
+/// Reads the image of the object at path `at`. Empty, with an error, if the image cannot be read or has
+/// nothing solid; also empty if its size is missing, which the reader of documents has reported.
 std::optional<ExpandedImage> expand_image(const ImageDocument& document, const Placed& object,
                                           const DocumentPath& at, ImageFolder& images);
-/// `folder`: that the path of the image is to be relative to.
+/// The inverse: the document of an image of this size. The path becomes relative to `folder`.
 ImageDocument contract_image(const engine::ImageSpec& image, const Eigen::Vector3d& size,
                              const std::filesystem::path& folder);
 
-/// The shape of a part whose pose is known; its solids are in the body's frame. True where it has one: a
-/// size, blocks or an image.
+/// Sets the shape of a part whose pose is set; its solids are in the body's frame. Returns whether the
+/// document gives one: a size, blocks or an image.
 bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFolder& images,
                   engine::PartSpec& part);
-/// `folder` as for contract_image(); null: an image is written as its outlines. Returns the size that the
-/// part has once it is expanded.
+/// The inverse. `folder` as for contract_image(); null: an image is written as its outlines. Returns the size
+/// that expand_shape() gives the part.
 Eigen::Vector3d contract_shape(const engine::PartSpec& part, const std::filesystem::path* folder,
                                PartDocument& document);
-/// The extent, where the size is not that of what is solid.
+/// Sets `extent` of the document if the part's size is not `size_expanded`.
 void contract_extent(const engine::PartSpec& part, const Eigen::Vector3d& size_expanded,
                      PartDocument& document);
 
-/// A box of this size, and blocks, of what stands at this pose; solids in the body's frame.
+/// The solids, in the body's frame, of a box of this size, if given, and of blocks, both at `pose_body_part`.
 std::vector<Solid> expand_solids(const std::optional<Eigen::Vector3d>& size,
                                  std::span<const BlockDocument> blocks, const Pose& pose_body_part);
-/// The extent of a part's solids is its size.
+/// Sets the size of a part to the extent of its solids, if it has any.
 void measure_part(engine::PartSpec& part);
 
 }  // namespace troupe::worldio

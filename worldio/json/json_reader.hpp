@@ -9,11 +9,11 @@
 
 namespace troupe::worldio {
 
-/// How a value of a document is reached, for findings about it. It lives on the stack and points at its
-/// parent's, so that the JSON pointer is spelt only when something is reported.
+/// Path to a value of a document, for error messages. Paths live on the stack and point at their parents, so
+/// that the JSON pointer is formatted only for an error.
 class DocumentPath {
  public:
-  /// Of the whole document.
+  /// The path of the whole document.
   DocumentPath(Where where, Diagnostics& diagnostics) : where_(where), diagnostics_(&diagnostics) {}
   DocumentPath(const DocumentPath& parent, std::string_view key, Where where)
       : parent_(&parent), key_(key), where_(where), diagnostics_(parent.diagnostics_) {}
@@ -22,9 +22,9 @@ class DocumentPath {
 
   Where where() const { return where_; }
   Diagnostics& diagnostics() const { return *diagnostics_; }
-  /// `/robots/3/drive`; empty for the document itself.
+  /// `/types/r/drive`; empty for the document itself.
   std::string pointer() const;
-  /// Reports at this value: `/robots/3/drive: message`.
+  /// Reports an error at this value: `/types/r/drive: message`.
   void error(const std::string& message) const { error_at(where_, message); }
   void error_at(Where where, const std::string& message) const;
 
@@ -36,7 +36,7 @@ class DocumentPath {
   Diagnostics* diagnostics_;
 };
 
-/// The same of a value that is being read.
+/// Path to a value that is being read, and the value.
 class JsonCursor : public DocumentPath {
  public:
   JsonCursor(const JsonNode& root, Diagnostics& diagnostics)
@@ -45,14 +45,14 @@ class JsonCursor : public DocumentPath {
       : DocumentPath(parent, key, node.where), parent_(&parent), node_(&node) {}
   JsonCursor(const JsonCursor& parent, std::size_t index, const JsonNode& node)
       : DocumentPath(parent, index, node.where), parent_(&parent), node_(&node) {}
-  /// Of a node that a document kept as it was.
+  /// For a node that a document keeps unread (Form::kept).
   JsonCursor(const DocumentPath& parent, std::string_view key, const JsonNode& node)
       : DocumentPath(parent, key, node.where), node_(&node) {}
 
   const JsonNode& node() const { return *node_; }
-  /// Of the object or list that holds this value; null where it is not being read.
+  /// The object or list that holds this value; null if it is not being read.
   const JsonCursor* parent() const { return parent_; }
-  /// Reports `expected WHAT, found ...`.
+  /// Reports the error `expected WHAT, found ...`.
   void expected(std::string_view what) const;
 
  private:
@@ -60,21 +60,21 @@ class JsonCursor : public DocumentPath {
   const JsonNode* node_;
 };
 
-/// Reads an object key by key, remembering which keys it knows, so that finish() reports the others.
+/// Reads an object key by key. Remembers the keys that were asked for, so that finish() reports all others.
 class JsonObject {
  public:
-  /// Reports where the value is no object; every find() is then empty.
+  /// An error if the value is not an object; every find() then returns null.
   explicit JsonObject(const JsonCursor& at);
 
   const JsonCursor& at() const { return at_; }
   bool is_object() const { return members_ != nullptr; }
-  /// The value of a key, or null. The key is known from now on.
+  /// The value of a key, or null. Marks the key as known.
   const JsonNode* find(std::string_view key);
-  /// The same for a key that must be there: `missing "key": hint`.
+  /// Like find(), with the error `missing "key": hint` if there is no such key.
   const JsonNode* require(std::string_view key, std::string_view hint);
-  /// Reports a missing key, unless this is no object at all, which was reported before.
+  /// Reports a missing key, unless this is not an object, which the constructor has reported.
   void missing(std::string_view key, std::string_view hint) const;
-  /// Reports every key that was not read.
+  /// Reports every unknown key.
   void finish() const;
 
  private:
@@ -83,10 +83,10 @@ class JsonObject {
   std::vector<std::string> known_;
 };
 
-/// The list below a cursor, or null with an error.
+/// The list at a cursor, or null with an error.
 const JsonNode::List* read_list(const JsonCursor& at);
-/// The text below a cursor, or null with an error; `what` says what is expected ("the name of a type").
-/// An empty text is an error too.
+/// The text at a cursor, or null with an error that says `what` is expected ("the name of a type"). An empty
+/// text is an error.
 const std::string* read_text(const JsonCursor& at, std::string_view what);
 
 }  // namespace troupe::worldio

@@ -13,9 +13,9 @@ namespace troupe::worldio {
 namespace {
 
 constexpr std::size_t k_width = 110;  // of a line, characters
-constexpr std::size_t k_step = 2;     // by which what stands inside is moved to the right
+constexpr std::size_t k_step = 2;     // indentation per level
 
-/// Bytes of the UTF-8 character that begins here; 0 where none does (RFC 3629).
+/// Number of bytes of the first UTF-8 character; 0 if there is no valid one (RFC 3629).
 std::size_t character_bytes(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
@@ -36,7 +36,7 @@ std::string text_of(const std::string& text) {
     const std::size_t bytes = character_bytes(rest);
     if (bytes == 0)
       throw std::runtime_error(
-          fmt::format("a text of the world is no UTF-8, in which JSON is written: \"{}\"",
+          fmt::format("a text of the world is not UTF-8, which JSON requires; it begins with \"{}\"",
                       text.substr(0, text.size() - rest.size())));
     const char c = rest.front();
     if (c == '"' || c == '\\')
@@ -52,8 +52,7 @@ std::string text_of(const std::string& text) {
 
 std::string number_of(double x) {
   if (!std::isfinite(x)) throw std::runtime_error("a number of the world is not finite");
-  if (x == 0)
-    return std::signbit(x) ? "-0.0" : "0";  // -0 would come back as a whole number, without its sign
+  if (x == 0) return std::signbit(x) ? "-0.0" : "0";  // "-0" would be read back as the integer 0
   std::array<char, 32> digits{};
   const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
   return {digits.data(), end};
@@ -73,7 +72,7 @@ class Printer {
   }
 
  private:
-  /// On one line, as long as it is no longer than `most`; false where it is.
+  /// Appends a value on one line. Returns false, with `out` incomplete, if `out` gets longer than `most`.
   static bool compact(const JsonNode& node, std::size_t most, std::string& out) {
     if (const JsonNode::List* list = node.list()) {
       out += '[';
@@ -131,7 +130,7 @@ class Printer {
     }
   }
 
-  /// Numbers and points stand many on a line, other things each on one.
+  /// Lines are filled with scalars and with lists of scalars; other entries get a line each.
   void add_list(const JsonNode::List& list, std::size_t indent) {
     const auto is_short = [](const JsonNode& node) {
       const JsonNode::List* numbers = node.list();

@@ -9,8 +9,8 @@
 
 namespace troupe::worldio {
 
-/// Documents in the making. Values are of the types that a JsonNode holds; `where` is what later findings
-/// about them point at.
+/// Builds documents. Values are of the types that a JsonNode holds; `where` is the place of later errors
+/// about them.
 template <class T>
 JsonNode json_node(T value, Where where = {}) {
   JsonNode node;
@@ -31,12 +31,12 @@ inline void add_node(JsonNode::Object& object, std::string_view key, JsonNode no
 /// [x, y, ...].
 JsonNode json_numbers(std::span<const double> numbers);
 
-/// A value on one line, as `{"x_m": 1.5}`. Throws as json_text() does.
+/// A value on one line: `{"x_m": 1.5}`. Throws as json_text() does.
 std::string json_line(const JsonNode& node);
 
-/// The document as text, for people: what fits on a line stands on one, numbers have the fewest digits that
-/// read back as the same double. Throws std::runtime_error for what JSON cannot say: a number that is not
-/// finite, a text that is no UTF-8.
+/// The document as readable text: values that fit on a line are written on one, and numbers have the fewest
+/// digits that read back as the same double. Throws std::runtime_error for a number that is not finite and
+/// for text that is not UTF-8, which JSON cannot represent.
 std::string json_text(const JsonNode& document);
 
 }  // namespace troupe::worldio

@@ -11,45 +11,44 @@
 
 namespace troupe::worldio {
 
-/// Makes the changes that the command line asks for: LoadOptions::set and LoadOptions::robots.
+/// Applies LoadOptions::set and LoadOptions::robots to a document.
 void change_json_world(JsonNode& document, const LoadOptions& options, Diagnostics& diagnostics);
 
-/// What the text of a JSON world says. What is wrong is reported, all of it, at its line; such values are as
-/// if they were not there.
+/// Reads the nodes of a JSON world. Reports all errors, each at its line; wrong values count as absent.
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
                                  const LoadOptions& options, Diagnostics& diagnostics);
 
-/// The same of its text, with what the command line changes in it. Empty where the text is no JSON.
+/// Reads the text of a JSON world, with the changes of the command line. Empty if the text is not JSON.
 std::optional<WorldDocument> load_json_document(const std::filesystem::path& file, const std::string& text,
                                                 const engine::Registry& registry, const LoadOptions& options,
                                                 Diagnostics& diagnostics);
 
-/// The world that a document describes: its images are read, its bodies are placed. `file` names it and is
-/// the base of relative paths. What is wrong is reported, also of a document in which something was wrong
-/// before: bodies are placed only in one that is otherwise right.
+/// The world that a document describes: reads its images and places its bodies. `file` is its name and the
+/// base of relative paths. Reports errors, also for a document that already had some, but places bodies only
+/// if there are none.
 engine::WorldSpec expand(const WorldDocument& document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics);
 
-/// The node that reads back as this document; what has no place is placed in `file`.
+/// The node that reads back as this document. Values without a place get `file` as theirs.
 JsonNode json_world_node(const WorldDocument& document, const std::filesystem::path& file,
                          const engine::Registry& registry, Diagnostics& diagnostics);
-/// What load_json_world() does with the text of a world, with its nodes.
+/// Like load_json_world(), from the nodes of a world instead of its text.
 engine::WorldSpec load_json_node(JsonNode document, const std::filesystem::path& file,
                                  const engine::Registry& registry, const LoadOptions& options,
                                  Diagnostics& diagnostics);
 
-/// Reads a document as load_json_world() does the text of one. `file` names it and is the base of relative
-/// paths.
+/// Reads and expands a document, without the changes of the command line. `file` is its name and the base of
+/// relative paths.
 engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonNode& document,
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics);
 
-/// The document that reads back as this world, to the last bit, where it lies in `file`: populations are
-/// listed one by one, angles are in degrees where that loses nothing, images stay images, with paths relative
-/// to the file, where they make the same solids again; overlaps and repeated names are errors again unless
-/// there are any. Its nodes stand where the spec's do. It is read to make sure; empty, with errors, where
-/// JSON has no words for something.
+/// The document that reads back as this world to the last bit when it is the content of `file`. Populations
+/// are written body by body, and angles in degrees where that is exact. Images stay images, with paths
+/// relative to the file, if they give the same solids; else they become outlines. `overlaps` and `same_names`
+/// are "warn" only if the world needs it. Nodes have the places of the spec. The result is read back as a
+/// check. Empty, with errors, if JSON cannot express the world.
 std::optional<JsonNode> write_json_world(const engine::WorldSpec& spec, const std::filesystem::path& file,
                                          const engine::Registry& registry, Diagnostics& diagnostics);
 

@@ -10,11 +10,11 @@
 
 namespace troupe::worldio {
 
-/// An entry of a world's `measures`: `"stalls"`, `"stalls:leaders"` (of the type, population or robot of that
-/// name), or {`kind`, `name`, `of`, parameters}. Empty, and reported, where it is wrong.
+/// Reads an entry of a world's `measures`: `"stalls"`, `"stalls:leaders"` (of the type, population or robot
+/// of that name), or {`kind`, `name`, `of`, parameters}. Empty, with errors, if it is wrong.
 std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engine::Registry& registry);
 
-/// The same, from a text of its own, as the command line gives it: bare, or a JSON object. Findings stand at
+/// Reads a measure from the command line: its name without quotes, or a JSON object. Errors are reported at
 /// `source`.
 std::optional<engine::MeasureSpec> parse_measure(const std::string& text, const std::string& source,
                                                  const engine::Registry& registry, Diagnostics& diagnostics);

@@ -29,7 +29,7 @@ class ObjectReader {
 
  private:
   bool find_kind();
-  /// Bit of the value of the key that tells variants apart; 0 where it has none.
+  /// The bit of the variant (DocumentKey::variants); 0 if the key that selects it is missing or wrong.
   std::uint32_t find_variant();
   bool applies(const DocumentKey& key) const;
   void read_key(const DocumentKey& key);
@@ -66,7 +66,7 @@ void ObjectReader::read() {
   if (table_.kinds && !find_kind()) return;
   if (!table_.variant.empty()) variant_ = find_variant();
   read_keys();
-  if (variant_ != 0) keys_.finish();  // else the keys of its variant are not known
+  if (variant_ != 0) keys_.finish();  // without a variant, the valid keys are not known
   if (!keys_.is_object()) return;
   for (const DocumentRule& rule : table_.rules) check_rule(rule);
   for (const DocumentKey& key : table_.keys)
@@ -74,12 +74,12 @@ void ObjectReader::read() {
         static_cast<const std::vector<FaultDocument::Impairment>*>(key.find(object_))->empty()) {
       std::vector<std::string_view> known;
       for (const engine::FaultKind& fault : reading_.registry.faults) known.push_back(fault.name);
-      at_.error(fmt::format("no fault is given: give one of {}", comma_list(known)));
+      at_.error(fmt::format("no fault: give one of {}", comma_list(known)));
     }
   if (table_.check) table_.check(object_, at_);
 }
 
-/// False, and reported, where the object is of no kind: its keys are not known then.
+/// False, with an error, if the object has no known kind: its valid keys are then not known.
 bool ObjectReader::find_kind() {
   const DocumentKinds& kinds = *table_.kinds;
   const engine::Registry& registry = reading_.registry;
@@ -131,7 +131,7 @@ void ObjectReader::read_key(const DocumentKey& key) {
     case Form::parameters:
       member<engine::Record>(key) = read_fields(keys_, *params(), kind_->presets);
       return;
-    case Form::kind: member<std::string>(key) = kind_->name; break;  // and where it stands, below
+    case Form::kind: member<std::string>(key) = kind_->name; break;  // its place is set below
     default: break;
   }
   const JsonNode* node = keys_.find(key.field.name);
@@ -143,7 +143,7 @@ void ObjectReader::read_key(const DocumentKey& key) {
   }
 }
 
-/// Under one of the keys of its units.
+/// Reads a value under one of its keys, one per unit.
 void ObjectReader::read_value(const DocumentKey& key) {
   const Field& field = field_of(key, params());
   FoundField found;
@@ -172,7 +172,7 @@ void ObjectReader::read_choice(const DocumentKey& key) {
     keys_.missing(key.field.name, key.missing_hint());
 }
 
-/// `"heading": "random"`, or an angle.
+/// Reads `"heading": "random"` or an angle.
 void ObjectReader::read_heading(const DocumentKey& key) {
   const Field& angle = heading_field();
   const JsonNode* word = at_.node().find(key.field.name);
@@ -205,8 +205,8 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
       if (!version)
         at.expected(key.missing_hint());
       else if (*version != k_format_version)
-        at.error(
-            fmt::format("format version {} is not known: this version reads {}", *version, k_format_version));
+        at.error(fmt::format("unknown format version {}: this program reads version {}", *version,
+                             k_format_version));
       return;
     }
     case Form::seed: {
@@ -256,7 +256,7 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
     case Form::joint:
       if (std::holds_alternative<std::monostate>(at.node().value))
         member<JointName>(key).name.reset();
-      else if (const std::string* name = read_text(at, "the name of a joint, or null: none"))
+      else if (const std::string* name = read_text(at, "the name of a joint, or null"))
         member<JointName>(key).name = *name;
       return;
     case Form::comparison:
@@ -272,7 +272,7 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
     case Form::object: return read_described(at, key.table(), reading_, key.make(object_));
     case Form::list: return read_list(key, at);
     case Form::map: return read_map(key, at);
-    default: return;  // read under their own keys
+    default: return;  // read by read_key()
   }
 }
 
@@ -286,7 +286,7 @@ void ObjectReader::read_names(const DocumentKey& key, const JsonCursor& at) {
   if (list->size() < key.least) at.expected(fmt::format("at least one {}", key.expects.substr(4)));
 }
 
-/// Outlines that are taken as they stand.
+/// Reads outlines without checking them for crossings.
 void ObjectReader::read_contours(const DocumentKey& key, const JsonCursor& at) {
   const JsonNode::List* list = worldio::read_list(at);
   if (!list) return;

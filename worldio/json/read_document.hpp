@@ -7,22 +7,22 @@
 
 namespace troupe::worldio {
 
-/// What a document is read with.
+/// Context of reading a document.
 struct DocumentReading {
   const engine::Registry& registry;
   double most_bodies;  ///< LoadOptions::most_bodies
 };
 
-/// Reads a described struct: what is wrong is reported, all of it, at its line; such values are as if they
-/// were not there. object: one with its defaults, of the table's struct
+/// Reads a described struct. Reports all errors, each at its line; wrong values count as absent. `object` is
+/// a default-constructed struct of the table's type.
 void read_described(const JsonCursor& at, const DocumentTable& table, const DocumentReading& reading,
                     void* object);
 
-/// The same of a struct whose keys stand among others of an object.
+/// Like read_described(), for a struct whose keys are among other keys of an object.
 void read_described_keys(JsonObject& keys, const DocumentTable& table, const DocumentReading& reading,
                          void* object);
 
-/// The same as read_described().
+/// Reads a struct of type T with read_described().
 template <class T>
 T read_document(const JsonCursor& at, const DocumentReading& reading) {
   T object;

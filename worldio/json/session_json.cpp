@@ -26,7 +26,7 @@ std::string line_of(const Json& json) {
   try {
     return json.dump();
   } catch (const Json::type_error&) {
-    throw std::invalid_argument("a name that is no UTF-8 cannot be logged");
+    throw std::invalid_argument("a name that is not UTF-8 cannot be written to a session");
   }
 }
 
@@ -44,7 +44,7 @@ std::uint64_t read_count(JsonObject& object, std::string_view key, std::string_v
   if (!node) return 0;
   const auto* x = std::get_if<std::int64_t>(&node->value);
   if (x && *x >= 0) return static_cast<std::uint64_t>(*x);
-  JsonCursor(object.at(), key, *node).expected("a whole number from 0 on");
+  JsonCursor(object.at(), key, *node).expected("a whole number, at least 0");
   return 0;
 }
 
@@ -75,7 +75,7 @@ void read_pose(JsonObject& object, Act& act) {
 
 void read_values(JsonObject& object, Act& act) {
   constexpr std::string_view k_expected =
-      "an object: fields of the command with a number, or a list of numbers, each";
+      "an object: each field of the command with a number or a list of numbers";
   const JsonNode* node = object.require("values", k_expected);
   if (!node) return;
   const JsonCursor at(object.at(), "values", *node);
@@ -99,7 +99,7 @@ void read_values(JsonObject& object, Act& act) {
   }
 }
 
-/// The members of an act but for `do`.
+/// Reads the members of an act other than `do`.
 void read_members(JsonObject& object, Act& act) {
   act.whom = act.kind == Kind::add ? read_name(object, "population", "the name of a population")
                                    : read_name(object, "robot", "the name of a body");
@@ -119,7 +119,7 @@ void read_members(JsonObject& object, Act& act) {
   }
 }
 
-/// Nothing, with errors, for what is no act.
+/// Reads the act that `do` names. Empty, with an error, for an unknown act.
 std::optional<Act> act_of(JsonObject& object, std::string_view what) {
   const std::vector<std::string_view> known(engine::k_acts.begin(), engine::k_acts.end());
   const auto kind = std::ranges::find(known, what);
@@ -132,20 +132,20 @@ std::optional<Act> act_of(JsonObject& object, std::string_view what) {
   return act;
 }
 
-std::string read_do(JsonObject& object) { return read_name(object, "do", "what is done"); }
+std::string read_do(JsonObject& object) { return read_name(object, "do", "the name of an act"); }
 
 SessionHeader read_header(JsonObject& object) {
   SessionHeader header;
   if (const std::uint64_t format = read_count(object, "troupe_session", "the version of the format");
       format != k_session_format && object.is_object())
-    object.at().error(fmt::format("version {} of the format of sessions is unknown: this program reads {}",
+    object.at().error(fmt::format("unknown version {} of the session format: this program reads version {}",
                                   format, k_session_format));
   header.version = read_name(object, "version", "the version of the program that wrote it");
-  header.tick = read_count(object, "tick", "the tick at which it began");
-  header.hash = read_name(object, "hash", "the hash of the state with which it began");
+  header.tick = read_count(object, "tick", "the tick at which the session began");
+  header.hash = read_name(object, "hash", "the hash of the state at that tick");
   if (const JsonNode* node = object.require("options", "the options of the run")) {
     const JsonCursor at(object.at(), "options", *node);
-    if (!node->object()) at.expected("an object of texts");
+    if (!node->object()) at.expected("an object of texts by name");
     for (const JsonMember& member : node->object() ? *node->object() : JsonNode::Object())
       if (const std::string* text = member.node.text())
         header.options.emplace_back(member.key, *text);
@@ -156,10 +156,10 @@ SessionHeader read_header(JsonObject& object) {
   return header;
 }
 
-/// Reads one act, or the end, into the session.
+/// Adds the act of a line, or the end, to the session.
 void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.findings().size();
-  LoggedAct logged{.tick = read_count(object, "tick", "the tick that had ended"),
+  LoggedAct logged{.tick = read_count(object, "tick", "the tick at whose end it was done"),
                    .n = read_count(object, "n", "the number of the act, from 1"),
                    .act = {},
                    .where = object.at().where()};
@@ -169,11 +169,12 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
   if (diagnostics.findings().size() > before) return;
   const std::uint64_t last = session.acts.empty() ? session.header.tick : session.acts.back().tick;
   if (session.end)
-    object.at().error("the session has ended in the line before");
+    object.at().error("the session has ended on an earlier line");
   else if (logged.tick < last)
-    object.at().error(fmt::format("tick {} comes before tick {} of the line before", logged.tick, last));
+    object.at().error(fmt::format("tick {} is before tick {} of an earlier line", logged.tick, last));
   else if (logged.n != session.acts.size() + 1)
-    object.at().error(fmt::format("act {} follows act {}", logged.n, session.acts.size()));
+    object.at().error(
+        fmt::format("act {} follows act {}: acts are numbered 1, 2, ...", logged.n, session.acts.size()));
   else if (what == k_end)
     session.end = logged.tick;
   else if (act) {
@@ -238,7 +239,7 @@ Session load_session(const std::filesystem::path& file) {
     const std::size_t end = text->find('\n', begin);
     if (end == text->npos) {
       if (where.line > 1) {
-        session.warnings.push_back(fmt::format("{}:{}: warning: the last line was cut off, and is left out",
+        session.warnings.push_back(fmt::format("{}:{}: warning: the last line is incomplete and is skipped",
                                                file.string(), where.line));
         break;
       }
@@ -256,7 +257,7 @@ Session load_session(const std::filesystem::path& file) {
     }
     if (where.line == 1) diagnostics.throw_if_errors();
   }
-  if (where.line == 0) diagnostics.error(where, "is empty: a session begins with a header");
+  if (where.line == 0) diagnostics.error(where, "is empty: a session begins with a header line");
   diagnostics.throw_if_errors();
   return session;
 }

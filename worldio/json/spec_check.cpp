@@ -20,7 +20,7 @@ using engine::MemberType;
 using engine::Record;
 using engine::Value;
 
-/// The variant's alternative that a value of a field has.
+/// The index of the std::variant alternative of values of this type.
 std::size_t alternative_of(FieldType type) {
   switch (type) {
     case FieldType::boolean: return Value(true).v.index();
@@ -83,7 +83,7 @@ class SpecCheck {
   Diagnostics& diagnostics_;
 };
 
-/// where: of what the struct is in, for one that has no place of its own.
+/// `where`: place of the enclosing struct, for a struct without a place.
 void SpecCheck::object(const FieldTable& table, const void* object, Where where, const SpecPath* path) {
   for (const Field& field : table.fields)
     if (field.name == "where") where = *static_cast<const Where*>(member_of(field, object));
@@ -131,7 +131,7 @@ void SpecCheck::structure(const Field& field, const void* block, Where where, co
     object(*field.record, block, where, &path);
 }
 
-/// Of a struct of numbers alone: within the limits of the member that it is.
+/// Checks a struct of numbers against the limits of the member that holds it.
 void SpecCheck::numbers(const Field& limits, const FieldTable& table, const void* object, Where where,
                         const SpecPath& path) {
   for (const Field& field : table.fields) {
@@ -151,7 +151,7 @@ void SpecCheck::value(const Field& field, const Value& value, Where where, const
   if (const auto* x = std::get_if<double>(&value.v)) return check(*x);
   if (const auto* list = std::get_if<std::vector<double>>(&value.v)) {
     const auto is_beyond = [&](double x) { return !is_within(field, x); };
-    const auto found = std::ranges::find_if(*list, is_beyond);  // one of them is enough
+    const auto found = std::ranges::find_if(*list, is_beyond);  // one error is enough
     if (found != list->end()) beyond(field, *found, where, path);
     return;
   }
@@ -166,22 +166,22 @@ void SpecCheck::beyond(const Field& field, double x, Where where, const SpecPath
   error(where, path, fmt::format("must be {}, found {:.10g}", limits.empty() ? "finite" : limits, x));
 }
 
-/// is_partial: what is not given stays as it is.
+/// is_partial: values that are not given stay unchanged, so that required ones may be missing.
 void SpecCheck::record(const FieldTable& table, const Record& record, bool is_partial, Where where,
                        const SpecPath& path) {
   if (record.size() != table.fields.size())
     return error(where, path,
-                 fmt::format("the kind has {} parameters; here are {}", table.fields.size(), record.size()));
+                 fmt::format("expected {} parameters, found {}", table.fields.size(), record.size()));
   for (std::size_t i = 0; i < record.size(); ++i) {
     const Field& field = table.fields[i];
     const SpecPath at{&path, field.name};
     if (!record[i].given()) {
-      if (!is_partial && field.required()) error(where, at, fmt::format("is missing: {}", field.text));
+      if (!is_partial && field.required()) error(where, at, fmt::format("missing: {}", field.text));
       continue;
     }
-    if (record[i] == field.fallback) continue;  // which may be beyond the limits, to mean that there is none
+    if (record[i] == field.fallback) continue;  // a default may exceed the limits, to mean "none"
     if (record[i].v.index() != alternative_of(field.type)) {
-      error(where, at, "is not of the type of the parameter");
+      error(where, at, "has the wrong type");
     } else if (field.type == FieldType::record || field.type == FieldType::records) {
       const std::vector<Record>& blocks = record[i].records();
       for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -189,14 +189,15 @@ void SpecCheck::record(const FieldTable& table, const Record& record, bool is_pa
         this->record(*field.record, blocks[b], false, where, block);
       }
     } else if (field.columns > 0 && record[i].numbers().size() != field.columns) {
-      error(where, at, fmt::format("has {} numbers; here are {}", field.columns, record[i].numbers().size()));
+      error(where, at,
+            fmt::format("expected {} numbers, found {}", field.columns, record[i].numbers().size()));
     } else {
       value(field, record[i], where, at);
     }
   }
 }
 
-/// New parameters of a type, which exists: the rules hold.
+/// Checks the new parameters of types. The types exist: check_rules() found no error.
 void SpecCheck::settings() {
   for (std::size_t i = 0; i < spec_.experiment.at.size(); ++i) {
     const engine::InterventionSpec& at = spec_.experiment.at[i];

@@ -20,11 +20,11 @@ using engine::MemberType;
 using engine::Value;
 using engine::WorldSpec;
 
-/// Hands the compared members of one struct, or of two side by side, to `Found`, by their tables:
-///   bool size(sizes, path)    of each list and of each block that may be missing
-///   bool value(values, path)  of everything else
-///   bool place(wheres, path)  of each place in a file
-/// False ends the walk.
+/// Walks the compared members of one struct, or of two in parallel, by their tables, and calls `Found`:
+///   bool size(sizes, path)    for each list and each block that may be missing
+///   bool value(values, path)  for all other values
+///   bool place(wheres, path)  for each place in a file
+/// A call that returns false ends the walk.
 template <std::size_t N, class Found>
 class Walk {
  public:
@@ -38,7 +38,7 @@ class Walk {
   }
 
   bool member(const Field& field, const Objects& objects, const SpecPath* path) const {
-    if (field.member == nullptr) return true;  // compared by code of its own
+    if (field.member == nullptr) return true;  // compared by spec_difference() itself
     const SpecPath at{path, field.name, 0};
     const Objects members = of_each(objects, [&](const void* object) { return member_of(field, object); });
     if (field.record == &engine::place_fields())
@@ -114,7 +114,7 @@ class FirstDifference {
   std::string text_;
 };
 
-/// Writes everything into one text.
+/// Appends all values to one byte string.
 class Bytes {
  public:
   bool size(const std::array<std::size_t, 1>& sizes, const SpecPath&) { return add(sizes[0]); }
@@ -148,7 +148,7 @@ class Bytes {
   std::string bytes_;
 };
 
-/// Bodies, and their other names, by the texts of these.
+/// Compares bodies, or their other names, with names as texts.
 template <class List>
 bool compare_named(const FieldTable& table, const std::array<const WorldSpec*, 2>& specs, List list,
                    std::string_view what, FirstDifference& found) {

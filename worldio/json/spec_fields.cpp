@@ -71,7 +71,7 @@ Result<const FieldTable*> parameters_of(const FieldTable& table, const void* obj
     if (!found) return found.error();
     return &(*found)->params;
   }
-  const auto found = registry.find_device(kind, unknown_kind("sensor", kind, registry.devices));
+  const auto found = registry.find_device(kind, unknown_kind("device", kind, registry.devices));
   if (!found) return found.error();
   return &(*found)->params;
 }

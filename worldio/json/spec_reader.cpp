@@ -32,7 +32,7 @@ std::vector<std::string_view> tokens_of(std::string_view pointer) {
   return tokens;
 }
 
-/// Whether a pointer is one of k_changeable.
+/// Whether a pointer is in k_changeable.
 bool is_changeable(std::string_view pointer) {
   const std::vector<std::string_view> tokens = tokens_of(pointer);
   const auto token = [&tokens](std::size_t i) { return i < tokens.size() ? tokens[i] : std::string_view(); };
@@ -49,8 +49,8 @@ bool is_changeable(std::string_view pointer) {
   return token(at) == "period_s" || (token(at) == "active" && !is_drive);
 }
 
-/// A text as spec_to_json() writes it; the characters of a "latin1" are the bytes. Nothing where it is no
-/// such text.
+/// Reads a text as spec_to_json() writes it; the characters of {"latin1": ...} are bytes. Empty if it is
+/// wrong.
 std::optional<std::string> text_of(const JsonNode& node) {
   if (const std::string* text = node.text()) return *text;
   const JsonNode* latin1 = node.find("latin1");
@@ -69,7 +69,7 @@ std::optional<std::string> text_of(const JsonNode& node) {
   return bytes;
 }
 
-/// The texts of a list, each as spec_to_json() writes it.
+/// Reads a list of texts, each as spec_to_json() writes it.
 std::vector<std::string> texts_of(const JsonCursor& at, std::string_view what) {
   std::vector<std::string> texts;
   const JsonNode::List* list = read_list(at);
@@ -82,16 +82,16 @@ std::vector<std::string> texts_of(const JsonCursor& at, std::string_view what) {
   return texts;
 }
 
-/// So many numbers, within the limits of a field.
+/// A field of `columns` numbers within the limits of `field`.
 Field numbers_like(const Field& field, std::size_t columns) {
   return {
       .name = field.name, .type = FieldType::numbers, .min = field.min, .max = field.max, .columns = columns};
 }
 
-/// The value of a member that is no block and no list of points; not given, and reported, where it is wrong.
+/// Reads a member that is neither a block nor a list of points. Not given, with an error, if it is wrong.
 Value scalar(const JsonCursor& at, const Field& field) {
   if (field.type == FieldType::texts) return texts_of(at, "a text");
-  if (field.type == FieldType::color) return read_value(at, numbers_like(field, 4));  // never by a name
+  if (field.type == FieldType::color) return read_value(at, numbers_like(field, 4));  // names are not used
   if (field.type == FieldType::text && field.choices.empty()) {
     if (std::optional<std::string> text = text_of(at.node())) return *std::move(text);
     at.expected("a text");
@@ -106,7 +106,7 @@ Value scalar(const JsonCursor& at, const Field& field) {
   return {};
 }
 
-/// Sets the numbers of a struct that consists of numbers alone; the rest of the list is left.
+/// Sets a struct that consists only of numbers from the front of `numbers`, and removes these from it.
 void set_numbers(const FieldTable& table, void* object, std::span<const double>& numbers) {
   for (const Field& field : table.fields) {
     if (field.type == FieldType::record) {
@@ -136,7 +136,7 @@ struct NamedPart {
   }
 };
 
-/// Reads what spec_writer.cpp writes. What is wrong is reported; what is read then is harmless and of no use.
+/// Reads what spec_writer.cpp writes. Reports errors; the spec is then well-formed but meaningless.
 class SpecReader {
  public:
   SpecReader(const engine::Registry& registry, Where file, Diagnostics& diagnostics)
@@ -160,7 +160,7 @@ class SpecReader {
   void read_words(const JsonCursor& at);
   void read_part_names(const JsonCursor& at);
 
-  /// A Where of the stored world in the files of this load.
+  /// Converts a Where of the stored world to the file numbers of this load.
   Where here(std::uint32_t file, std::uint32_t line) const {
     return {file < files_.size() ? files_[file] : Where::k_no_file, line};
   }
@@ -170,12 +170,12 @@ class SpecReader {
   Where file_;
   Diagnostics& diagnostics_;
   engine::WorldSpec spec_;
-  std::vector<std::uint32_t> files_;  // of the stored world, as this load numbers them
+  std::vector<std::uint32_t> files_;  // number in this load of each file of the stored world
 };
 
-constexpr std::string_view k_always = "every stored world has it";
+constexpr std::string_view k_always = "required in a stored world";
 
-/// Whether a stored world may lack the member: it then keeps its default.
+/// Whether a stored world may omit the member, which then keeps its default.
 bool may_be_missing(const Field& field) {
   const bool is_block = field.type == FieldType::record && field.record != nullptr;
   return field.sparse || field.optional || (is_block && !is_listed(*field.record));
@@ -237,7 +237,7 @@ void SpecReader::read_struct(const JsonCursor& at, const Field& field, const Fie
   read_object(at, table, object);
 }
 
-/// The numbers of a struct that consists of numbers alone, within the limits of the member.
+/// Reads a struct that consists only of numbers, within the limits of the member.
 void SpecReader::read_numbers(const JsonCursor& at, const Field& field, const FieldTable& table,
                               void* object) {
   const Value value = read_value(at, numbers_like(field, numbers_in(table)));
@@ -318,11 +318,12 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
       c.color.size() != 4 * count || (!c.fiducial.empty() && c.fiducial.size() != count) ||
       c.file.size() != count || c.line.size() != count || c.alias_word.size() != aliases ||
       c.alias_number.size() != aliases)
-    return error("the columns of the bodies have not all the same length");
-  if (count == 0) return error("there is no body: the first of every world is the ground");
+    return error("the columns of the bodies differ in length");
+  if (count == 0) return error("there are no bodies: the first body of every world is the ground");
   const FieldTable& table = engine::body_fields();
   const Field& pose = table.fields[static_cast<std::size_t>(table.find("pose"))];
-  // By its two limits, which are finite: a check of everything else costs a fifth of a large world's time.
+  // Compared with the two limits only: they are finite, so NaN and infinity fail too. Checking everything
+  // else would take a fifth of the time of a large world.
   const auto beyond = std::ranges::find_if(
       c.pose, [low = pose.min, high = pose.max](double x) { return !(low <= x && x <= high); });
   if (beyond != c.pose.end())
@@ -353,9 +354,8 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
     if (is_changeable(pointer))
       set_json_value(*document, pointer, value, diagnostics);
     else
-      diagnostics.error(
-          {diagnostics.files()->add("--set " + pointer), 0},
-          fmt::format("a world that is under way keeps this; what can change: {}", k_changeable));
+      diagnostics.error({diagnostics.files()->add("--set " + pointer), 0},
+                        fmt::format("cannot be changed in a stored world; allowed are: {}", k_changeable));
   }
   if (diagnostics.has_errors()) return {};
   SpecReader reader(registry, where, diagnostics);

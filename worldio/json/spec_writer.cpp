@@ -27,8 +27,8 @@ double finite(double x) {
   return x;
 }
 
-/// Texts of Stage's files may be in any encoding. What is no UTF-8 is written as {"latin1": ...}, a character
-/// for each byte.
+/// Stage files may be in any encoding: text that is not UTF-8 is written as {"latin1": ...}, one character
+/// per byte.
 Json text_json(const std::string& text) {
   Json json = text;
   try {
@@ -51,8 +51,7 @@ Json text_json(const std::string& text) {
   return other;
 }
 
-/// Whether a field takes the value where it is given: a default may stand outside of the limits, to
-/// mean that nothing was given.
+/// Whether the reader accepts the value. A default may be outside the limits, to mean "not given".
 bool takes(const Field& field, const Value& value) {
   switch (field.type) {
     case FieldType::integer: return is_within(field, static_cast<double>(value.integer()));
@@ -108,7 +107,7 @@ Json params_json(const Record& record, const FieldTable& table) {
   return json;
 }
 
-/// Appends the numbers of a struct that consists of numbers alone.
+/// Appends the numbers of a struct that consists only of numbers.
 void list_numbers(const FieldTable& table, const void* object, Json& list) {
   for (const Field& field : table.fields) {
     if (field.type == FieldType::record) {
@@ -152,7 +151,7 @@ class SpecWriter {
   const engine::Registry& registry_;
 };
 
-/// Nothing for a member that is left out: it has no value, or may be missing at its default.
+/// Empty for an omitted member: one without a value, or a sparse one at its default.
 std::optional<Json> SpecWriter::member_json(const Field& field, const FieldTable& table,
                                             const void* object) const {
   const engine::MemberType& type = *field.member;
@@ -217,7 +216,7 @@ void SpecWriter::write_apart(std::string_view name, Json& json) const {
     write_part_names(json);
   } else if (name == "experiment") {
     write_experiment(json);
-  }  // bodies and their other names are columns
+  }  // bodies and aliases are BodyColumns
 }
 
 void SpecWriter::write_part_names(Json& json) const {
@@ -230,7 +229,7 @@ void SpecWriter::write_part_names(Json& json) const {
   }
 }
 
-/// As JSON worlds say it, except that types are named by their numbers.
+/// In the format of JSON worlds, but with types named by their numbers.
 void SpecWriter::write_experiment(Json& json) const {
   if (spec_.experiment.empty()) return;
   JsonNode::Object object;
@@ -283,7 +282,7 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
   try {
     return json.dump();
   } catch (const Json::type_error&) {
-    throw std::runtime_error("a parameter of the world holds a text that is no UTF-8");
+    throw std::runtime_error("a parameter of the world holds a text that is not UTF-8");
   }
 }
 

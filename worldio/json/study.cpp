@@ -68,7 +68,7 @@ struct SeedRange {
   }
 };
 
-/// What an object says; empty, with errors, where it does not say all of it.
+/// Reads a described struct. Empty, with errors, if the object lacks a field.
 template <class T>
 std::optional<T> read_all(JsonObject& object) {
   const engine::Record record = read_fields(object, engine::described<T>());
@@ -76,7 +76,7 @@ std::optional<T> read_all(JsonObject& object) {
   return engine::from_record<T>(record);
 }
 
-/// The text of a value as --set reads it back.
+/// The text of a value, as --set reads it.
 std::string text_of(const JsonNode& node) {
   std::string text = json_text(node);
   while (text.ends_with('\n')) text.pop_back();
@@ -88,7 +88,7 @@ std::string text_of(double value) { return text_of(json_node(value)); }
 using Choice = Study::Choice;
 using Kind = Choice::Kind;
 
-/// Value `i` of a list or of steps.
+/// The i-th value of a list or of steps.
 std::string value_of(const Choice& choice, std::size_t i) {
   if (choice.kind == Kind::listed) return choice.values[i];
   if (i + 1 == choice.steps) return text_of(choice.high);
@@ -121,9 +121,9 @@ class StudyReader {
     JsonObject object(root);
     read_version(object);
     if (const JsonNode* node = object.find("$schema"))
-      read_text(JsonCursor(root, "$schema", *node), "where the schema of this file is");
-    if (const JsonNode* node = object.require("world", "the world's file, relative to this one"))
-      if (const std::string* world = read_text(JsonCursor(root, "world", *node), "the world's file"))
+      read_text(JsonCursor(root, "$schema", *node), "the path of the JSON Schema");
+    if (const JsonNode* node = object.require("world", "the path of a world file, relative to this file"))
+      if (const std::string* world = read_text(JsonCursor(root, "world", *node), "the path of a world file"))
         study_.world = file_.parent_path() / *world;
     if (const Value end = read_field(object, k_for); end.given()) study_.for_s = end.number();
     each(object, "parameters", [&](const JsonCursor& at) { read_parameter(at); });
@@ -187,7 +187,7 @@ void StudyReader::read_parameter(const JsonCursor& at) {
   parameter.name = parameter.pointer.empty() ? "" : parameter.pointer.substr(1);
   std::ranges::replace(parameter.name, '/', '.');
   if (const JsonNode* node = object.find("name"))
-    if (const std::string* name = read_text(JsonCursor(at, "name", *node), "the name of its column"))
+    if (const std::string* name = read_text(JsonCursor(at, "name", *node), "the name of the column"))
       parameter.name = *name;
   constexpr std::array<std::string_view, 7> k_taken{"run",        "seed",       "ticks", "time_s",
                                                     "stopped_by", "state_hash", "error"};
@@ -195,7 +195,8 @@ void StudyReader::read_parameter(const JsonCursor& at) {
   if (!parameter.name.empty() &&
       (std::ranges::find(before, parameter.name, &Study::Parameter::name) != before.end() ||
        std::ranges::find(k_taken, parameter.name) != k_taken.end()))
-    at.error(fmt::format("another column is called \"{}\": give it a \"name\" of its own", parameter.name));
+    at.error(fmt::format("there is another column \"{}\": give the parameter a different \"name\"",
+                         parameter.name));
   study_.choices.push_back(read_choice(object));
   object.finish();
   study_.parameters.push_back(std::move(parameter));
@@ -227,7 +228,7 @@ Choice StudyReader::read_list_of_values(const JsonCursor& at) {
   Choice choice;
   const JsonNode::List* list = read_list(at);
   if (list && (list->empty() || list->size() > k_most_runs))
-    at.error(fmt::format("needs 1 to {} values", k_most_runs));
+    at.error(fmt::format("expected 1 to {} values", k_most_runs));
   else if (list)
     for (const JsonNode& value : *list) choice.values.push_back(text_of(value));
   return choice;
@@ -247,7 +248,7 @@ Choice StudyReader::read_steps(JsonObject& object) {
 }
 
 Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
-  constexpr double k_most = 2147483647;  // between two integers
+  constexpr double k_most = 2147483647;  // maximum difference of the integers
   Choice choice{.kind = kind};
   const Value limits = read_value(at, {.name = "interval", .type = FieldType::numbers, .columns = 2});
   if (!limits.given()) return choice;
@@ -300,8 +301,7 @@ void StudyReader::read_measures(JsonObject& object) {
     if (!name.given()) return;
     const auto statistic =
         static_cast<Statistic>(std::ranges::find(k_statistics, name.text()) - k_statistics.begin());
-    if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end())
-      at.error("stands there twice");
+    if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end()) at.error("given twice");
     study_.statistics.push_back(statistic);
   });
   if (study_.statistics.empty()) study_.statistics.push_back(Statistic::last);
@@ -314,12 +314,12 @@ void StudyReader::check_runs(const JsonCursor& at) {
   if (study_.samples) count *= static_cast<double>(*study_.samples);
   for (std::size_t p = 0; !study_.samples && p < study_.choices.size(); ++p) {
     if (study_.choices[p].count() == 0)
-      return at.error(fmt::format("\"{}\" is drawn at random: say how often, \"samples\": 100",
+      return at.error(fmt::format("\"{}\" is random: give the number of samples, as in \"samples\": 100",
                                   study_.parameters[p].name));
     count *= static_cast<double>(study_.choices[p].count());
   }
   if (count > static_cast<double>(k_most_runs))
-    at.error(fmt::format("these are {:.4g} runs; at most {} are allowed", count, k_most_runs));
+    at.error(fmt::format("the study has {:.4g} runs; at most {} are allowed", count, k_most_runs));
 }
 
 }  // namespace
@@ -344,7 +344,7 @@ Study::Run Study::run(std::size_t index) const {
   run.values.resize(choices.size());
   for (std::size_t p = choices.size(); p-- > 0;) {
     if (samples) {
-      // Each parameter has draws of its own, so that another one beside it changes none of them.
+      // An independent stream per parameter: adding another parameter changes no value of this one.
       Random random(random_seed, stream_id("study", parameters[p].pointer), static_cast<std::uint32_t>(index),
                     0);
       run.values[p] = drawn(choices[p], random);

@@ -14,64 +14,63 @@
 
 namespace troupe::worldio {
 
-/// What a column of a study's table says of a measure over the ticks at which it was looked at.
+/// How a column of a study's table summarises the values of a measure in a run.
 enum class Statistic : std::uint8_t { last, mean, min, max };
 std::string_view statistic_name(Statistic statistic);
 
-/// One world, run many times with other values: what `troupe sweep` reads (docs/sweeps.md), expanded.
+/// A study, as `troupe sweep` reads it (docs/sweeps.md), expanded: one world that is run many times with
+/// different values.
 struct Study {
   /// A value of the world that differs from run to run.
   struct Parameter {
-    std::string name;     ///< of its column
-    std::string pointer;  ///< JSON pointer into the world, as --set takes it
+    std::string name;     ///< name of its column
+    std::string pointer;  ///< JSON pointer into the world, as in --set
   };
   struct Run {
-    std::vector<std::string> values;  ///< JSON texts, one a parameter
+    std::vector<std::string> values;  ///< JSON texts, one per parameter
     std::optional<std::uint64_t> seed;
   };
 
-  std::filesystem::path world;  ///< as found from the study's file
-  std::optional<double>
-      for_s;  ///< world time at which each run ends, if not before; not given: where the world says
+  std::filesystem::path world;  ///< resolved relative to the study's file
+  std::optional<double> for_s;  ///< world time at which each run ends at the latest; empty: the world's own
   std::vector<Parameter> parameters;
-  std::vector<std::string> measures;  ///< as troupe::Measures takes them; none given: the world's
+  std::vector<std::string> measures;  ///< as troupe::Measures takes them; empty: the world's
   std::vector<Statistic> statistics;
-  double measure_every_s = 1;  ///< world time between two looks; 0: every tick
-  bool series = false;         ///< every look is kept, in a table of its own
+  double measure_every_s = 1;  ///< world time between measurements; 0: every tick
+  bool series = false;         ///< all measurements are stored, in a separate table
 
-  /// The values that a parameter takes: a list, an interval cut into steps, or one from which samples are
-  /// drawn.
+  /// The values that a parameter takes: a list, equal steps of an interval, or random samples from one.
   struct Choice {
     std::vector<std::string> values;  ///< listed: JSON texts
-    double low = 0;                   ///< of an interval
+    double low = 0;                   ///< ends of the interval
     double high = 0;
-    std::size_t steps = 0;  ///< how many values there are in steps
+    std::size_t steps = 0;  ///< steps: how many values
     enum class Kind : std::uint8_t { listed, steps, uniform, log_uniform, integers } kind = Kind::listed;
 
-    std::size_t count() const { return kind == Kind::steps ? steps : values.size(); }  ///< 0: it is drawn
+    std::size_t count() const { return kind == Kind::steps ? steps : values.size(); }  ///< 0: random
   };
-  std::vector<Choice> choices;         ///< one a parameter
-  std::vector<std::uint64_t> seeds;    ///< empty: the world's
-  std::optional<std::size_t> samples;  ///< not given: all combinations
-  std::uint64_t random_seed = 1;       ///< of the samples
+  std::vector<Choice> choices;         ///< one per parameter
+  std::vector<std::uint64_t> seeds;    ///< empty: the world's seed
+  std::optional<std::size_t> samples;  ///< empty: all combinations of the values
+  std::uint64_t random_seed = 1;       ///< seed of the samples
 
-  /// At most k_most_runs. Runs are not kept but made on demand: a file of some kilobytes can ask for a
-  /// million runs of hundreds of parameters.
+  /// At most k_most_runs.
   std::size_t run_count() const;
-  /// Of a grid the combinations, the first parameter slowest and the seeds fastest; else the samples, each
-  /// with every seed. `index` is below run_count().
+  /// The run `index`, below run_count(): of all combinations, with the first parameter varying slowest and
+  /// the seed fastest, or of the samples, each with every seed. Runs are made on demand because a file of
+  /// some kilobytes can define a million runs of hundreds of parameters.
   Run run(std::size_t index) const;
-  /// What --set takes in a run.
+  /// The pointers and values for --set in a run.
   std::vector<std::pair<std::string, std::string>> settings(const Run& run) const;
 };
 
 inline constexpr std::size_t k_most_runs = 1000000;
 
-/// Reads a study. Everything that is wrong is collected in `diagnostics`; the result is meaningless when it
-/// has errors. Whether the world can be loaded is not looked at.
+/// Reads a study. Collects all errors in `diagnostics`; do not use the result if there are any. Does not load
+/// the world.
 Study load_study(const std::filesystem::path& file, const engine::Registry& registry,
                  Diagnostics& diagnostics);
-/// The same of a text, as if it stood in `file`.
+/// Like load_study(), from the content of `file`.
 Study load_study_text(const std::filesystem::path& file, std::string_view text,
                       const engine::Registry& registry, Diagnostics& diagnostics);
 

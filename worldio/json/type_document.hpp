@@ -12,17 +12,17 @@
 
 namespace troupe::worldio {
 
-/// The type that a document describes under `key`. What is wrong is reported; the result is then meaningless.
+/// The type that a document describes under `key`. Do not use the result if errors are reported.
 engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
                              const engine::Registry& registry, ImageFolder& images);
 
-/// The document that describes this type under `key`: only what expand_type() does not take for granted.
-/// `folder` as for contract_shape(). Throws std::runtime_error for kinds that are not registered.
+/// The document that describes this type under `key`, without the values that expand_type() assumes. `folder`
+/// as for contract_shape(). Throws std::runtime_error for kinds that are not registered.
 TypeDocument contract_type(const engine::TypeSpec& type, const std::string& key,
                            const std::optional<Color>& color, const engine::Registry& registry,
                            const std::filesystem::path* folder);
 
-/// Whether a part that is this device moves with it: an actuator does, a gripper's base does not.
+/// Whether a part that is itself this device moves with it: an actuator does, the base of a gripper does not.
 inline bool moves_itself(const engine::DeviceKind& kind) { return !kind.joints.empty() && !kind.body; }
 
 }  // namespace troupe::worldio

@@ -14,8 +14,8 @@
 #include <charconv>
 #include <cmath>
 
-/// What a world in JSON says is described here, and nowhere else: its keys, their units, limits and meanings,
-/// and what goes together. Limits are those for authors of worlds.
+/// The only description of the JSON world format: keys, units, limits, meanings, and which keys go together.
+/// Limits apply to worlds that people write; engine/spec_description.cpp has those of specs.
 namespace troupe::worldio {
 namespace {
 
@@ -28,11 +28,11 @@ using How = DocumentRule::How;
 constexpr Unit meters = Unit::meters;
 constexpr Unit seconds = Unit::seconds;
 
-constexpr double k_most_s = 1e9;          // of times and periods of a world
-constexpr double k_most_period_s = 1e6;   // of what robots carry
+constexpr double k_most_s = 1e9;          // times and intervals of a world
+constexpr double k_most_period_s = 1e6;   // periods of devices, drives and controllers
 constexpr double k_most_chosen = 1e9;     // bodies of a group
-constexpr double k_most_return = 1e6;     // of rangers
-constexpr double k_least_step_m = 0.001;  // between bodies, and of the floor that is looked at
+constexpr double k_most_return = 1e6;     // absolute value of ranger_return
+constexpr double k_least_step_m = 0.001;  // distance between bodies, cell size of free_floor
 constexpr std::array<std::string_view, 2> k_checks{"error", "warn"};
 constexpr std::array<std::string_view, 5> k_rules{"grid", "uniform", "gaussian", "poisson_disc",
                                                   "free_floor"};
@@ -86,11 +86,11 @@ Result<DocumentKind> find_device(const Registry& registry, const std::string& na
   if (!kind) return kind.error();
   if (is_listed<k_list>(**kind)) return of_device(**kind);
   return Error{fmt::format("\"{}\" {}", name,
-                           (*kind)->is_sensor() ? "only looks: it belongs under \"sensors\""
-                                                : "does something: it belongs under \"devices\"")};
+                           (*kind)->is_sensor() ? "is a sensor: it belongs in \"sensors\""
+                                                : "is not a sensor: it belongs in \"devices\"")};
 }
 
-/// What models of the kind of the part are.
+/// The device that models of the part's kind are, if any.
 std::optional<DocumentKind> implied_device(const Registry& registry, const JsonNode& part) {
   const JsonNode* named = part.find("kind");
   const std::string* name = named ? named->text() : nullptr;
@@ -188,7 +188,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// `>= 0.9`; nothing where it is none.
+/// Parses `>= 0.9`. Empty if the text is not a comparison.
 std::optional<ComparisonDocument> comparison_of(std::string_view text) {
   std::optional<std::size_t> longest;
   for (std::size_t i = 0; i < engine::k_comparisons.size(); ++i)
@@ -231,13 +231,13 @@ void read_measure_text(const JsonCursor& at, const std::string& text, const Regi
     measure.of = text.substr(colon + 1);
     if (measure.of.empty())
       return at.error(
-          fmt::format("\"{}\": the name of a type, a population or a robot stands behind the colon", text));
+          fmt::format("\"{}\": expected the name of a type, a population or a robot after the colon", text));
   }
   const auto kind = k_measures.find(registry, measure.kind);
   if (!kind) return at.error(kind.error().text);
   measure.params = kind->params->defaults();
   if (!has_defaults(*kind->params))
-    at.error(fmt::format("\"{}\" has parameters that must be given: {{\"kind\": \"{}\", ...}}", kind->name,
+    at.error(fmt::format("\"{}\" has required parameters: write {{\"kind\": \"{}\", ...}}", kind->name,
                          kind->name));
 }
 
@@ -264,7 +264,7 @@ const DocumentShorthand k_measure_text{
     .schemas = measure_text_schemas};
 
 constexpr std::string_view k_condition =
-    "a condition on a measure, as \"coverage >= 0.9\": one of <, <=, >, >=, ==, != and a number";
+    "a condition on a measure, as in \"coverage >= 0.9\", with one of <, <=, >, >=, ==, != and a number";
 constexpr std::string_view k_comparison_pattern = "(<|<=|>|>=|==|!=) *[-+0-9.eE]+ *$";
 
 void read_condition_text(const JsonCursor& at, const std::string& text, const Registry& registry,
@@ -311,21 +311,21 @@ const DocumentShorthand k_condition_text{
 template <class T, auto... Path>
 void describe_returns(DocumentKeys<T>& d) {
   using engine::Returns;
-  d.template value<Path..., &Returns::obstacle>("obstacle", "whether it blocks bodies");
+  d.template value<Path..., &Returns::obstacle>("obstacle", "blocks bodies");
   d.template value<Path..., &Returns::ranger>("ranger_return", within(-k_most_return, k_most_return),
-                                              "the intensity that rangers read; below 0, beams pass");
-  d.template value<Path..., &Returns::fiducial>("fiducial_return",
-                                                "what fiducial finders read of it; 0: nothing");
-  d.template value<Path..., &Returns::fiducial_key>("fiducial_key", "finders find what has their key");
-  d.template value<Path..., &Returns::gripper>("gripper_return", "whether grippers can take it");
-  d.template value<Path..., &Returns::blob>("blob_return", "whether blob finders see its colour");
-  d.template value<Path..., &Returns::pushable>("pushable",
-                                                "whether robots push the whole body, rather than stall");
+                                              "intensity that a ranger reads; below 0: beams pass through");
+  d.template value<Path..., &Returns::fiducial>(
+      "fiducial_return", "number that fiducial finders read; 0: they do not find the body");
+  d.template value<Path..., &Returns::fiducial_key>("fiducial_key",
+                                                    "fiducial finders find only bodies with their own key");
+  d.template value<Path..., &Returns::gripper>("gripper_return", "grippers sense the body and can hold it");
+  d.template value<Path..., &Returns::blob>("blob_return", "blob finders see the colour of the body");
+  d.template value<Path..., &Returns::pushable>("pushable", "robots push the whole body instead of stalling");
 }
 
-constexpr std::string_view k_size_text = "x, y and height of a box that stands on the floor";
+constexpr std::string_view k_size_text = "size of a box on the floor: x, y and height";
 
-/// The path of an image; null where the object has none.
+/// The path of an image; null if the object has none.
 const std::string* bitmap_of(const JsonNode& object) {
   const JsonNode* node = object.find("bitmap");
   return node ? node->text() : nullptr;
@@ -344,11 +344,11 @@ bool is_fitted(const JsonNode& object) {
 
 bool has_no_map(const JsonNode& object) { return !has_map(object); }
 
-/// is_plan: the object is nothing but an image.
+/// is_plan: the object is a floor plan, so that a key of images need not depend on `bitmap`.
 template <class T, auto Image>
 void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   constexpr std::string_view k_path =
-      "the path of an image, or of the YAML of a map, relative to the world file";
+      "the path of an image, or of the YAML file of a ROS map, relative to the world file";
   static constexpr std::array<std::string_view, 2> k_margins{"trim", "keep"};
   static constexpr std::array<std::string_view, 2> k_unknown{"free", "solid"};
   d.template other<Image, &ImageDocument::bitmap>(Form::name, "bitmap", text, k_path);
@@ -357,26 +357,27 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   size.hint = "[x, y, height]";
   size.when(has_no_map);
   d.template value<Image, &ImageDocument::height>("height", meters, above(0), at_most(k_max_size_m),
-                                                  "of a map of ROS: of its walls")
+                                                  "ROS map: height of the walls")
       .when(has_map);
   d.template choice<Image, &ImageDocument::unknown>("unknown", k_unknown,
-                                                    "of a map of ROS: what unknown cells are")
+                                                    "ROS map: how unknown cells are treated")
       .when(has_map);
   d.template choice<Image, &ImageDocument::margins>("margins", k_margins,
-                                                    "trim: the solid pixels' box fills the size")
+                                                    "what is scaled to the size; trim: the bounding box of "
+                                                    "the solid pixels, keep: the whole image")
       .when(is_plan ? has_no_map : has_plain_image);
   DocumentKey& boundary = d.template value<Image, &ImageDocument::boundary>(
-      "boundary", "four walls just inside the edges of the box");
+      "boundary", "adds four walls just inside the edges of the box");
   if (!is_plan) boundary.when(has_image);
 }
 
-/// Of an image, and of blocks that are fitted.
+/// Reports a missing size of an image or of fitted blocks.
 void check_size(const ImageDocument& image, bool is_needed, const JsonCursor& at) {
   if (is_needed && at.node().object() && !has_map(at.node()) && !image.size) {
     const DocumentTable& table = document_table<PartDocument>();
     const engine::Field& field = table.find("size")->field;
     for (const engine::UnitSuffix& unit : engine::unit_suffixes(field.unit))
-      if (at.node().find(fmt::format("{}{}", field.name, unit.suffix))) return;  // it is wrong
+      if (at.node().find(fmt::format("{}{}", field.name, unit.suffix))) return;  // wrong, and reported
     if (at.node().find(field.name)) return;
     at.error(fmt::format("missing {}: {}", quoted_keys(field), table.find("size")->hint));
   }
@@ -394,7 +395,7 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
     if (!is_own) key.require();
   };
   const auto joint = [&] {
-    d.template other<&D::joint>(Form::joint, "joint", "what it moves with; null: nothing");
+    d.template other<&D::joint>(Form::joint, "joint", "name of the joint that it moves with; null: none");
   };
   if (is_own) kind();
   d.template other<&D::name>(Form::name, "name", "its name within the type",
@@ -402,16 +403,16 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
                              : word == "sensor" ? "the sensor's name"
                                                 : "the device's name");
   if (!is_own) kind();
-  d.template value<&D::pose>("pose", "in the frame of what it stands on");
+  d.template value<&D::pose>("pose", "pose in the frame of the body, or of the device it is mounted on");
   joint();
-  d.template value<&D::active>("active", "false: runs only when a controller reads it");
+  d.template value<&D::active>("active", "false: runs only while a controller or a program reads it");
   d.template value<&D::period>("period", seconds, within(0, k_most_period_s),
-                               "between two readings; 0: every tick")
+                               "time between two readings; 0: every tick")
       .or_named("update_period");
   d.template other<&D::params>(Form::parameters, "");
   if (is_own) return;
-  d.template other<&D::on>(Form::name, "on", "the device that it stands on, and moves with",
-                           "the name of a device that moves what stands on it");
+  d.template other<&D::on>(Form::name, "on", "device on which it is mounted and with which it moves",
+                           "the name of a device with a joint");
   const std::size_t shown = d.table().keys.size();
   d.template other<&D::color>(Form::color, "color");
   describe_returns<D, &D::returns>(d);
@@ -426,48 +427,51 @@ void describe_group(DocumentKeys<G>& d) {
   d.template other<&G::population>(Form::name, "population", {}, "a name");
   d.template other<&G::type>(Form::name, "type", {}, "a name");
   d.template other<&G::model>(Form::name, "model", {}, "a name");
-  d.template value<&G::count>("count", within(0, k_most_chosen), "so many of them, chosen by the seed");
-  d.template value<&G::share>("share", within(0, 1), "this share of them, chosen by the seed");
-  constexpr std::string_view k_whom = "give one of \"population\", \"type\" and \"model\": whom is it about?";
+  d.template value<&G::count>("count", within(0, k_most_chosen), "number of bodies, selected at random");
+  d.template value<&G::share>("share", within(0, 1), "fraction of the group, selected at random");
+  constexpr std::string_view k_whom = "give one of \"population\", \"type\" and \"model\"";
   d.rule({.how = How::one_of,
           .keys = {"population", "type", "model"},
           .none = std::string(k_whom),
-          .several = fmt::format("{} Here are several", k_whom)});
+          .several = fmt::format("{}, not several", k_whom)});
   d.rule(
       {.how = How::not_both, .keys = {"count", "share"}, .several = "give \"count\" or \"share\", not both"});
 }
 
 template <class T, auto... Path>
 void describe_experiment(DocumentKeys<T>& d) {
-  d.template list<Path..., &ExperimentDocument::stop_when>("stop_when",
-                                                           "when a run is over, docs/experiments.md");
-  d.template list<Path..., &ExperimentDocument::at>("at", "what is done to the world, and when");
+  d.template list<Path..., &ExperimentDocument::stop_when>(
+      "stop_when", "conditions on measures: the run ends when one of them holds, docs/experiments.md");
+  d.template list<Path..., &ExperimentDocument::at>("at",
+                                                    "interventions: changes to the world at given times");
   d.template list<Path..., &ExperimentDocument::faults>("faults", "how robots fail");
 }
 
 template <class P>
 void describe_body(DocumentKeys<P>& d) {
-  describe_image<P, &P::image>(d, "an image, relative to the world's file", false);
+  describe_image<P, &P::image>(
+      d, "path of an image, or of the YAML file of a ROS map, relative to the world file", false);
   const auto no_image = [](const JsonNode& object) { return !has_image(object); };
-  d.template value<&P::fit>("fit", "the blocks are stretched to the size, as in Stage").when(no_image);
-  d.template value<&P::origin>("origin", "where the middle of the image or of the stretched blocks is")
+  d.template value<&P::fit>("fit", "true: all blocks together are scaled to the size, as in Stage")
+      .when(no_image);
+  d.template value<&P::origin>("origin", "pose of the centre of the image or of the scaled blocks")
       .when([](const JsonNode& object) { return has_image(object) || is_fitted(object); });
   d.template list<&P::blocks>("blocks", "upright prisms").when(no_image);
-  d.template value<&P::floor_plan>("floor_plan", "whether it is an image of walls");
+  d.template value<&P::floor_plan>("floor_plan", "marks an image of walls");
   d.template value<&P::extent>("extent", meters, within(0, 2 * k_max_size_m),
-                               "the size as it is declared, where it is another");
+                               "declared size, if it differs from that of the body");
   d.template other<&P::color>(Form::color, "color");
   describe_returns<P, &P::returns>(d);
 }
 
 template <class P>
 void describe_contents(DocumentKeys<P>& d) {
-  d.template object<&P::device>("device", "the device that it is itself");
-  d.template list<&P::sensors>("sensors", "what only looks at the world");
-  d.template list<&P::devices>("devices", "what does something");
+  d.template object<&P::device>("device", "makes the body or part itself a device");
+  d.template list<&P::sensors>("sensors", "devices that only observe the world");
+  d.template list<&P::devices>("devices", "devices that act, by themselves or on command");
   d.template object<&P::controller>("controller");
   d.template list<&P::controllers>("controllers");
-  d.template list<&P::parts>("parts", "what stands on it");
+  d.template list<&P::parts>("parts", "parts that are mounted on it");
   d.rule({.how = How::not_both,
           .keys = {"controller", "controllers"},
           .several = "give \"controller\" or \"controllers\", not both",
@@ -493,12 +497,12 @@ void check_block(const BlockDocument& block, const JsonCursor& at) {
     JsonCursor(at, "points_m", *at.node().find("points_m")).error(outline.error().text);
 }
 
-/// A column's name stands in the first line of a table, and is typed by people.
+/// A name of a column must be plain: it is in the header of CSV tables, and people type it.
 void check_measure(const MeasureDocument& measure, const JsonCursor& at) {
   constexpr std::string_view k_plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.:";
   if (measure.name.find_first_not_of(k_plain) == measure.name.npos) return;
   JsonCursor(at, "name", *at.node().find("name"))
-      .error(fmt::format("\"{}\" is no name of a column: letters, digits and _ - . : may stand in it",
+      .error(fmt::format("\"{}\" is not a column name: only letters, digits and _ - . : are allowed",
                          measure.name));
 }
 
@@ -515,7 +519,7 @@ void check_add(const AddDocument& add, const JsonCursor& at) {
 void check_model(const ModelDocument& model, const JsonCursor& at) {
   if (model.fiducial_return == 0)
     JsonCursor(at, "fiducial_return", *at.node().find("fiducial_return"))
-        .error("must not be 0: only a type without one is not marked");
+        .error("must not be 0: give the model a type without \"fiducial_return\" instead");
 }
 
 }  // namespace
@@ -523,7 +527,7 @@ void check_model(const ModelDocument& model, const JsonCursor& at) {
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text) {
   const auto comparison = comparison_of(trimmed(text));
   if (!comparison)
-    at.error(fmt::format("\"{}\" is no comparison with a number: one of <, <=, >, >=, ==, != and the number",
+    at.error(fmt::format("\"{}\" is not a comparison: expected one of <, <=, >, >=, ==, != and a number",
                          trimmed(text)));
   return comparison;
 }
@@ -545,12 +549,11 @@ void BlockDocument::describe(DocumentKeys<BlockDocument>& d) {
   d.other<&BlockDocument::points>(Form::points, "points_m", "the outline, which must not cross itself")
       .entries(3, k_most_block_points);
   d.other<&BlockDocument::contours>(Form::contours, "contours_m",
-                                    "outlines; what lies within an odd number of them is solid")
+                                    "outlines; points inside an odd number of them are solid")
       .entries(3);
-  d.value<&BlockDocument::z>("z", meters, within(-k_max_size_m, k_max_size_m),
-                             "the heights between which it stands")
-      .require("the heights between which the block stands, [min, max]");
-  d.choice<&BlockDocument::frame>("frame", k_frames, "of the points, in parts");
+  d.value<&BlockDocument::z>("z", meters, within(-k_max_size_m, k_max_size_m), "heights of bottom and top")
+      .require("the heights of bottom and top, [min, max]");
+  d.choice<&BlockDocument::frame>("frame", k_frames, "frame of the points: that of the part or of the body");
   d.rule({.how = How::one_of,
           .keys = {"points_m", "contours_m"},
           .none = "missing \"points_m\": the outline, [[x, y], ...]",
@@ -585,7 +588,7 @@ void DriveDocument::describe(DocumentKeys<DriveDocument>& d) {
   d.table().kinds = &k_drives;
   d.other<&DriveDocument::kind>(Form::kind, "kind").require();
   d.value<&DriveDocument::period>("period", seconds, within(0, k_most_period_s),
-                                  "between two commands that it takes; 0: every tick")
+                                  "time between two commands that it takes; 0: every tick")
       .or_named("update_period");
   d.other<&DriveDocument::params>(Form::parameters, "");
 }
@@ -595,19 +598,20 @@ void ControllerDocument::describe(DocumentKeys<ControllerDocument>& d) {
   d.table().kinds = &k_controllers;
   d.other<&ControllerDocument::kind>(Form::kind, "kind").require();
   d.value<&ControllerDocument::period>("period", seconds, within(0, k_most_period_s),
-                                       "how often it runs, where it reads no sensor")
+                                       "how often it runs if it reads no sensor and has no drive")
       .or_named("update_period");
   d.other<&ControllerDocument::params>(Form::parameters, "");
 }
 
 void PartDocument::describe(DocumentKeys<PartDocument>& d) {
   d.table().definition = "part";
-  d.other<&PartDocument::name>(Form::name, "name", "below the body's name", "the part's name")
+  d.other<&PartDocument::name>(Form::name, "name", "the full name of the part is BODY.NAME",
+                               "the part's name")
       .require("the part's name");
   d.other<&PartDocument::alias>(Form::name, "alias", "another name", "another name of the part");
-  d.other<&PartDocument::kind>(Form::model_kind, "kind", "what Stage calls it");
-  d.value<&PartDocument::pose>("pose", "in the body's frame, while all joints are at rest");
-  d.other<&PartDocument::joint>(Form::joint, "joint", "what it moves with; null: nothing");
+  d.other<&PartDocument::kind>(Form::model_kind, "kind", "Stage's name for the kind of the part");
+  d.value<&PartDocument::pose>("pose", "pose in the frame of the body, with all joints at rest");
+  d.other<&PartDocument::joint>(Form::joint, "joint", "name of the joint that it moves with; null: none");
   describe_body(d);
   describe_contents(d);
   d.check<check_part>();
@@ -616,26 +620,27 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
 void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.table().definition = "type";
   d.other<&TypeDocument::name>(Form::name, "name",
-                               "what the type is called, where several are called the same",
-                               "what the type is called");
-  d.other<&TypeDocument::kind>(Form::model_kind, "kind", "what Stage calls it");
+                               "name of the type, if not its key; several types may have the same name",
+                               "the name of the type");
+  d.other<&TypeDocument::kind>(Form::model_kind, "kind", "Stage's name for the kind of the root part");
   describe_body(d);
-  d.object<&TypeDocument::drive>("drive", "a type without one never moves");
+  d.object<&TypeDocument::drive>("drive", "a body without a drive does not move by itself");
   describe_contents(d);
-  d.other<&TypeDocument::device_order>(Form::names, "device_order", "in which order the devices count");
+  d.other<&TypeDocument::device_order>(Form::names, "device_order", "order of the devices: names each once");
   d.rule({.how = How::any_of,
           .keys = {"size", "blocks", "bitmap", "device"},
-          .none = "has no body: give \"size_m\" (a box) or \"blocks\""});
+          .none = "has no body: give \"size_m\" (a box), \"blocks\", \"bitmap\" or \"device\""});
   d.check<check_type>();
 }
 
 void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
   d.other<&FloorplanDocument::name>(Form::name, "name", {}, "a name").require("the floor plan's name");
   describe_image<FloorplanDocument, &FloorplanDocument::image>(
-      d, "PNG, JPEG, BMP or PNM, or the YAML of a map of ROS; dark pixels are solid", true);
+      d, "a PNG, JPEG, BMP or PNM image, in which dark pixels are solid, or the YAML file of a ROS map",
+      true);
   for (DocumentKey& key : d.table().keys)
     if (key.field.name == "bitmap") key.require(key.expects);
-  d.value<&FloorplanDocument::pose>("pose", "of the centre");
+  d.value<&FloorplanDocument::pose>("pose", "pose of the centre; of a ROS map, pose of the map frame");
   d.other<&FloorplanDocument::color>(Form::color, "color");
   describe_returns<FloorplanDocument, &FloorplanDocument::returns>(d);
   d.check<check_floorplan>();
@@ -647,13 +652,13 @@ void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {
   d.other<&ModelDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
   d.other<&ModelDocument::reserve_of>(Form::name, "reserve_of",
-                                      "the population into which it may be born, docs/lives.md",
+                                      "population into which the body may be born, docs/lives.md",
                                       "the name of a population");
   d.value<&ModelDocument::pose>("pose").write_always();
   d.other<&ModelDocument::color>(Form::color, "color");
-  d.value<&ModelDocument::fiducial_return>("fiducial_return", "its own number for fiducial finders");
+  d.value<&ModelDocument::fiducial_return>("fiducial_return", "number of this body for fiducial finders");
   d.other<&ModelDocument::global_parts>(Form::names, "global_parts",
-                                        "parts that are found without the body's name", "the name of a part");
+                                        "parts that can be found by their name alone", "the name of a part");
   d.check<check_model>();
 }
 
@@ -663,32 +668,36 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
   d.table().variant = "rule";
   d.choice<&PlaceDocument::rule>("rule", k_rules)
       .require("grid, uniform, gaussian, poisson_disc or free_floor");
-  d.other<&PlaceDocument::region>(Form::box, "region_m", "of the bodies' origins");
-  d.other<&PlaceDocument::polygon>(Form::points, "polygon_m", "of the bodies' origins").entries(3);
-  d.other<&PlaceDocument::spill>(Form::box, "spill_m", "for the bodies that the first region cannot hold")
+  d.other<&PlaceDocument::region>(Form::box, "region_m", "region of the origins of the bodies");
+  d.other<&PlaceDocument::polygon>(Form::points, "polygon_m", "polygon in which the origins must also lie")
+      .entries(3);
+  d.other<&PlaceDocument::spill>(Form::box, "spill_m",
+                                 "second region, for bodies that do not fit into the first")
       .of_variants(bit(Rule::grid));
-  d.value<&PlaceDocument::pitch>("pitch", meters, above(0), at_most(k_max_size_m), "between neighbours")
-      .require("the distance between neighbours")
+  d.value<&PlaceDocument::pitch>("pitch", meters, above(0), at_most(k_max_size_m),
+                                 "distance between neighbouring cells")
+      .require("the distance between neighbouring cells")
       .of_variants(bit(Rule::grid));
   d.value<&PlaceDocument::jitter>("jitter", meters, within(0, k_max_size_m),
-                                  "how far each coordinate may be moved at random")
+                                  "maximum random displacement of each coordinate")
       .of_variants(bit(Rule::grid));
   d.value<&PlaceDocument::mean>("mean", meters, within(-k_max_size_m, k_max_size_m),
-                                "about which they are normally distributed")
-      .require("[x, y], about which they are normally distributed")
+                                "mean of the normal distribution")
+      .require("[x, y], the mean of the normal distribution")
       .of_variants(bit(Rule::gaussian));
-  d.value<&PlaceDocument::deviation>("deviation", meters, within(0, k_max_size_m), "the standard deviations")
-      .require("the standard deviations, [x, y]")
+  d.value<&PlaceDocument::deviation>("deviation", meters, within(0, k_max_size_m),
+                                     "standard deviations along x and y")
+      .require("[x, y], the standard deviations")
       .of_variants(bit(Rule::gaussian));
   d.value<&PlaceDocument::distance>("distance", meters, within(k_least_step_m, k_max_size_m),
-                                    "how near two may be to one another")
-      .require("how near two of the population may be to one another")
+                                    "minimum distance between the origins of two bodies")
+      .require("the minimum distance between the origins of two bodies")
       .of_variants(bit(Rule::poisson_disc));
   d.value<&PlaceDocument::from>("from", meters, within(-k_max_size_m, k_max_size_m),
-                                "from where the floor is reached")
+                                "point from which the floor must be reachable")
       .of_variants(bit(Rule::free_floor));
   d.value<&PlaceDocument::cell>("cell", meters, within(k_least_step_m, k_max_size_m),
-                                "how finely the floor is looked at")
+                                "cell size of the search for reachable floor")
       .of_variants(bit(Rule::free_floor));
   d.other<&PlaceDocument::heading>(Form::heading, "heading");
   d.value<&PlaceDocument::z>("z", meters, within(-k_max_size_m, k_max_size_m), "height of the origins");
@@ -701,12 +710,13 @@ void PopulationDocument::describe(DocumentKeys<PopulationDocument>& d) {
   d.other<&PopulationDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
   DocumentKey& count =
-      d.value<&PopulationDocument::count>("count", within(0, LoadOptions().most_bodies), "how many bodies");
+      d.value<&PopulationDocument::count>("count", within(0, LoadOptions().most_bodies), "number of bodies");
   count.require().counts_bodies = true;
   d.value<&PopulationDocument::reserve>("reserve", within(0, LoadOptions().most_bodies),
-                                        "how many more may be born")
+                                        "number of bodies that may be born later")
       .counts_bodies = true;
-  d.other<&PopulationDocument::color>(Form::color_or_random, "color", "or \"random\"");
+  d.other<&PopulationDocument::color>(Form::color_or_random, "color",
+                                      "\"random\": each body has a colour of its own");
   d.object<&PopulationDocument::place>("place").require("{\"rule\": ..., \"region_m\": ...}");
 }
 
@@ -716,7 +726,7 @@ void MeasureDocument::describe(DocumentKeys<MeasureDocument>& d) {
   d.other<&MeasureDocument::kind>(Form::kind, "kind").require();
   d.other<&MeasureDocument::of>(Form::name, "of", "a type, a population or a robot",
                                 "the name of a type, a population or a robot");
-  d.other<&MeasureDocument::name>(Form::name, "name", "of the column", "the name of the column");
+  d.other<&MeasureDocument::name>(Form::name, "name", "name of the column", "the name of the column");
   d.other<&MeasureDocument::params>(Form::parameters, "");
   d.check<check_measure>();
 }
@@ -724,8 +734,8 @@ void MeasureDocument::describe(DocumentKeys<MeasureDocument>& d) {
 void ConditionDocument::describe(DocumentKeys<ConditionDocument>& d) {
   d.table().shorthand = &k_condition_text;
   d.object<&ConditionDocument::measure>("measure").require("the name of a measure, or {\"kind\": ..., ...}");
-  d.other<&ConditionDocument::is>(Form::comparison, "is", {}, "what it is compared with, as \">= 0.9\"")
-      .require("what it is compared with, as \">= 0.9\"");
+  d.other<&ConditionDocument::is>(Form::comparison, "is", {}, "a comparison, as in \">= 0.9\"")
+      .require("a comparison, as in \">= 0.9\"");
 }
 
 void GroupDocument::describe(DocumentKeys<GroupDocument>& d) {
@@ -734,33 +744,36 @@ void GroupDocument::describe(DocumentKeys<GroupDocument>& d) {
 }
 
 void AddDocument::describe(DocumentKeys<AddDocument>& d) {
-  d.other<&AddDocument::population>(Form::name, "population", "one that has a reserve", "a name").require();
-  d.value<&AddDocument::count>("count", within(0, k_most_chosen), "how many are born");
+  d.other<&AddDocument::population>(Form::name, "population", "a population with a reserve", "a name")
+      .require();
+  d.value<&AddDocument::count>("count", within(0, k_most_chosen),
+                               "number of births; default: all that remain");
   d.value<&AddDocument::pose>("pose").write_always();
   d.other<&AddDocument::region>(Form::box, "region_m");
   d.check<check_add>();
 }
 
 void MoveDocument::describe(DocumentKeys<MoveDocument>& d) {
-  d.other<&MoveDocument::model>(Form::name, "model", {}, "a name").require("the body that is put elsewhere");
-  d.value<&MoveDocument::pose>("pose").require("where it is put").write_always();
+  d.other<&MoveDocument::model>(Form::name, "model", {}, "a name").require("the name of a body");
+  d.value<&MoveDocument::pose>("pose").require("the new pose").write_always();
 }
 
 void SettingDocument::describe(DocumentKeys<SettingDocument>& d) {
   d.other<&SettingDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
-  d.other<&SettingDocument::drive>(Form::kept, "drive", "its parameters that change");
-  d.other<&SettingDocument::device>(Form::kept, "device",
-                                    "a device by its name, and its parameters that change", "name");
+  d.other<&SettingDocument::drive>(Form::kept, "drive", "parameters to change");
+  d.other<&SettingDocument::device>(Form::kept, "device", "name of a device, and parameters to change",
+                                    "name");
   d.other<&SettingDocument::controller>(Form::kept, "controller",
-                                        "a controller by its kind, and its parameters that change", "kind");
+                                        "kind of a controller, and parameters to change", "kind");
   d.rule({.how = How::one_of,
           .keys = {"drive", "device", "controller"},
-          .none = "give one of drive, device, controller: what of the type is set?"});
+          .none = "give one of \"drive\", \"device\" and \"controller\""});
 }
 
 void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
-  d.value<&InterventionDocument::time>("time", seconds, within(0, k_most_s), "when it is done").require();
+  d.value<&InterventionDocument::time>("time", seconds, within(0, k_most_s), "time of the intervention")
+      .require();
   d.object<&InterventionDocument::remove>("remove");
   d.object<&InterventionDocument::add>("add");
   d.object<&InterventionDocument::disable>("disable");
@@ -769,24 +782,24 @@ void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
   d.object<&InterventionDocument::set>("set");
   d.rule({.how = How::one_of,
           .keys = {engine::k_actions.begin(), engine::k_actions.end()},
-          .none = fmt::format("nothing is done: give one of {}", comma_list(engine::k_actions)),
-          .several = "one thing is done at a time: give each an entry of its own",
+          .none = fmt::format("no action: give one of {}", comma_list(engine::k_actions)),
+          .several = "an entry has one action: give each action an entry of its own",
           .at_key = true});
 }
 
 void FaultDocument::describe(DocumentKeys<FaultDocument>& d) {
   describe_group(d);
-  d.value<&FaultDocument::from>("from", seconds, within(0, k_most_s), "from when on");
+  d.value<&FaultDocument::from>("from", seconds, within(0, k_most_s), "time at which the faults begin");
   d.other<&FaultDocument::impairments>(Form::faults, "");
 }
 
 void ExperimentDocument::describe(DocumentKeys<ExperimentDocument>& d) { describe_experiment(d); }
 
 void RecordDocument::describe(DocumentKeys<RecordDocument>& d) {
-  d.other<&RecordDocument::file>(Form::name, "file", "where troupe run records", "the name of a file");
+  d.other<&RecordDocument::file>(Form::name, "file", "file that troupe run writes", "the name of a file");
   d.value<&RecordDocument::every>("every", seconds, above(0), at_most(k_most_s),
-                                  "of simulated time from frame to frame");
-  d.other<&RecordDocument::fields>(Form::names, "fields", "what of the state, docs/recordings.md",
+                                  "simulated time between two frames");
+  d.other<&RecordDocument::fields>(Form::names, "fields", "fields of the state to record, docs/recordings.md",
                                    "the name of a field")
       .entries(1);
 }
@@ -800,33 +813,36 @@ void GroundDocument::describe(DocumentKeys<GroundDocument>& d) {
 void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   constexpr double k_least_tick_s = 1e-6;
   constexpr double k_most_tick_s = 3600;
-  d.other<&WorldDocument::schema>(Form::name, "$schema", "of this file, for editors",
-                                  "where the schema of this file is");
+  d.other<&WorldDocument::schema>(Form::name, "$schema", "path of the JSON Schema, for editors",
+                                  "the path of the JSON Schema");
   static const std::string version = fmt::format("the version of the format, {}", k_format_version);
   d.other<>(Form::version, "troupe", "the version of the format").require(version);
-  d.other<&WorldDocument::title>(Form::name, "title", "for people", "the world's title");
-  d.other<&WorldDocument::seed>(Form::seed, "seed", "of every random draw");
+  d.other<&WorldDocument::title>(Form::name, "title", "title for people", "the world's title");
+  d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random draws");
   d.value<&WorldDocument::tick>("tick", seconds, within(k_least_tick_s, k_most_tick_s),
                                 "length of a tick; 0.1 s unless given")
       .write_always();
-  d.value<&WorldDocument::quit_time>("quit_time", seconds, above(0), at_most(k_most_s), "where a run ends");
+  d.value<&WorldDocument::quit_time>("quit_time", seconds, above(0), at_most(k_most_s),
+                                     "time at which a run ends");
   d.value<&WorldDocument::measure_every>("measure_every", seconds, within(0, k_most_s),
-                                         "how often; 0: every tick");
+                                         "interval between measurements; 0: every tick");
   d.choice<&WorldDocument::ranging>("ranging", engine::k_ranging_engines,
-                                    "what finds ranges, docs/sensing.md");
+                                    "engine that computes ranges, docs/sensing.md");
   d.value<&WorldDocument::resolution>("resolution", meters,
                                       within(engine::k_min_resolution_m, engine::k_max_resolution_m),
-                                      "edge of the cells of the grid engine");
-  d.other<&WorldDocument::bounds>(Form::box, "bounds_m", "where robots may be");
+                                      "edge length of the cells of the grid engine");
+  d.other<&WorldDocument::bounds>(Form::box, "bounds_m", "region in which robots may be");
   d.object<&WorldDocument::ground>("ground");
   d.object<&WorldDocument::record>("record", "what a run records");
-  d.other<&WorldDocument::watch>(Form::block, "watch", "how the world is watched").block =
+  d.other<&WorldDocument::watch>(Form::block, "watch", "clock and pace of a run").block =
       &engine::watch_fields();
-  d.other<&WorldDocument::window>(Form::block, "window", "the view it asks for").block = &window_fields();
-  d.value<&WorldDocument::mortal>("mortal", "programs may remove and disable bodies, docs/lives.md");
-  d.choice<&WorldDocument::overlaps>("overlaps", k_checks,
-                                     "what models are that overlap something at the start");
-  d.choice<&WorldDocument::same_names>("same_names", k_checks, "what two bodies of one name are");
+  d.other<&WorldDocument::window>(Form::block, "window", "the view of --camera window").block =
+      &window_fields();
+  d.value<&WorldDocument::mortal>("mortal", "true: programs may remove and disable bodies, docs/lives.md");
+  d.choice<&WorldDocument::overlaps>(
+      "overlaps", k_checks, "whether a model that overlaps something at the start is an error or a warning");
+  d.choice<&WorldDocument::same_names>("same_names", k_checks,
+                                       "whether two bodies of the same name are an error or a warning");
   d.list<&WorldDocument::floorplans>("floorplans", "walls drawn as images");
   d.map<&WorldDocument::types>("types", "what identical bodies share, by name").write_always();
   d.list<&WorldDocument::models>("models", "single bodies").write_always();

@@ -81,7 +81,8 @@ double rounded_to_digits(double x) {
   return rounded;
 }
 
-/// A limit in another unit, in few digits and no tighter than the reader's; `outward` is 1 for a maximum.
+/// A limit in another unit, rounded to few digits but not tighter than the reader's. `outward` is 1 for a
+/// maximum, -1 for a minimum.
 double limit_in(const UnitSuffix& suffix, double si, double outward) {
   if (suffix.to_si == 1) return si;
   constexpr double k_digits = 1e-9;
@@ -136,7 +137,7 @@ void add_default(const Field& field, const UnitSuffix& suffix, Members& schema) 
   if (!one.empty()) add_node(schema, "default", std::move(one.front().node));
 }
 
-/// The schema of an object that has these keys and no others.
+/// Builds the schema of an object that has certain keys and no others.
 class ObjectSchema {
  public:
   ObjectSchema& member(std::string_view key, JsonNode schema, std::string_view about = {}) {
@@ -144,7 +145,7 @@ class ObjectSchema {
     return *this;
   }
 
-  /// Another schema for a key that is there.
+  /// Replaces the schema of an existing key.
   ObjectSchema& replace(std::string_view key, JsonNode schema) {
     std::ranges::find(properties_, key, &JsonMember::key)->node = std::move(schema);
     return *this;
@@ -155,7 +156,7 @@ class ObjectSchema {
     return member(key, std::move(schema), about);
   }
 
-  /// A field under each of its keys, of which one is given; `required`: and must be.
+  /// Adds a key for each unit of a field. An object has at most one of them, or exactly one if `required`.
   ObjectSchema& field(const Field& field, bool required) {
     const auto suffixes = engine::unit_suffixes(field.unit);
     std::vector<JsonNode> one_of;
@@ -210,20 +211,20 @@ Field plain_number(double min, double max) { return {.name = "", .min = min, .ma
 
 JsonNode color_schema() {
   JsonNode level = number_schema(plain_number(0, 1), {"", "", 1}, "number");
-  return choice({object_of({{"type", text("string")},
-                            {"description", text("a name of X11's list: red, SteelBlue, gray30, ...")}}),
-                 object_of({{"type", text("array")},
-                            {"description", text("[red, green, blue] or [red, green, blue, opacity]")},
-                            {"items", std::move(level)},
-                            {"minItems", json_node(std::int64_t{3})},
-                            {"maxItems", json_node(std::int64_t{4})}})});
+  return choice(
+      {object_of({{"type", text("string")}, {"description", text("X11 name: red, SteelBlue, gray30, ...")}}),
+       object_of({{"type", text("array")},
+                  {"description", text("[red, green, blue] or [red, green, blue, opacity]")},
+                  {"items", std::move(level)},
+                  {"minItems", json_node(std::int64_t{3})},
+                  {"maxItems", json_node(std::int64_t{4})}})});
 }
 
 JsonNode kind_of(std::string_view name) { return object_of({{"const", text(name)}}); }
 
 JsonNode has_key(std::string_view key) { return object_of({{"required", texts(std::array{key})}}); }
 
-/// What only a plug-in knows the parameters of: of a kind that is none of these.
+/// The schema of a plug-in's kind, whose name is not in `known` and whose parameters only the plug-in knows.
 JsonNode kind_of_a_plug_in(std::string_view what, std::string_view page,
                            const std::vector<std::string_view>& known) {
   const JsonNode other =
@@ -235,14 +236,14 @@ JsonNode kind_of_a_plug_in(std::string_view what, std::string_view page,
                     {"required", texts(std::array{"kind"})}});
 }
 
-/// Adds how many entries a list has.
+/// Adds the minimum number of entries of a list.
 JsonNode counted(JsonNode list, const DocumentKey& key) {
   if (key.least > 0)
     add_member(std::get<Members>(list.value), "minItems", static_cast<std::int64_t>(key.least));
   return list;
 }
 
-/// The schema of described structs. Those with a name of their own are defined once, and referred to.
+/// Makes the schemas of described structs. Structs with a definition name are defined once and referenced.
 class DocumentSchema {
  public:
   explicit DocumentSchema(const engine::Registry& registry) : registry_(registry) {}

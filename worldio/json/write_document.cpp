@@ -14,7 +14,7 @@ namespace {
 
 using engine::Value;
 
-/// A pose is what people look for, and set: x, y and heading are written whatever their values.
+/// A pose with x, y and heading even at their defaults: people look for them and edit them.
 JsonNode place_node(const engine::Record& pose) {
   const std::vector<engine::Field>& fields = engine::pose_fields().fields;
   JsonNode::Object object;
@@ -59,7 +59,7 @@ class ObjectWriter {
   void write_value(const DocumentKey& key);
   JsonNode node(const DocumentKey& key) const;
   JsonNode entries(const DocumentKey& key) const;
-  /// Whether the key is left out.
+  /// Whether the writer omits the key.
   bool is_missing(const DocumentKey& key) const;
 
   const DocumentTable& table_;
@@ -172,7 +172,7 @@ JsonNode ObjectWriter::node(const DocumentKey& key) const {
     case Form::object: return write_described(key.table(), key.find(object_), registry_);
     case Form::list:
     case Form::map: return entries(key);
-    default: return {};  // written under their own keys
+    default: return {};  // written by write_key()
   }
 }
 
