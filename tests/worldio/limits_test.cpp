@@ -144,12 +144,12 @@ TEST_F(Limits, MacrosOnMacros) {
   for (int i = 1; i < 5000; ++i)
     world += "define m" + std::to_string(i) + " m" + std::to_string(i - 1) + "( size [1 1 1] )\n";
   EXPECT_THAT(refusal("w.world", world + repeated("m4999()\n", 5000)),
-              HasSubstr("error: too large: it takes more than 20000000 steps to follow the macros"));
+              HasSubstr("error: too large: more than 20000000 steps are needed to resolve the macros"));
 }
 
 TEST_F(Limits, PointsThatAreNotThere) {
   EXPECT_THAT(refusal("w.world", repeated("model( block( points 99999 point[0] [0 0] ) )\n", 50)),
-              HasSubstr("w.world:1: error: \"points\" is 99999, but far fewer are given"));
+              HasSubstr("w.world:1: error: \"points\" is 99999, but the block has far fewer"));
 }
 
 TEST_F(Limits, OutlinesOfRobotsThatCrossThemselves) {
