@@ -134,8 +134,9 @@ TEST_F(Conformance14, MissingOrUnreadableBitmap) {
   EXPECT_THAT(messages(), ElementsAre("w.world:2: error: cannot read the image no.png"));
   write("text.png", "no image");
   load("model( bitmap \"text.png\" )");
-  EXPECT_THAT(messages(),
-              ElementsAre(HasSubstr("w.world:1: error: text.png is no PNG, JPEG, BMP or PNM image")));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(HasSubstr("w.world:1: error: text.png is not a readable PNG, JPEG, BMP or PNM image")));
 }
 
 TEST_F(Conformance14, ColoursNeedNoFile) {  // Stage reads rgb.txt, and ends where there is none

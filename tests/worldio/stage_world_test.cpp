@@ -416,7 +416,7 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
       "model( bitmap \"a.yaml\" )\nmodel( bitmap \"b.yaml\" )\nmodel( bitmap \"c.yml\" )\nmodel( bitmap "
       "\"d.yml\" )");
   EXPECT_THAT(messages(),
-              ElementsAre("a.yaml:2: error: \"resolution\" needs a length in m, above 0; here is \"0\"",
+              ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m; here is \"0\"",
                           "b.yaml:2: error: cannot read the image no.pgm",
                           "w.world:3: error: the map c.yml has no occupied cell",
                           "w.world:4: error: cannot read the map d.yml"));
