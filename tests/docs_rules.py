@@ -102,7 +102,7 @@ SHOWN_ONLY = [
     ("docs/architecture.md", "sense ", "the phases of a tick, told"),
     ("docs/architecture.md", "WorldSpec ", "a sketch of the data"),
     ("docs/checkpoints.md", "200 kills", "tests/checkpoint_kill_test.py printed it, after minutes"),
-    ("docs/checkpoints.md", "run.h5: error: this is no", "damaged files: tests/apps/resume_test.cpp"),
+    ("docs/checkpoints.md", "run.h5: error: this is not a", "damaged files: tests/apps/resume_test.cpp"),
     ("docs/controllers.md", 'controller "patrol/0"', "a controller that breaks the rules: tests/plugins/program_test.cpp"),
     ("docs/controllers.md", "troupe: error: tick 3", "a controller that throws: tests/plugins/program_test.cpp"),
     ("docs/determinism.md", "S(k+1)", "a formula"),

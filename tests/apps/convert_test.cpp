@@ -85,10 +85,9 @@ TEST_F(ConvertCommand, NothingIsWrittenOfAWorldThatIsWrong) {
               HasSubstr("there is no folder nowhere"));
   write("w.json", R"({"troupe": 1,
  "ranging": "grid"})");
-  EXPECT_EQ(
-      refused({"convert", "w.json", "out.world"}).err,
-      "w.json:2: error: a .world file cannot say this: \"ranging\": which engine finds ranges is an option "
-      "of the run, --raytracer\n");
+  EXPECT_EQ(refused({"convert", "w.json", "out.world"}).err,
+            "w.json:2: error: a .world file cannot express this: \"ranging\": the ray engine is an option of "
+            "the run, --raytracer\n");
 }
 
 TEST_F(ConvertCommand, SetReachesIntoWhatIsWritten) {

@@ -222,7 +222,7 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
                   "w.world:3: warning: friction: no effect here",
                   "w.world:5: warning: friction: no effect here",
                   "w.world:6: warning: \"wheelbase\" has no effect: only a car has one",
-                  "w.world:9: warning: \"color_rgba\" has no effect: \"color\" is given too",
+                  "w.world:9: warning: \"color_rgba\" has no effect: \"color\" is also given",
                   "w.world:10: warning: \"alwayson\" has no effect: this model senses nothing",
                   "w.world:11: warning: \"update_interval\" has no effect: this model neither senses nor "
                   "drives",

@@ -278,7 +278,7 @@ TEST_F(Record, ARecordingOfAnotherRunDoesNotGoOn) {
   EXPECT_EQ(refused.err,
             "other.h5: error: seed is \"7\", here it is \"1\": this is the recording of another run\n");
   EXPECT_EQ(read("other.h5"), other);
-  EXPECT_THAT(resume("room.world").err, HasSubstr("room.world: error: has no whole head of HDF5"));
+  EXPECT_THAT(resume("room.world").err, HasSubstr("room.world: error: has no complete HDF5 header"));
 
   ASSERT_EQ(resume("other.h5", {"--force"}).code, 0);
   EXPECT_EQ(recording("other.h5").ticks().front(), 20u);
@@ -364,10 +364,10 @@ TEST_F(Record, RepairLeavesAloneWhatIsWhole) {
 
   write("text", "no recording");
   EXPECT_THAT(error_of({"repair", "text"}),
-              HasSubstr("text: error: has no whole head of HDF5: it is no recording"));
+              HasSubstr("text: error: has no complete HDF5 header: it is not a recording"));
   EXPECT_THAT(error_of({"repair", "none"}), HasSubstr("none: error: there is no such file"));
   { worldio::Hdf5File::create(path("other.h5")).create_group("data"); }
-  EXPECT_THAT(error_of({"repair", "other.h5"}), HasSubstr("the file is no recording"));
+  EXPECT_THAT(error_of({"repair", "other.h5"}), HasSubstr("the file is not a recording"));
 }
 
 TEST_F(Record, RepairClosesWhatAKilledRunLeft) {

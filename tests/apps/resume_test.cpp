@@ -201,7 +201,7 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"resume"}, "troupe resume: error: CHECKPOINT is required"},
       {{"resume", "no.h5", "--for", "2"}, "no.h5: error: there is no such file"},
-      {{"resume", "room.world", "--for", "2"}, "room.world: error: this is no checkpoint"},
+      {{"resume", "room.world", "--for", "2"}, "room.world: error: this is not a checkpoint"},
       {{"resume", "c.h5"},
        "c.h5: error: nothing says when to stop: give --for SECONDS, or --set /quit_time_s=SECONDS"},
       {{"resume", "c.h5", "--for", "0.5"}, "c.h5: error: the run is at 1 s already: 0.5 s lies before that"},
@@ -214,7 +214,7 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
       {{"run", "room.world", "--for", "2", "--checkpoint", "room.world", "--force"},
        "room.world: error: cannot be written: it is the world"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "/dev/null", "--force"},
-       "/dev/null: error: cannot be written: it is no regular file"},
+       "/dev/null: error: cannot be written: it is not a regular file"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "d.h5", "--checkpoint-every", "0"},
        "\"0\" is not a simulated time in seconds, above 0"},
       {{"run", "room.world", "--for", "2", "--wall-limit", "-1"},

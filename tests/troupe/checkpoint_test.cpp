@@ -283,7 +283,7 @@ TEST_F(Checkpoint, RefusesChangesOfTheShapeOfTheState) {
   EXPECT_THAT(
       error_of(file_, {.set = {{"/types/3/sensors/0/params/transducers/0/samples", "11"}}}),
       StartsWith(file_.string() +
-                 ": error: /tables/ranger/eye%2F0/ranges holds 9 float32 a robot, the world 11 float32: "));
+                 ": error: /tables/ranger/eye%2F0/ranges holds 9 float32 per robot, the world 11 float32: "));
   EXPECT_THAT(error_of(file_, {.set = {{"/tick_s", "0.2"}}}), StartsWith("--set /tick_s: error: "));
 }
 
@@ -362,11 +362,11 @@ TEST_F(Checkpoint, AStateThatIsNotTheOneThatWasSavedIsNotTakenUp) {
 TEST_F(Checkpoint, RefusesWhatIsNoCheckpoint) {
   EXPECT_EQ(error_of(folder_ / "no.h5"), (folder_ / "no.h5").string() + ": error: there is no such file");
   EXPECT_THAT(error_of(folder_), HasSubstr(": error: this is a folder"));
-  EXPECT_THAT(error_of(write("room.json", k_room)), HasSubstr(": error: this is no checkpoint"));
-  EXPECT_THAT(error_of(write("empty.h5", "")), HasSubstr("this is no checkpoint: the file is empty"));
+  EXPECT_THAT(error_of(write("room.json", k_room)), HasSubstr(": error: this is not a checkpoint"));
+  EXPECT_THAT(error_of(write("empty.h5", "")), HasSubstr("this is not a checkpoint: the file is empty"));
   const fs::path other = folder_ / "other.h5";
   worldio::Hdf5File::create(other).close();
-  EXPECT_THAT(error_of(other), HasSubstr("this is an HDF5 file, but no checkpoint"));
+  EXPECT_THAT(error_of(other), HasSubstr("this is an HDF5 file, but not a checkpoint"));
 }
 
 TEST_F(Checkpoint, RefusesOneThatWasCutOffOrDamagedOrIsNewer) {
@@ -386,7 +386,8 @@ TEST_F(Checkpoint, RefusesOneThatWasCutOffOrDamagedOrIsNewer) {
   }
   std::string newer = good;
   newer.replace(newer.find("layout 1"), 8, "layout 2");
-  EXPECT_THAT(fault_of(newer), HasSubstr("its layout is 2, of a newer version; this program reads 1"));
+  EXPECT_THAT(fault_of(newer),
+              HasSubstr("its layout is 2, of a newer version of Troupe; this program reads layout 1"));
 }
 
 TEST_F(Checkpoint, ThatCannotBeWrittenLeavesTheOneBefore) {

@@ -230,21 +230,23 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
   },
   "models": [{"name": "r", "type": "bot"}]})");
   convert(json, "w.world");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:2: error: a .world file cannot say this: \"ranging\""),
-                                 HasSubstr("w.json:3: error: a .world file cannot say this: \"measures\"")));
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("w.json:2: error: a .world file cannot express this: \"ranging\""),
+                          HasSubstr("w.json:3: error: a .world file cannot express this: \"measures\"")));
 
   std::string text = content(json);
   for (const char* line : {"  \"ranging\": \"grid\",\n", "  \"measures\": [\"stalls\"],\n"})
     text.erase(text.find(line), std::string_view(line).size());
   convert(write("w.json", text), "w.world");
-  EXPECT_THAT(found,
-              testing::UnorderedElementsAre(
-                  HasSubstr("w.json:5: error: a .world file cannot say this: type \"bot\": device \"eye\" "
-                            "transducers: \"noise_relative\""),
-                  HasSubstr("w.json:6: error: a .world file cannot say this: type \"bot\": device \"fid\": "
-                            "\"most_targets\""),
-                  HasSubstr("w.json:8: error: a .world file cannot say this: type \"bot\": device \"pack\""),
-                  HasSubstr("that it has no \"power\"")));
+  EXPECT_THAT(
+      found,
+      testing::UnorderedElementsAre(
+          HasSubstr("w.json:5: error: a .world file cannot express this: type \"bot\": device \"eye\" "
+                    "transducers: \"noise_relative\""),
+          HasSubstr("w.json:6: error: a .world file cannot express this: type \"bot\": device \"fid\": "
+                    "\"most_targets\""),
+          HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": device \"pack\""),
+          HasSubstr("a type without the device \"power\"")));
 }
 
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {
@@ -294,9 +296,10 @@ position( name "n" pose [0 5 0 0]
   other_seed.set = {{"/seed", "8"}};
   convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world",
           other_seed);
-  EXPECT_THAT(found,
-              ElementsAre(HasSubstr("controller \"dynamic\": it adds to its model, with this seed, other "
-                                    "parts than are there")));
+  EXPECT_THAT(
+      found,
+      ElementsAre(HasSubstr(
+          "controller \"dynamic\": with this seed it adds other parts to its model than the type has")));
 }
 
 TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {
@@ -333,13 +336,13 @@ TEST_F(ConvertTest, BirthsAndDeathsAreNotOfStage) {
                                   "\"reserve\": 3, \"place\": {\"rule\": \"uniform\", \"region_m\": "
                                   "[[-3, -2], [3, 2]]}}]}"),
           "w.world");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:2: error: a .world file cannot say this: \"populations\": "
-                                           "Stage has no bodies that are yet to be born")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:2: error: a .world file cannot express this: "
+                                           "\"populations\": Stage has no \"reserve\"")));
   convert(write("w.json", types + "\n\"mortal\": true, \"models\": [{\"name\": \"a\", \"type\": \"t\"}]}"),
           "w.world");
   EXPECT_THAT(found,
-              ElementsAre(HasSubstr("w.json:2: error: a .world file cannot say this: \"mortal\": Stage "
-                                    "has no deaths")));
+              ElementsAre(HasSubstr(
+                  "w.json:2: error: a .world file cannot express this: \"mortal\": Stage has no deaths")));
 }
 
 TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {
@@ -348,7 +351,7 @@ TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {
           "blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [0, 1]}]}},
   "models": [{"name": "a", "type": "t"}]})"),
           "w.world");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("an extent other than that of its outline")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("an extent that differs from its outline")));
 }
 
 TEST_F(ConvertTest, HeadingsBeyondHalfATurnComeBackAsTheyWere) {
@@ -372,8 +375,8 @@ TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
   convert(json, "w.world");
   EXPECT_THAT(found, IsEmpty());
   EXPECT_THAT(warnings,
-              ElementsAre(HasSubstr("w.json:3: warning: type \"bot\": device \"eye\": Stage has headings "
-                                    "within half a turn")));
+              ElementsAre(HasSubstr("w.json:3: warning: type \"bot\": device \"eye\": its heading is "
+                                    "wrapped into half a turn")));
 }
 
 TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {

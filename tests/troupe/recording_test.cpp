@@ -123,7 +123,7 @@ TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {
   }
   simulation.run_for(1);
   EXPECT_THAT(error_of<std::runtime_error>(resume),
-              HasSubstr("run.h5: error: /frames/tick ends before tick 6, where the run goes on at tick 15"));
+              HasSubstr("run.h5: error: /frames/tick ends before tick 6, but the run continues at tick 15"));
   Simulation other(world_, {.robots = {{"r", 7}}});
   EXPECT_THAT(
       error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),

@@ -75,8 +75,9 @@ TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
     EXPECT_THAT(fault.what(),
                 HasSubstr("w.world:1: error: \"paddle_size\" needs fractions of the gripper's size, "
                           "between 0 and 1, y below 0.5"));
-    EXPECT_THAT(fault.what(),
-                HasSubstr("\"paddle_state\" needs [\"open\" or \"closed\", \"up\" or \"down\"]"));
+    EXPECT_THAT(
+        fault.what(),
+        HasSubstr("\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or \"down\""));
   }
 }
 

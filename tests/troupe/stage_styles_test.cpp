@@ -122,7 +122,7 @@ std::vector<Style> styles() {
        1,
        1,
        false,
-       {"camera.world:11: warning: \"watts\" of a camera has no effect: what it draws follows from what it "
+       {"camera.world:11: warning: \"watts\" of a camera has no effect: its power draw follows from what it "
         "does",
         "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
         "gui_move, gui_outline"}},
@@ -131,13 +131,14 @@ std::vector<Style> styles() {
        3,
        4,
        true,
-       {"arms.world:13: warning: the name \"puck\" is taken already; looking it up finds the last"}},
+       {"arms.world:13: warning: the name \"puck\" is already taken; a lookup finds the last model with this "
+        "name"}},
       {"layers.world",
        3,
        1,
        3,
        false,
-       {"layers.world:10: warning: \"late_base\" is defined already, at line 4; the first definition holds",
+       {"layers.world:10: warning: \"late_base\" is already defined, at line 4; the first definition is used",
         "layers.world:16: warning: accepted, but only Stage's window would use it: window"}},
       {"everything.world",
        11,
@@ -156,8 +157,8 @@ std::vector<Style> styles() {
         "as [x y heading]",
         "inc/carts.inc:150: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
         "as [x y heading] (and 2 more)",
-        "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
-        "the height stays 0.02 m",
+        "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with "
+        "a height of 0.02 m",
         "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
         "gui_move, gui_outline, color_rgba of a sensor",
         "odometry.world:7: warning: obsolete, ignored by Stage too: interval_real, gui_disable, "
@@ -168,8 +169,8 @@ std::vector<Style> styles() {
        1,
        3,
        true,
-       {"inc/beacons.inc:2: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
-        "the height stays 1 m (and 1 more)",
+       {"inc/beacons.inc:2: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with "
+        "a height of 1 m (and 1 more)",
         "lab.world:12: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as [x "
         "y heading]",
         "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
@@ -180,7 +181,7 @@ std::vector<Style> styles() {
        6,
        6,
        true,
-       {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: what it draws follows from what "
+       {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: its power draw follows from what "
         "it does",
         "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
         "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
@@ -220,8 +221,8 @@ std::vector<Style> styles() {
        10,
        0,
        false,
-       {"old_swarm.world:7: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], "
-        "the height stays 1 m",
+       {"old_swarm.world:7: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with "
+        "a height of 1 m",
         "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing",
         "old_swarm.world:16: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
         "as [x y heading] (and 9 more)",
@@ -270,7 +271,8 @@ std::string refusal(const char* file) {
 
 TEST(StageStylesRefused, MapsOfOlderVersions) {
   const std::string text = refusal("wifi.world");
-  EXPECT_THAT(text, HasSubstr("wifi.world:8: error: \"map\" is no model type, nor a macro defined before"));
+  EXPECT_THAT(text,
+              HasSubstr("wifi.world:8: error: \"map\" is neither a model type nor a macro defined above"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("wifi.world:9"))) << "radios are here again";
 }
 

@@ -114,7 +114,7 @@ TEST_F(BitmapFile, ABrokenFileIsAnError) {
   std::ofstream(folder_ / "b.png") << "not an image";
   EXPECT_FALSE(read(folder_ / "b.png"));
   EXPECT_THAT(error(), testing::StartsWith("w.world:7: error: " + (folder_ / "b.png").string() +
-                                           " is no PNG, JPEG, BMP or PNM image that can be read ("));
+                                           " is not a readable PNG, JPEG, BMP or PNM image ("));
   write_png(folder_ / "c.png",
             Image{.width = 64, .height = 64, .rgba = std::vector<std::uint8_t>(64 * 64 * 4, 9)});
   fs::resize_file(folder_ / "c.png", 60);
@@ -139,7 +139,7 @@ TEST_F(BitmapFile, APngWithOneWrongByteIsAnError) {
     EXPECT_FALSE(read(file)) << "byte " << at;
   }
   EXPECT_EQ(error(), "w.world:7: error: the image " + file.string() +
-                         " is damaged: a checksum in it does not fit, or it holds more than its pixels");
+                         " is damaged: a checksum does not match, or it has more data than pixels");
 }
 
 /// What an image comes to: its size in pixels, the contours of what is solid in it with their vertices, and

@@ -126,9 +126,9 @@ TEST_F(Hdf5, AttributesAndTexts) {
   EXPECT_EQ(file.read_texts("names"), names);
   EXPECT_THAT(file.read_texts("none"), IsEmpty());
   EXPECT_THAT(error_of([&] { file.text("seed"); }), HasSubstr("a.h5: error: / has no attribute \"seed\""));
-  EXPECT_THAT(error_of([&] { file.text("layout"); }), HasSubstr("that is no text"));
-  EXPECT_THAT(error_of([&] { file.integer("tick_s"); }), HasSubstr("that is no integer"));
-  EXPECT_THAT(error_of([&] { file.number("layout"); }), HasSubstr("that is no number"));
+  EXPECT_THAT(error_of([&] { file.text("layout"); }), HasSubstr("that is not a text"));
+  EXPECT_THAT(error_of([&] { file.integer("tick_s"); }), HasSubstr("that is not an integer"));
+  EXPECT_THAT(error_of([&] { file.number("layout"); }), HasSubstr("that is not a number"));
   EXPECT_THAT(error_of([&] { file.read_text("names"); }), HasSubstr("/names is not one text"));
 }
 
@@ -227,7 +227,7 @@ TEST_F(Hdf5, ErrorsNameTheFileAndTheReason) {
               HasSubstr("/v holds float32, not float64"));
   std::vector<float> four(4);
   EXPECT_THAT(error_of([&] { file.dataset("v").read_rows(0, std::span<float>(four)); }),
-              HasSubstr("/v has 3 rows of 1 values: it has no 4 values from row 0 on"));
+              HasSubstr("/v has 3 rows of 1 values, not 4 values from row 0 on"));
   EXPECT_THAT(error_of([&] { file.create_group("v"); }), HasSubstr("/v cannot be written"));
 }
 

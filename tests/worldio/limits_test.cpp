@@ -90,7 +90,7 @@ TEST(BitmapLimits, PixelsAreCountedBeforeTheyTakeMemory) {
 
 TEST(BitmapLimits, WhatUnpacksToMoreThanThePixelsIsDamaged) {
   EXPECT_THAT(error_of(png(10, 10, std::string(10 << 20, '\0'))),
-              HasSubstr("or it holds more than its pixels"));
+              HasSubstr("or it has more data than pixels"));
   Diagnostics diagnostics;
   EXPECT_TRUE(decode_bitmap(png(10, 10, std::string(110, '\0')), "map.png", {}, diagnostics));
 }
@@ -106,15 +106,15 @@ TEST(BitmapLimits, CornersAreCounted) {
 
 TEST(BitmapLimits, ImagesThatAreCutOffAreDamaged) {
   using std::string_view_literals::operator""sv;
-  EXPECT_THAT(error_of("P5\n4 4\n255\n0123456789"), HasSubstr("it ends too early"));
-  EXPECT_THAT(error_of("P6\n2 1\n65535\n0123456789"), HasSubstr("it ends too early"));
-  EXPECT_THAT(error_of("P5\n552562327681 1\n255\n0"), HasSubstr("its numbers make no sense"));
-  EXPECT_THAT(error_of("BM\xff\0\0\0"sv), HasSubstr("it ends too early"));
+  EXPECT_THAT(error_of("P5\n4 4\n255\n0123456789"), HasSubstr("it is cut off"));
+  EXPECT_THAT(error_of("P6\n2 1\n65535\n0123456789"), HasSubstr("it is cut off"));
+  EXPECT_THAT(error_of("P5\n552562327681 1\n255\n0"), HasSubstr("its header is invalid"));
+  EXPECT_THAT(error_of("BM\xff\0\0\0"sv), HasSubstr("it is cut off"));
   EXPECT_THAT(error_of("\xff\xd8\xff\xc4\0\x14\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x07"sv),
-              HasSubstr("it breaks the rules of JPEG, or ends too early"));
+              HasSubstr("it violates the JPEG format, or is cut off"));
   EXPECT_THAT(
       error_of("\xff\xd8\xff\xc0\0\x0b\x08\0\x08\0\x08\1\1\x11\0\xff\xda\0\x08\1\1\0\0\x3f\0\0\xff\xd9"sv),
-      HasSubstr("it breaks the rules of JPEG"))
+      HasSubstr("it violates the JPEG format"))
       << "its Huffman tables were not given";
   Diagnostics diagnostics;
   const auto bitmap = decode_bitmap("P5 # a comment\n2 #\n 1 255\n\x7f\x80"sv, "map.pgm", {}, diagnostics);
@@ -144,12 +144,12 @@ TEST_F(Limits, MacrosOnMacros) {
   for (int i = 1; i < 5000; ++i)
     world += "define m" + std::to_string(i) + " m" + std::to_string(i - 1) + "( size [1 1 1] )\n";
   EXPECT_THAT(refusal("w.world", world + repeated("m4999()\n", 5000)),
-              HasSubstr("error: too large: it takes more than 20000000 steps to follow the macros"));
+              HasSubstr("error: too large: more than 20000000 steps are needed to resolve the macros"));
 }
 
 TEST_F(Limits, PointsThatAreNotThere) {
   EXPECT_THAT(refusal("w.world", repeated("model( block( points 99999 point[0] [0 0] ) )\n", 50)),
-              HasSubstr("w.world:1: error: \"points\" is 99999, but far fewer are given"));
+              HasSubstr("w.world:1: error: \"points\" is 99999, but the block has far fewer"));
 }
 
 TEST_F(Limits, OutlinesOfRobotsThatCrossThemselves) {

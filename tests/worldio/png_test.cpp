@@ -180,7 +180,7 @@ TEST_F(WritePng, KeepsTheOldFileWhenTheDiskIsFull) {
 TEST_F(WritePng, RefusesWhatIsNoImage) {
   const fs::path file = folder_ / "a.png";
   EXPECT_EQ(error_of(file, {0, 5, {}}),
-            file.string() + ": cannot be written: an image of 0 x 5 pixels with 0 bytes");
+            file.string() + ": cannot be written: invalid image of 0 x 5 pixels with 0 bytes");
   EXPECT_THAT(error_of(file, {2, 2, std::vector<std::uint8_t>(15)}), HasSubstr("2 x 2 pixels with 15 bytes"));
   EXPECT_THAT(names(), ::testing::IsEmpty());
 }

@@ -68,8 +68,8 @@ TEST_F(Reader, CountsWholeFramesOnly) {
 }
 
 TEST_F(Reader, RefusesWhatIsNoRecording) {
-  EXPECT_THAT(error_of({.kind = "troupe checkpoint"}), HasSubstr("the file is no recording"));
-  EXPECT_THAT(error_of({.layout = 2}), HasSubstr("/meta says layout 2; this program reads 1"));
+  EXPECT_THAT(error_of({.kind = "troupe checkpoint"}), HasSubstr("the file is not a recording"));
+  EXPECT_THAT(error_of({.layout = 2}), HasSubstr("/meta has layout 2; this program reads layout 1"));
   { Hdf5File::create(file_).create_group("data"); }
   EXPECT_THROW(RecordingReader reader(file_), Hdf5Error);
 }
@@ -78,10 +78,10 @@ TEST_F(Reader, RefusesWhatDoesNotFitTogether) {
   EXPECT_THAT(error_of({.every = 0}), HasSubstr("has a record_every_ticks below 1"));
   EXPECT_THAT(error_of({.types = {"bot"}}), HasSubstr("/bodies has lists of different lengths"));
   EXPECT_THAT(error_of({.names = {}}), HasSubstr("/bodies has lists of different lengths"));
-  EXPECT_THAT(error_of({.ticks = {0, 4, 2}}), HasSubstr("/frames has ticks that do not rise"));
-  EXPECT_THAT(error_of({.x_row = {2, 1}}), HasSubstr("/state/pose/x is not of 3 bodies"));
-  EXPECT_THAT(error_of({.x_row = {3}}), HasSubstr("/state/pose/x is not of 3 bodies"));
-  EXPECT_THAT(error_of({.sensor_rows = 3}), HasSubstr("/sensors/bot/eye/ranges is not of 2 bodies"));
+  EXPECT_THAT(error_of({.ticks = {0, 4, 2}}), HasSubstr("/frames has ticks that do not increase"));
+  EXPECT_THAT(error_of({.x_row = {2, 1}}), HasSubstr("/state/pose/x does not have 3 bodies"));
+  EXPECT_THAT(error_of({.x_row = {3}}), HasSubstr("/state/pose/x does not have 3 bodies"));
+  EXPECT_THAT(error_of({.sensor_rows = 3}), HasSubstr("/sensors/bot/eye/ranges does not have 2 bodies"));
   EXPECT_THAT(error_of({.with_frames = false}), HasSubstr("there is no group /frames"));
 }
 

@@ -243,13 +243,13 @@ TEST_F(Replay, TheSameRecordingGivesTheSameBytes) {
 
 TEST_F(Replay, RefusesARecordingWithoutWhatItNeeds) {
   EXPECT_THAT(error_of(record(0.5, {.fields = {"stall"}})),
-              HasSubstr("run.h5: error: holds no poses, so there is nothing to show: record it with "
+              HasSubstr("run.h5: error: has no poses, so there is nothing to show: record it with "
                         "--record-fields pose,..."));
   EXPECT_THAT(error_of(record(0.5), {.fields = {"ranges"}}),
               HasSubstr("run.h5: error: unknown field \"ranges\"; known: pose/"));
   EXPECT_THAT(error_of(record(0.5, {}, R"({"troupe": 1, "types": {"wall": {"size_m": [4, 0.1, 1]}},
                                           "models": [{"name": "w", "type": "wall"}]})")),
-              HasSubstr("run.h5: error: holds nothing that moves, senses or decides"));
+              HasSubstr("run.h5: error: has no body that moves, senses or decides"));
 }
 
 // A crane whose arm goes up by 0.3 m/s from 1 s on and turns a hand that looks around; ants in reserve.
@@ -414,9 +414,8 @@ TEST_F(Replay, SaysThatPartsAreDrawnAtRest) {
 
 TEST_F(Replay, RefusesARecordingOfBeforeThereWereScenes) {
   ByHand{.with_scene = false}.write(folder_ / "old.h5");
-  EXPECT_THAT(
-      error_of(folder_ / "old.h5"),
-      HasSubstr("old.h5: error: does not say where walls stand and what colours robots have (/scene)"));
+  EXPECT_THAT(error_of(folder_ / "old.h5"),
+              HasSubstr("old.h5: error: has no /scene, with walls and colours"));
 }
 
 TEST_F(Replay, RefusesADamagedScene) {
@@ -424,8 +423,7 @@ TEST_F(Replay, RefusesADamagedScene) {
   for (const char* world :
        {"{", "[]", R"({"title": "t"})", R"({"title": 1, "words": ["", "a"], "types": []})"}) {
     ByHand{.world = world}.write(file);
-    EXPECT_THAT(error_of(file),
-                HasSubstr("hand.h5: error: /world is not what a recording holds: the file is damaged"))
+    EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world is not valid: the file is damaged"))
         << world;
   }
   for (const std::string type :
@@ -434,10 +432,10 @@ TEST_F(Replay, RefusesADamagedScene) {
     ByHand{.world = R"({"title": "t", "words": ["", "a"], "types": [{"name": "bot", "sensors": [], )" + type +
                     "}]}"}
         .write(file);
-    EXPECT_THAT(error_of(file), HasSubstr("/world or /scene says what no world does")) << type;
+    EXPECT_THAT(error_of(file), HasSubstr("/world or /scene has values that no world has")) << type;
   }
   ByHand{.type = 1}.write(file);
-  EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world or /scene says what no world does"));
+  EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world or /scene has values that no world has"));
 }
 
 }  // namespace

@@ -82,12 +82,14 @@ TEST_F(SealedFile, EveryCutShows) {
 TEST_F(SealedFile, SaysWhyItRefuses) {
   seal("abc");
   const std::string good = content(file_);
-  EXPECT_THAT(fault_of(good, "checkpoint"), StartsWith("this is no checkpoint"));
-  EXPECT_EQ(fault_of(good, "test", 1), "its layout is 2, of a newer version; this program reads 1");
-  EXPECT_EQ(fault_of(good, "test", 3), "its layout is 2, of an older version; this program reads 3");
-  EXPECT_EQ(fault_of(""), "this is no test: the file is empty");
-  EXPECT_EQ(fault_of("\x89HDF\r\n\x1a\n and so on"), "this is an HDF5 file, but no test");
-  EXPECT_EQ(fault_of(std::string(2000, 'z')), "this is no test");
+  EXPECT_THAT(fault_of(good, "checkpoint"), StartsWith("this is not a checkpoint"));
+  EXPECT_EQ(fault_of(good, "test", 1),
+            "its layout is 2, of a newer version of Troupe; this program reads layout 1");
+  EXPECT_EQ(fault_of(good, "test", 3),
+            "its layout is 2, of an older version of Troupe; this program reads layout 3");
+  EXPECT_EQ(fault_of(""), "this is not a test: the file is empty");
+  EXPECT_EQ(fault_of("\x89HDF\r\n\x1a\n and so on"), "this is an HDF5 file, but not a test");
+  EXPECT_EQ(fault_of(std::string(2000, 'z')), "this is not a test");
   EXPECT_EQ(fault_of(good.substr(0, 514)), "the file was cut off, after 514 bytes of 515");
   EXPECT_THROW(check_seal(folder_ / "nowhere", "test", 2), InputError);
   EXPECT_THROW(check_seal(folder_, "test", 2), InputError);

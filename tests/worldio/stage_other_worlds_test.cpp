@@ -58,9 +58,8 @@ TEST_F(StageOtherWorlds, WhatAnotherIncludeHasReadAlreadyIsNoNews) {
   EXPECT_THAT(messages(), IsEmpty());
   write("other.inc", "\ndefine robot position( size [9 9 9] )\n");
   load("include \"robot.inc\"\ninclude \"other.inc\"\nrobot()");
-  EXPECT_THAT(messages(),
-              ElementsAre("other.inc:2: warning: \"robot\" is defined already, at robot.inc:1; the "
-                          "first definition holds"));
+  EXPECT_THAT(messages(), ElementsAre("other.inc:2: warning: \"robot\" is already defined, at robot.inc:1; "
+                                      "the first definition is used"));
 }
 
 // Names of macros and types.
@@ -83,13 +82,13 @@ TEST_F(StageOtherWorlds, TypesOfOlderVersionsAreCalledSo) {
   load("position( charger() )\n\npuck()\nmap()");
   const std::vector<std::string> found = messages();
   ASSERT_THAT(found, SizeIs(3));
-  EXPECT_THAT(found[0],
-              HasSubstr("w.world:1: error: \"charger\" is no model type, nor a macro defined before: "
-                        "older versions of Stage had it, Stage 4.3 has not; types: actuator, "));
-  EXPECT_THAT(found[1], HasSubstr("w.world:3: error: \"puck\" is no model type, nor a macro defined before: "
-                                  "older versions of Stage had it"));
+  EXPECT_THAT(found[0], HasSubstr("w.world:1: error: \"charger\" is neither a model type nor a macro defined "
+                                  "above: Stage had it before version 4.3; types: actuator, "));
+  EXPECT_THAT(found[1],
+              HasSubstr("w.world:3: error: \"puck\" is neither a model type nor a macro defined above: "
+                        "Stage had it before version 4.3"));
   EXPECT_THAT(found[2],
-              HasSubstr("w.world:4: error: \"map\" is no model type, nor a macro defined before; "));
+              HasSubstr("w.world:4: error: \"map\" is neither a model type nor a macro defined above; "));
   // As macros, which is how worlds for 4.3 have them, they are like any other.
   load(
       "define map model( color \"black\" boundary 1 )\ndefine puck model( size [0.1 0.1 0.2] "
@@ -156,10 +155,8 @@ TEST_F(StageOtherWorlds, SensorsOnSensorsOnGrippers) {
 TEST_F(StageOtherWorlds, AnUnsizedBumperIsALargeBody) {
   const auto spec = load(
       "position( bumper( bcount 1 blength 0.1 ) )\nposition( bumper( bcount 1 blength 0.1 noblocks 1 ) )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:1: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
-                  "x 1 m; give it one, or noblocks 1"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: as in Stage, a bumper without \"size\" has a body "
+                                      "of 0.4 m x 0.4 m x 1 m; give it a \"size\", or \"noblocks 1\""));
   EXPECT_THAT(type_of(spec, 1).parts[1].solids, SizeIs(1));
   EXPECT_THAT(type_of(spec, 2).parts[1].solids, IsEmpty());
 }

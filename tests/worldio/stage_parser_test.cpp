@@ -32,7 +32,7 @@ TEST_F(Conformance14, MissingParenthesis) {
 
 TEST_F(Conformance14, ExtraParenthesis) {
   load("model()\n)\nmodel()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: this ) closes nothing"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: this ) has no matching ("));
 }
 
 TEST_F(Conformance14, EntityWithoutParentheses) {
@@ -106,15 +106,13 @@ TEST_F(Conformance14, ShortTuples) {
 
 TEST_F(Conformance14, UnknownType) {
   load("model( lazer() )\npositron()");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(
-          "w.world:1: error: \"lazer\" is no model type, nor a macro defined before; types: actuator, "
-          "blinkenlight, blobfinder, bumper, camera, fiducial, gripper, lightindicator, model, "
-          "position, radio, ranger (did you mean \"laser\"?)",
-          "w.world:2: error: \"positron\" is no model type, nor a macro defined before; types: "
-          "actuator, blinkenlight, blobfinder, bumper, camera, fiducial, gripper, lightindicator, "
-          "model, position, radio, ranger (did you mean \"position\"?)"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"lazer\" is neither a model type nor a macro defined above; "
+                          "types: actuator, blinkenlight, blobfinder, bumper, camera, fiducial, gripper, "
+                          "lightindicator, model, position, radio, ranger (did you mean \"laser\"?)",
+                          "w.world:2: error: \"positron\" is neither a model type nor a macro defined above; "
+                          "types: actuator, blinkenlight, blobfinder, bumper, camera, fiducial, gripper, "
+                          "lightindicator, model, position, radio, ranger (did you mean \"position\"?)"));
 }
 
 TEST_F(Conformance14, UnknownProperty) {
@@ -126,8 +124,8 @@ TEST_F(Conformance14, UnknownProperty) {
                   "w.world:2: warning: a model has no property \"colour\"; it is ignored (did you mean "
                   "\"color\"?)",
                   "w.world:3: warning: a model has no property \"wibble\"; it is ignored",
-                  "w.world:4: warning: a ranger has no property \"samples\"; it is ignored, it belongs into "
-                  "a sensor( ... )",
+                  "w.world:4: warning: a ranger has no property \"samples\"; it is ignored: it belongs in a "
+                  "sensor( ... )",
                   "w.world:4: warning: a ranger without a sensor( ... ) measures nothing"));
 }
 
@@ -136,8 +134,9 @@ TEST_F(Conformance14, MissingOrUnreadableBitmap) {
   EXPECT_THAT(messages(), ElementsAre("w.world:2: error: cannot read the image no.png"));
   write("text.png", "no image");
   load("model( bitmap \"text.png\" )");
-  EXPECT_THAT(messages(),
-              ElementsAre(HasSubstr("w.world:1: error: text.png is no PNG, JPEG, BMP or PNM image")));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(HasSubstr("w.world:1: error: text.png is not a readable PNG, JPEG, BMP or PNM image")));
 }
 
 TEST_F(Conformance14, ColoursNeedNoFile) {  // Stage reads rgb.txt, and ends where there is none
@@ -160,18 +159,18 @@ TEST_F(Conformance14, MissingController) {
 TEST_F(Conformance14, PiecesInWrongPlaces) {
   load("block( points 3 )\nsensor()\nmodel( sensor() )\nmodel( block( points 3 model() ) )");
   const auto found = messages();
-  EXPECT_THAT(found,
-              testing::IsSupersetOf({"w.world:1: error: a block belongs into a model, not at top level",
-                                     "w.world:2: error: a sensor belongs into a ranger, not at top level",
-                                     "w.world:3: error: a sensor belongs into a ranger, not into: model",
-                                     "w.world:4: error: a block holds properties only, no \"model\""}));
+  EXPECT_THAT(found, testing::IsSupersetOf(
+                         {"w.world:1: error: a block must be inside a model, not at the top level",
+                          "w.world:2: error: a sensor must be inside a ranger, not at the top level",
+                          "w.world:3: error: a sensor must be inside a ranger, not inside: model",
+                          "w.world:4: error: a block can only hold properties, not \"model\""}));
 }
 
 TEST_F(Conformance14, FirstDefineWins) {
   const auto spec = load("define a model( name \"first\" )\ndefine a model( name \"second\" )\na()");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:2: warning: \"a\" is defined already, at line 1; the first definition "
-                          "holds"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:2: warning: \"a\" is already defined, at line 1; the first definition is used"));
   EXPECT_EQ(name_of(spec, 1), "first");
 }
 
@@ -195,7 +194,7 @@ TEST_F(Conformance14, OverridesInAnInstance) {
   const auto spec =
       load("define box model( name \"box\" size [1 2 3] )\nbox( name \"mine\" )\nbox( size [4 5 6] )\nbox()");
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "mine", "box", "box"));
-  EXPECT_THAT(messages(), ElementsAre(HasSubstr("the name \"box\" is taken already")));
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("the name \"box\" is already taken")));
   EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(type_of(spec, 2).parts[0].size, Eigen::Vector3d(4, 5, 6));
   EXPECT_EQ(type_of(spec, 3).parts[0].size, Eigen::Vector3d(1, 2, 3));
@@ -226,7 +225,7 @@ TEST_F(StageParser, ParsesWhatStageParses) {
       "model(name \"a\"size[1 1 1]pose [1 2 3 4])model( )\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:3: warning: a model has no property \"pose[0]\"; it is ignored",
-                          "w.world:4: error: \"size[1\": a blank must stand before the ["));
+                          "w.world:4: error: \"size[1\": a blank is needed before the ["));
   ASSERT_THAT(spec.bodies, SizeIs(4));
   EXPECT_EQ(name_of(spec, 1), "top");
   EXPECT_FLOAT_EQ(spec.bodies[1].color.b, 128 / 255.0f);
@@ -246,22 +245,22 @@ TEST_F(StageParser, LexicalErrors) {
               testing::IsSupersetOf(
                   {"w.world:1: error: unexpected '='; a property is written: name value",
                    "w.world:2: error: unexpected ';'; a line end or a blank separates properties",
-                   "w.world:3: error: unexpected '{'; a body stands in ( )",
-                   "w.world:4: error: unexpected \"'\"; strings stand in double quotes",
+                   "w.world:3: error: unexpected '{'; a body is written in ( )",
+                   "w.world:4: error: unexpected \"'\"; strings are written in double quotes",
                    "w.world:5: error: unexpected byte 0x01",
                    "w.world:6: error: a string must end with \" on the line on which it begins",
-                   "w.world:7: error: \"2e-2\" is no number; numbers have neither exponent nor unit: 0.02",
+                   "w.world:7: error: \"2e-2\" is not a number; numbers have neither exponent nor unit: 0.02",
                    "w.world:8: error: a tuple must end with ] on the line on which it begins",
                    "w.world:9: error: a tuple cannot hold a tuple",
                    "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
                    "w.world:11: error: the value 5 belongs to no property",
-                   "w.world:12: error: this ] closes nothing",
+                   "w.world:12: error: this ] has no matching [",
                    "w.world:13: error: this tuple belongs to no property"}));
 }
 
 TEST_F(StageParser, TuplesStickToTheirBracket) {
   const auto spec = load("model( pose[1 2 3 90] )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"pose[1\": a blank must stand before the ["));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"pose[1\": a blank is needed before the ["));
   EXPECT_EQ(spec.bodies[1].pose_world_body.y, 2);
 }
 
@@ -272,12 +271,12 @@ TEST_F(StageParser, NumbersAreReadWhole) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world:1: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; \"1.2.3\" is none",
-          "w.world:2: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; \"--4\" is none",
-          "w.world:3: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; \"+\" is none",
-          "w.world:4: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; \"nan\" is none",
-          "w.world:5: error: \"ranger_return\": 99999999999999999999 is too large a number",
-          "w.world:6: error: \"noblocks\" needs a whole number; 0.5 is none"));
+          "w.world:1: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"1.2.3\"",
+          "w.world:2: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"--4\"",
+          "w.world:3: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"+\"",
+          "w.world:4: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"nan\"",
+          "w.world:5: error: \"ranger_return\": 99999999999999999999 is too large; numbers are at most 2^53",
+          "w.world:6: error: \"noblocks\" needs a whole number; here is 0.5"));
   const auto spec = load("model( pose [+1 -.5 2. \"90\"] name 5 )");
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, -0.5, 2, k_pi / 2}));
   EXPECT_EQ(name_of(spec, 1), "5");
@@ -285,8 +284,9 @@ TEST_F(StageParser, NumbersAreReadWhole) {
 
 TEST_F(StageParser, DefineInABodyIsAnError) {
   const auto spec = load("model(\n define x model( size [1 1 1] )\n name \"y\" )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:2: error: define belongs at the top level of a file, not into a model"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:2: error: define is only allowed at the top level of a file, not inside a model"));
   EXPECT_EQ(name_of(spec, 1), "y");
 }
 
@@ -315,8 +315,7 @@ TEST_F(StageParser, AnIncludeMayEndTheFile) {
 TEST_F(StageParser, WhatFollowsAnIncludeIsIgnoredWithAWarning) {
   write("a.inc", "model()\n");
   load("include \"a.inc\" model()\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: ignored, as in Stage, behind an include: model()"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: ignored after an include, as in Stage: model()"));
 }
 
 TEST_F(StageParser, IncludeCyclesAreReported) {
@@ -347,9 +346,8 @@ TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {
   // The file found there moves the base of later paths: b.inc lies beside it.
   EXPECT_EQ(name_of(load("include \"inc/a.inc\"\n", options), 1), "b");
   load("include \"c.inc\"\n", options);
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: cannot read the included file c.inc, nor one of that name on "
-                          "the search path"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: cannot read the included file c.inc, nor a file of "
+                                      "that name on the search path"));
 }
 
 // Macros.
@@ -360,20 +358,21 @@ TEST_F(StageParser, ABaseMayBeDefinedLater) {
 
 TEST_F(StageParser, AMacroMustStandBeforeItsUse) {
   load("a()\ndefine a model()\n");
-  EXPECT_THAT(messages(),
-              ElementsAre(HasSubstr("w.world:1: error: \"a\" is no model type, nor a macro defined before")));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(HasSubstr("w.world:1: error: \"a\" is neither a model type nor a macro defined above")));
 }
 
 TEST_F(StageParser, AMacroMayShadowAType) {
   load("define model position()\nmodel()");
   EXPECT_THAT(messages(), IsEmpty());
   load("define model model()\nmodel()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"model\" is built on itself"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"model\" is based on itself"));
 }
 
 TEST_F(StageParser, EndlessMacrosAreReported) {
   load("define a b()\ndefine b a()\na()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"a\" is built on itself"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"a\" is based on itself"));
   load("define a model( a() )\na()");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"a\" contains itself"));
   load("define a model( b() )\ndefine b model( model( a() ) )\na()");
@@ -384,7 +383,8 @@ TEST_F(StageParser, MacrosThatMultiplyAreReported) {
   std::string text = "define a0 model()\n";
   for (int i = 1; i < 40; ++i) text += fmt::format("define a{0} model( a{1}() a{1}() )\n", i, i - 1);
   load(text + "a39()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:41: error: its macros expand to more than 20000 entities"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:41: error: the macros of this model expand to more than 20000 entities"));
 }
 
 TEST_F(StageParser, DeepNestingIsReported) {
@@ -395,7 +395,7 @@ TEST_F(StageParser, DeepNestingIsReported) {
   text = "define a0 model()\n";
   for (int i = 1; i < 1000; ++i) text += fmt::format("define a{} model( a{}() )\n", i, i - 1);
   load(text + "a999()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1001: error: its macros nest deeper than 200"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1001: error: the macros of this model nest deeper than 200"));
 }
 
 TEST_F(StageParser, LongChainsOfBasesAreFine) {
@@ -408,7 +408,7 @@ TEST_F(StageParser, GivesUpOnGarbage) {
   load(std::string(100000, '\0'));
   const auto found = messages();
   ASSERT_THAT(found, SizeIs(51));
-  EXPECT_EQ(found.back(), "w.world:1: error: that makes 50 syntax errors; the rest is not read");
+  EXPECT_EQ(found.back(), "w.world:1: error: stopped after 50 syntax errors; the rest is not read");
 }
 
 // Any input: never a crash, never a hang.

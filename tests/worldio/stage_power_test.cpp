@@ -58,9 +58,8 @@ TEST_F(StagePowerTest, WhatModelsDrawGoesToTheNearestPack) {
       "  model( watts 4 )\n"  // does not run
       "  model( joules 9 model( watts 8 alwayson 1 model( watts 16 ctrl \"source 3\" ) ) )\n"
       ")\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: \"watts\" of a position has no effect: what it draws "
-                          "follows from what it does"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: \"watts\" of a position has no effect: its power "
+                                      "draw follows from what it does"));
   std::vector<const DeviceSpec*> packs;
   for (const DeviceSpec& device : found)
     if (device.kind == "power_pack") packs.push_back(&device);
@@ -93,9 +92,8 @@ TEST_F(StagePowerTest, GiversAndTakersHaveContacts) {
 
 TEST_F(StagePowerTest, WarnsOfContactsThatAreOfNoUse) {
   EXPECT_EQ(devices("model( joules -1 give_watts 500 )").size(), 2);
-  EXPECT_THAT(messages(),
-              ElementsAre(HasSubstr("w.world:1: warning: a model gives energy only while it runs: it "
-                                    "needs \"alwayson 1\" or a \"ctrl\"")));
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: warning: a model gives energy only while it "
+                                                "runs: it needs \"alwayson 1\" or \"ctrl\"")));
   EXPECT_THAT(devices("model( take_watts 70 )"), testing::IsEmpty());
   EXPECT_THAT(messages(), ElementsAre(HasSubstr("have no effect without \"joules\"")));
   EXPECT_THAT(devices("model( when_empty \"nothing\" )"), testing::IsEmpty());
@@ -117,14 +115,13 @@ TEST_F(StagePowerTest, RefusesWrongEnergies) {
       "model( mass -1 )\nmodel( joules 1 give_watts -1 alwayson 1 )\n");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          HasSubstr("w.world:1: error: \"watts\" must be 0 or above, in W, and at most 1e9; here is -3"),
-          HasSubstr("w.world:2: error: \"joules_capacity\" must be 0 or above, and at most 1e12 J; "
-                    "here is -5"),
-          HasSubstr("w.world:3: error: \"when_empty\" must be \"stop\" or \"nothing\"; here is "
-                    "\"explode\""),
-          HasSubstr("w.world:4: error: \"mass\" must be from 0 to 1e6, in kg; here is -1"),
-          HasSubstr("w.world:5: error: \"give_watts\" must be 0 or above")));
+      ElementsAre(HasSubstr("w.world:1: error: \"watts\" must be from 0 to 1e9, in W; here is -3"),
+                  HasSubstr("w.world:2: error: \"joules_capacity\" must be 0 or above, and at most 1e12 J; "
+                            "here is -5"),
+                  HasSubstr("w.world:3: error: \"when_empty\" must be \"stop\" or \"nothing\"; here is "
+                            "\"explode\""),
+                  HasSubstr("w.world:4: error: \"mass\" must be from 0 to 1e6, in kg; here is -1"),
+                  HasSubstr("w.world:5: error: \"give_watts\" must be from 0 to 1e9")));
 }
 
 TEST_F(StagePowerTest, ModelsWithASourceHoldFlags) {

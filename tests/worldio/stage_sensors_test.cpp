@@ -122,12 +122,14 @@ TEST_F(StageSensors, ABlobfinderFiltersByAsManyColoursAsItCounts) {
 
 TEST_F(StageSensors, WrongColoursAreErrors) {
   device("blobfinder( colors_count 1 colors [\"rde\"] )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: unknown colour \"rde\"; colours have X11 names "
-                                      "(did you mean \"red\"?)"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: error: unknown colour \"rde\"; colours are X11 names (did you mean \"red\"?)"));
   device("blobfinder( colors_count 3 colors [\"red\" \"blue\"] )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"colors_count\" must be from 0 to 2, as many as there "
-                          "are \"colors\"; here is 3"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: \"colors_count\" must be from 0 to 2, the number of \"colors\"; here is 3"));
   device("blobfinder( image [40.5 20] )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"image\" needs whole numbers; here is 40.5"));
 }

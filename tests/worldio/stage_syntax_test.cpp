@@ -71,7 +71,7 @@ TEST_F(StageSyntax, NamesAreCaseSensitive) {
       messages(),
       ElementsAre("w.world:2: warning: a model has no property \"Color\"; it is ignored (did you mean "
                   "\"color\"?)",
-                  testing::AllOf(HasSubstr("w.world:1: error: \"Model\" is no model type"),
+                  testing::AllOf(HasSubstr("w.world:1: error: \"Model\" is neither a model type"),
                                  HasSubstr("(did you mean \"model\"?)"))));
 }
 

@@ -82,7 +82,7 @@ TEST_F(StageWorld, RefusesWrongWorldProperties) {
                           "w.world:5: error: unknown unit_angle \"grad\"; known: degrees, radians",
                           "w.world:1: error: \"interval_sim\" must be at least 0.001 ms; here is 0",
                           "w.world:2: error: \"quit_time\" must be 0 (never) or above, in s; here is -1",
-                          "w.world:6: error: \"seed\" needs a whole number; 1.5 is none"));
+                          "w.world:6: error: \"seed\" needs a whole number; here is 1.5"));
   load("seed -1");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"seed\" must be 0 or above; here is -1"));
 }
@@ -108,12 +108,11 @@ TEST_F(StageWorld, SaysHowItIsToBeWatched) {
   EXPECT_TRUE(load("paused 1").watch.paused);
   EXPECT_THAT(messages(), SizeIs(1));
   load("show_clock_interval 0 speedup \"fast\"\nshow_clock 0.5");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:2: error: \"show_clock\" needs a whole number; 0.5 is none",
-                          "w.world:1: error: \"show_clock_interval\" must be from 1 to 1000000000 updates; "
-                          "here is 0",
-                          "w.world:1: error: \"speedup\" needs a number such as 2, -0.5 or .25; \"fast\" is "
-                          "none"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:2: error: \"show_clock\" needs a whole number; here is 0.5",
+                  "w.world:1: error: \"show_clock_interval\" must be from 1 to 1000000000 ticks; here is 0",
+                  "w.world:1: error: \"speedup\" needs a number such as 2, -0.5 or .25; here is \"fast\""));
 }
 
 TEST_F(StageWorld, TheFirstWindowIsKept) {
@@ -150,8 +149,8 @@ TEST_F(StageWorld, RefusesWrongWindows) {
                   "w.world:1: error: \"size\" needs 2 values [a b]; here is 1",
                   "w.world:2: error: \"scale\" must be above 0 and at most 1e+06; here is 0",
                   "w.world:3: error: \"interval\" must be above 0 and at most 1e+09; here is -3",
-                  "w.world:4: error: \"rotate\" needs a number such as 2, -0.5 or .25; \"two\" is none",
-                  "w.world:5: error: \"show_grid\" needs a whole number; 0.5 is none",
+                  "w.world:4: error: \"rotate\" needs a number such as 2, -0.5 or .25; here is \"two\"",
+                  "w.world:5: error: \"show_grid\" needs a whole number; here is 0.5",
                   "w.world:6: error: \"screenshot_skip\" must be at least 1 and at most 1e+09; here is 0",
                   "w.world:7: error: \"follow_model\" needs one value, not a tuple"));
 }
@@ -173,9 +172,8 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
 TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
   ASSERT_EQ(test_registry().device("actuator"), nullptr);
   load("\n\n\n\nactuator( max_speed 2 )\nactuator()\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: this program does not have what an actuator does; it is "
-                          "only a body here (and 1 more)"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: this program does not implement an actuator; it "
+                                      "is only a body here (and 1 more)"));
 }
 
 TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
@@ -253,10 +251,12 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
   const auto spec = load(
       "model( name \"x\" )\nmodel( name \"x\" )\nmodel( name \"\" )\nmodel( name \"/\" )\n"
       "model( name [\"a\"] )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:2: warning: the name \"x\" is taken already; looking it up finds the last",
-                          "w.world:3: warning: an empty name; the generated one stays (and 1 more)",
-                          "w.world:5: error: \"name\" needs one value, not a tuple"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:2: warning: the name \"x\" is already taken; a lookup finds the last model with this name",
+          "w.world:3: warning: \"name\" is empty; the generated name is used (and 1 more)",
+          "w.world:5: error: \"name\" needs one value, not a tuple"));
   EXPECT_EQ(name_of(spec, 3), "model:3");
 }
 
@@ -264,11 +264,9 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
 
 TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
   const auto spec = load("model( size [2 4 3] )\nranger( sensor() )\nbumper()\nmodel( noblocks 1 )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" is a body of 0.4 m x 0.4 m "
-                  "x 1 m; give it one, or noblocks 1",
-                  "w.world:3: warning: a bumper without \"bcount\" feels nothing"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" has a body "
+                                      "of 0.4 m x 0.4 m x 1 m; give it a \"size\", or \"noblocks 1\"",
+                                      "w.world:3: warning: a bumper without \"bcount\" feels nothing"));
   const engine::PartSpec& box = type_of(spec, 1).parts[0];
   ASSERT_THAT(box.solids, SizeIs(1));
   expect_box(bounds_of(box.solids), -1, 1, -2, 2);
@@ -300,27 +298,27 @@ TEST_F(StageWorld, RefusesBrokenBlocks) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: a block needs \"points\", the number of its vertices",
                           "w.world:2: error: \"points\" must be from 3 to 100000; here is 2",
-                          "w.world:3: error: \"points\" needs a whole number; 3.5 is none",
+                          "w.world:3: error: \"points\" needs a whole number; here is 3.5",
                           "w.world:4: error: \"point[1]\" needs 2 values [x y]; here is 1",
-                          "w.world:5: error: \"z\" needs [min max] with min below max"));
+                          "w.world:5: error: \"z\" needs [min max] with min at most max"));
 }
 
 TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
   load(
       "model( block( points 4 point[1] [1 0] point[2] [1 1]\n point[7] [3 3] ) )\n"
       "model( block( points 3 point[0] [0 0] point[1] [1 1] point[2] [2 2] z [0 1] ) )\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:2: warning: \"point[7]\" is ignored: the block has 4 points",
-                          "w.world:1: warning: 2 of the 4 points are not given; as in Stage they lie at "
-                          "[0 0]",
-                          "w.world:1: warning: this block has no height; give it z [min max]",
-                          "w.world:3: warning: this block has no area"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:2: warning: \"point[7]\" is ignored: the block has 4 points, numbered from 0",
+                  "w.world:1: warning: 2 of the 4 points are not given; as in Stage, they are at [0 0]",
+                  "w.world:1: warning: this block has no height; give it \"z\" [min max]",
+                  "w.world:3: warning: this block has no area"));
 }
 
 TEST_F(StageWorld, IgnoresPointsBelowTheFirst) {
   load("model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0 1]\n point[-3] [3 3] ) )\n");
-  EXPECT_THAT(messages(),
-              ::testing::Contains("w.world:2: warning: \"point[-3]\" is ignored: the block has 3 points"));
+  EXPECT_THAT(messages(), ::testing::Contains("w.world:2: warning: \"point[-3]\" is ignored: the block has 3 "
+                                              "points, numbered from 0"));
 }
 
 TEST_F(StageWorld, BoundaryIsFourWallsWithin) {
@@ -340,8 +338,8 @@ TEST_F(StageWorld, BlocksDiscardWhatCameBeforeUnlessABitmapDid) {
   const std::string block = " block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0 1] ) )\n";
   const auto spec = load("model( size [4 2 1]\n boundary 1" + block + "model( boundary 1 bitmap \"dot.png\"" +
                          block + "ranger( boundary 1 sensor()" + block);
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:2: warning: as in Stage, the blocks of this model discard its boundary"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: warning: \"boundary\" has no effect: as in Stage, the "
+                                      "blocks of a model without a bitmap replace it"));
   EXPECT_THAT(type_of(spec, 1).parts[0].solids, SizeIs(1));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(6));
   EXPECT_THAT(type_of(spec, 3).parts[0].solids, SizeIs(5));
@@ -395,10 +393,10 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
       "unit_length \"cm\"\ndefine plan model( bitmap \"maps/lab.yaml\" )\n"
       "plan()\nplan( size [1 1 30] pose [0 0 0 90] )\nplan( bitmap_unknown 1 )\n"
       "plan( block( points 3 point[1] [1 0] point[2] [1 1] z [0 1] ) )\n");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:4: warning: of \"size\" the height alone counts: the map is 2 m x 1 m",
-                  "w.world:6: error: a model with a map of ROS takes no blocks: the map is not stretched"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:4: warning: only the height of \"size\" is used: the map is 2 m x 1 m",
+                          "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks: the "
+                          "map is not stretched"));
   const engine::PartSpec& plan = type_of(spec, 1).parts[0];
   EXPECT_EQ(plan.size, Eigen::Vector3d(2, 1, 1));
   expect_box(bounds_of(plan.solids), 10.5, 11, 20, 20.5);
@@ -418,7 +416,7 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
       "model( bitmap \"a.yaml\" )\nmodel( bitmap \"b.yaml\" )\nmodel( bitmap \"c.yml\" )\nmodel( bitmap "
       "\"d.yml\" )");
   EXPECT_THAT(messages(),
-              ElementsAre("a.yaml:2: error: \"resolution\" needs a length in m, above 0; here is \"0\"",
+              ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m; here is \"0\"",
                           "b.yaml:2: error: cannot read the image no.pgm",
                           "w.world:3: error: the map c.yml has no occupied cell",
                           "w.world:4: error: cannot read the map d.yml"));
@@ -427,9 +425,10 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
 TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
   write_png(folder() / "white.png", Image{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}});
   load("model( bitmap \"white.png\" )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: the image white.png has no solid pixel; solid is what is darker "
-                          "than half"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: the image white.png has no solid pixel; pixels darker than half are solid"));
 }
 
 TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
@@ -452,9 +451,8 @@ TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
       "  ranger( size [0 0 0] pose [0 0 0.1 0] sensor( size [0 0 0] ) model( size [0.1 0.1 0.1] ) )\n"
       "  fiducial( size [0 0 0] ) )\n"
       "model( noblocks 1 size [0 0 0] )\nmodel( size [4 4 0] obstacle_return 0 )\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: \"size\" gives this model no height: only what is at "
-                          "that very height meets it"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: \"size\" gives this model a height of 0: only "
+                                      "bodies and beams at exactly its height meet it"));
   const engine::TypeSpec& robot = type_of(spec, 1);
   EXPECT_EQ(robot.parts[1].size, Eigen::Vector3d(0, 0, 0));
   EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 0, "z"), 0.3, 1e-15);
@@ -486,8 +484,8 @@ TEST_F(StageWorld, OldTuplesAreReadWithAWarning) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world:1: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], the "
-          "height stays 1 m",
+          "w.world:1: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with a "
+          "height of 1 m",
           "w.world:1: warning: old syntax: \"origin\" takes [x y z heading]; three values are read as "
           "[x y heading]",
           "w.world:1: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as "
@@ -506,11 +504,10 @@ TEST_F(StageWorld, LongTuplesAreCutWithAWarning) {
 
 TEST_F(StageWorld, PlacesOutsideTheWorldAreErrors) {
   load("model( pose [200000 0 0 0] )\nmodel( model( pose [0 0 -100001 0] ) )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"pose\" lies outside the world, which ends 100 km from its "
-                          "origin",
-                          "w.world:2: error: \"pose\" lies outside the world, which ends 100 km from its "
-                          "origin"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: error: \"pose\" is outside the world, which reaches 100 km from its origin",
+                  "w.world:2: error: \"pose\" is outside the world, which reaches 100 km from its origin"));
 }
 
 TEST_F(StageWorld, ChildrenStackOnTheirParent) {
@@ -545,11 +542,10 @@ TEST_F(StageWorld, ReturnsAndColours) {
       "model( obstacle_return 0 ranger_return 0.5 color \"DarkBlue\" color_rgba [1 1 1 1] )\n"
       "model( ranger_return -1 color_rgba [0.25 0.5 0.75 0.5] model( color \"green\" ) ranger( sensor() ) )\n"
       "model( color \"rde\" )\nmodel( color_rgba [0 0 0 2] )\n");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:3: warning: unknown colour \"rde\", drawn red; colours have X11 names (did "
-                  "you mean \"red\"?)",
-                  "w.world:4: error: \"color_rgba\" needs values from 0 to 1; here is 2"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:3: warning: unknown colour \"rde\", replaced by red; colours are X11 "
+                          "names (did you mean \"red\"?)",
+                          "w.world:4: error: \"color_rgba\" needs values from 0 to 1; here is 2"));
   EXPECT_FALSE(type_of(spec, 1).parts[0].returns.obstacle);
   EXPECT_EQ(type_of(spec, 1).parts[0].returns.ranger, 0.5f);
   EXPECT_EQ(spec.bodies[1].color, (Color{0, 0, 139 / 255.0f, 1}));
@@ -673,14 +669,15 @@ TEST_F(StageWorld, LasersAndSonarsHaveTheSameProperties) {
 
 TEST_F(StageWorld, RefusesWrongLasersAndNoOtherNames) {
   load("laser( samples 0 )\nsonar( range_max -1 )\nlaser( range_min 9 )\nlaser( wibble 3 )\nmap()\nlasr()");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:4: warning: a laser has no property \"wibble\"; it is ignored",
-                          "w.world:1: error: \"samples\" must be at least 1; here is 0",
-                          "w.world:2: error: \"range_max\" must be above 0 m; here is -1",
-                          "w.world:3: error: \"range_min\", 9 m, must be at most \"range_max\", 8 m",
-                          HasSubstr("w.world:5: error: \"map\" is no model type, nor a macro defined before"),
-                          testing::AllOf(HasSubstr("w.world:6: error: \"lasr\" is no model type"),
-                                         HasSubstr("(did you mean \"laser\"?)"))));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:4: warning: a laser has no property \"wibble\"; it is ignored",
+                  "w.world:1: error: \"samples\" must be at least 1; here is 0",
+                  "w.world:2: error: \"range_max\" must be above 0 m; here is -1",
+                  "w.world:3: error: \"range_min\", 9 m, must be at most \"range_max\", 8 m",
+                  HasSubstr("w.world:5: error: \"map\" is neither a model type nor a macro defined above"),
+                  testing::AllOf(HasSubstr("w.world:6: error: \"lasr\" is neither a model type"),
+                                 HasSubstr("(did you mean \"laser\"?)"))));
 }
 
 TEST_F(StageWorld, RefusesWrongTransducers) {
@@ -782,8 +779,8 @@ TEST_F(StageWorld, DrivesKnowWhereTheyAre) {
   EXPECT_EQ(value(3, "localization_origin").numbers(), (Numbers{1, 2}));
   EXPECT_EQ(value(5, "localization_origin").numbers(), Numbers());
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: with localization \"gps\" poses are the world's, whatever the "
-                          "origin, as in Stage; \"gps_origin 1\" honours it"));
+              ElementsAre("w.world:5: warning: \"localization_origin\" has no effect: as in Stage, \"gps\" "
+                          "poses are in the world frame; \"gps_origin 1\" applies the origin"));
 }
 
 TEST_F(StageWorld, RefusesWrongLocalisation) {
@@ -791,12 +788,13 @@ TEST_F(StageWorld, RefusesWrongLocalisation) {
       "position( localization \"gsp\" )\nposition( odom_error [0.05 0.05 0.1] )\n"
       "position( odom_heading \"newer\" )\nposition( acceleration_bounds [1 -1 0 0 0 0 0 0] )\n"
       "position( velocity [1 0 0] )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\"; here is \"gsp\"",
-                          "w.world:2: error: \"odom_error\" needs 4 values [x y z a]; here are 3",
-                          "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\"; here is \"newer\"",
-                          "w.world:4: error: \"acceleration_bounds\" needs each minimum at most its maximum",
-                          "w.world:5: error: \"velocity\" needs 4 values [x y z a]; here are 3"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\"; here is \"gsp\"",
+                  "w.world:2: error: \"odom_error\" needs 4 values [x y z a]; here are 3",
+                  "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\"; here is \"newer\"",
+                  "w.world:4: error: each minimum of \"acceleration_bounds\" must be at most its maximum",
+                  "w.world:5: error: \"velocity\" needs 4 values [x y z a]; here are 3"));
 }
 
 TEST_F(StageWorld, RefusesWrongDrives) {
@@ -804,7 +802,7 @@ TEST_F(StageWorld, RefusesWrongDrives) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:1: error: unknown drive \"onmi\"; known: car, diff, omni (did you mean \"omni\"?)",
-                  "w.world:2: error: \"velocity_bounds\" needs each minimum at most its maximum",
+                  "w.world:2: error: each minimum of \"velocity_bounds\" must be at most its maximum",
                   "w.world:3: error: \"wheelbase\" must be above 0; here is 0"));
 }
 
@@ -813,9 +811,8 @@ TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
       "model( position() )\n"
       "position( position( pose [1 0 0 90] drive \"omni\" velocity_bounds [-2 2 0 0 0 0 -90 90]\n"
       "  localization \"odom\" model() ) )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:3: warning: \"localization\" of a position inside another model has "
-                          "no effect: it knows its true pose"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:3: warning: \"localization\" of a position inside another "
+                                      "model has no effect: such a model always knows its true pose"));
   EXPECT_FALSE(type_of(spec, 1).drive);
   ASSERT_EQ(type_of(spec, 1).joints.size(), 1u);
   const engine::TypeSpec& type = type_of(spec, 2);
@@ -873,7 +870,7 @@ TEST_F(StageWorld, RefusesWrongArguments) {
       ElementsAre(
           "w.world:1: error: \"ctrl\" names no controller; known: expand, expand_pioneer, expand_swarm, "
           "script, source, wander",
-          "w.world:2: error: controller \"wander\" takes no more than 5 arguments",
+          "w.world:2: error: controller \"wander\" takes at most 5 arguments",
           "w.world:3: error: controller \"expand\" has no parameter \"spede\"; known: speed, gain, "
           "clearance, "
           "clearances, cone, invert, hold_on_axis (did you mean \"speed\"?)",
@@ -884,9 +881,8 @@ TEST_F(StageWorld, RefusesWrongArguments) {
           "w.world:8: error: controller \"script\": \"legs\" cannot be given in a .world file, only in JSON; "
           "here "
           "is \"1\"",
-          "w.world:9: error: controller \"expand\": \"clearances\" needs numbers, separated by commas "
-          "without "
-          "blanks; here is \"1,,2\""));
+          "w.world:9: error: controller \"expand\": \"clearances\" needs numbers separated by commas, "
+          "without blanks; here is \"1,,2\""));
 }
 
 TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {
@@ -1057,8 +1053,8 @@ TEST_F(StageOwnWorld, Cave) {
   const auto spec = open("benchmark/cave.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("benchmark/cave.world:52: warning: \"greenrob\" is defined already, at line 48; the first "
-                  "definition holds",
+      ElementsAre("benchmark/cave.world:52: warning: \"greenrob\" is already defined, at line 48; the first "
+                  "definition is used",
                   "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
                   "threads",
                   "benchmark/cave.world:13: warning: accepted, but only Stage's window would use it: "

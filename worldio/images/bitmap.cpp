@@ -19,9 +19,9 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr int k_darkest_free = 128;  // of 255: what is darker is solid
+constexpr int k_darkest_free = 128;  // of 255; darker pixels are solid
 
-/// Counts what the pixels of a PNG unpack to, without keeping it.
+/// Counts the bytes that the pixels of a PNG unpack to, without keeping them.
 class Unpacked {
  public:
   Unpacked() { inflateInit(&stream_); }
@@ -29,7 +29,7 @@ class Unpacked {
   Unpacked(const Unpacked&) = delete;
   Unpacked& operator=(const Unpacked&) = delete;
 
-  /// Reads on, until there are more bytes than this.
+  /// Unpacks more data, until there are more than `most` bytes.
   void add(std::string_view data, std::size_t most) {
     stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
     stream_.avail_in = static_cast<uInt>(data.size());
@@ -46,9 +46,9 @@ class Unpacked {
   std::array<Bytef, 1 << 15> buffer_;
 };
 
-/// True when a chunk of a PNG is cut off or does not fit its checksum: stb_image does not look, and a map
-/// with a flipped bit would be another map. Also when its pixels unpack to far more than the image has:
-/// stb_image unpacks everything, and a thousandth of it is enough to say so.
+/// True if a chunk of a PNG is cut off or does not match its checksum: stb_image does not check, and a map
+/// with a flipped bit would be a different map. Also if its pixels unpack to far more than the image has:
+/// stb_image would unpack everything, while here unpacking stops as soon as it is too much.
 bool png_is_damaged(std::string_view bytes) {
   constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
   if (!bytes.starts_with(k_signature)) return false;
@@ -74,7 +74,7 @@ bool png_is_damaged(std::string_view bytes) {
       if (static_cast<double>(width) * static_cast<double>(height) <= k_most_pixels)
         most = k_most_pixel_bytes * (width + 1) * (height + 1);
     }
-    if (kind == "IDAT" && most > 0) {  // else it is refused for its size
+    if (kind == "IDAT" && most > 0) {  // a larger image is an error anyway
       unpacked.add(bytes.substr(at + 8, length), most);
       if (unpacked.bytes() > most) return true;
     }
@@ -83,9 +83,9 @@ bool png_is_damaged(std::string_view bytes) {
   return true;
 }
 
-/// True when the segments of a JPEG do not follow one another, a Huffman table has more codes than there are
-/// bytes, or a scan uses one that was not given: stb_image (2.27, Debian 12) writes the one behind the room
-/// it has for it, and searches whatever lay in memory for the other.
+/// True if the segments of a JPEG do not follow one another, a Huffman table has more codes than a byte has
+/// values, or a scan uses a table that is not defined. stb_image (2.27, Debian 12) writes too large a table
+/// beyond its buffer, and reads uninitialized memory for a missing one.
 bool jpeg_is_damaged(std::string_view bytes) {
   constexpr unsigned k_first_marker = 0xc0, k_huffman = 0xc4, k_first_restart = 0xd0, k_last_restart = 0xd7,
                      k_progressive = 0xc2, k_start = 0xd8, k_end = 0xd9, k_start_of_scan = 0xda;
@@ -93,15 +93,14 @@ bool jpeg_is_damaged(std::string_view bytes) {
   const auto byte = [&](std::size_t i) {
     return i < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i])) : 0;
   };
-  // Any number of bytes 0xff may stand before a marker, which is 0 where there is none.
+  // Returns the marker here, 0 if there is none. Any number of bytes 0xff may precede it.
   const auto take_marker = [&]() -> unsigned {
     if (byte(at) != 0xff) return 0;
     while (byte(at) == 0xff) ++at;
     return byte(at++);
   };
   if (take_marker() != k_start) return false;
-  unsigned given[2] = {0,
-                       0};  // Huffman tables, a bit each: for the means of blocks, and for what they vary by
+  unsigned given[2] = {0, 0};  // defined Huffman tables of DC and of AC coefficients, a bit each
   bool is_progressive = false;
   unsigned marker = take_marker();
   while (marker != k_end) {
@@ -110,7 +109,7 @@ bool jpeg_is_damaged(std::string_view bytes) {
     const std::size_t end = at + length;
     if (length < 2 || end > bytes.size()) return true;
     if (marker == k_huffman)
-      for (std::size_t table = at + 2; table < end;) {  // a byte that says which, 16 counts, the codes
+      for (std::size_t table = at + 2; table < end;) {  // 1 byte that identifies it, 16 counts, the codes
         given[byte(table) >> 4 & 1] |= 1u << (byte(table) & 15);
         unsigned codes = 0;
         for (std::size_t i = 1; i <= 16; ++i) codes += byte(table + i);
@@ -118,8 +117,7 @@ bool jpeg_is_damaged(std::string_view bytes) {
         if (codes > 256 || table > end) return true;
       }
     is_progressive = is_progressive || marker == k_progressive;
-    if (marker ==
-        k_start_of_scan) {  // components: a byte that says which, its two tables; then the coefficients
+    if (marker == k_start_of_scan) {  // per component: id, its two tables; then the coefficients
       const std::size_t after = at + 3 + 2 * std::size_t{byte(at + 2)};
       if (after + 3 != end) return true;
       const bool needs[] = {!is_progressive || byte(after) == 0, !is_progressive || byte(after + 1) > 0};
@@ -131,8 +129,7 @@ bool jpeg_is_damaged(std::string_view bytes) {
     }
     at = end;
     const bool is_scan = marker == k_start_of_scan;
-    do {  // behind the head of a scan its pixels, up to a marker that is neither a byte 0xff of them nor a
-          // restart
+    do {  // after the header of a scan, skips its pixels: bytes 0xff among them, and restarts, are no markers
       while (is_scan && at < bytes.size() && byte(at) != 0xff) ++at;
       marker = take_marker();
     } while (is_scan && at < bytes.size() &&
@@ -141,8 +138,8 @@ bool jpeg_is_damaged(std::string_view bytes) {
   return false;
 }
 
-/// True when a PNM (P5 or P6, the binary ones) is cut off or says nonsense of itself: stb_image does not
-/// look, and takes what happened to lie in memory for the pixels that are not there.
+/// True if a PNM (P5 or P6, the binary formats) is cut off or has an invalid header: stb_image does not
+/// check, and reads uninitialized memory for missing pixels.
 bool pnm_is_damaged(std::string_view bytes) {
   if (!bytes.starts_with("P5") && !bytes.starts_with("P6")) return false;
   constexpr std::string_view k_blanks = " \t\n\v\f\r";
@@ -161,7 +158,7 @@ bool pnm_is_damaged(std::string_view bytes) {
   const double width = next_number();
   const double height = next_number();
   const double largest = next_number();
-  constexpr double k_most = 999999;  // stb_image multiplies beyond what an int holds
+  constexpr double k_most = 999999;  // above it, products overflow an int in stb_image
   for (const double number : {width, height, largest})
     if (number < 1 || number > k_most) return true;
   ++at;  // the one blank before the pixels
@@ -169,7 +166,8 @@ bool pnm_is_damaged(std::string_view bytes) {
   return at > bytes.size() || static_cast<double>(bytes.size() - at) < size;
 }
 
-/// True when a BMP is shorter than it says, or than its pixels: stb_image would fill it up with black.
+/// True if a BMP is shorter than its header says, or than its pixels: stb_image would fill the rest with
+/// black.
 bool bmp_is_damaged(std::string_view bytes) {
   if (!bytes.starts_with("BM")) return false;
   const auto number = [&](std::size_t at, std::size_t count) {
@@ -178,7 +176,7 @@ bool bmp_is_damaged(std::string_view bytes) {
       n |= std::uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
     return n;
   };
-  const bool is_old = number(14, 4) == 12;  // the head of OS/2
+  const bool is_old = number(14, 4) == 12;  // the OS/2 header
   const std::uint32_t width = is_old ? number(18, 2) : number(18, 4);
   const auto height =
       static_cast<std::int32_t>(is_old ? number(20, 2) : number(22, 4));  // below 0: top row first
@@ -188,7 +186,7 @@ bool bmp_is_damaged(std::string_view bytes) {
          std::max<double>(number(2, 4), number(10, 4) + row_bytes * std::abs(static_cast<double>(height)));
 }
 
-/// Where the outline of the solid pixels turns: the corners that its contours have.
+/// The number of corners of the outlines of the solid pixels.
 std::size_t count_corners(const Bitmap& bitmap) {
   std::size_t count = 0;
   for (int y = 0; y <= bitmap.height; ++y)
@@ -201,11 +199,11 @@ std::size_t count_corners(const Bitmap& bitmap) {
   return count;
 }
 
-/// The directed unit edges around the solid pixels that are left when those between two solid pixels cancel,
-/// as the set of directions in which they leave each corner of the pixel lattice (image axes, +y down).
+/// The directed unit edges around the solid pixels; those between two solid pixels cancel. They are stored as
+/// the set of directions in which edges leave each corner of the pixel lattice (image axes, +y down).
 class BoundaryEdges {
  public:
-  // In the order of the corners they lead to, x before y: the first one set is the one Stage takes.
+  // In the order of the corners they lead to, x before y: the first one set is the one that Stage follows.
   enum Direction : std::uint8_t { left = 1, up = 2, down = 4, right = 8 };
 
   explicit BoundaryEdges(const Bitmap& bitmap)
@@ -227,7 +225,7 @@ class BoundaryEdges {
   int y_of(std::size_t corner) const { return static_cast<int>(corner % rows_); }
   bool any_leaves(std::size_t corner) const { return leaving_[corner] != 0; }
 
-  /// Takes one edge out and returns the corner it leads to.
+  /// Removes an edge that leaves a corner and returns the corner it leads to.
   std::size_t follow(std::size_t corner) {
     std::uint8_t& set = leaving_[corner];
     const auto first = static_cast<std::uint8_t>(set & (~set + 1));
@@ -270,10 +268,10 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
     std::string_view what;
   };
   constexpr Format k_formats[] = {
-      {png_is_damaged, "a checksum in it does not fit, or it holds more than its pixels"},
-      {jpeg_is_damaged, "it breaks the rules of JPEG, or ends too early"},
-      {pnm_is_damaged, "its numbers make no sense, or it ends too early"},
-      {bmp_is_damaged, "it ends too early"}};
+      {png_is_damaged, "a checksum does not match, or it has more data than pixels"},
+      {jpeg_is_damaged, "it violates the JPEG format, or is cut off"},
+      {pnm_is_damaged, "its header is invalid, or it is cut off"},
+      {bmp_is_damaged, "it is cut off"}};
   for (const auto& [is_damaged, what] : k_formats)
     if (is_damaged(bytes)) {
       diagnostics.error(where, fmt::format("the image {} is damaged: {}", name, what));
@@ -283,7 +281,7 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
   const int size = static_cast<int>(bytes.size());
   Bitmap bitmap;
   int channels = 0;
-  // What the head says, before memory is taken for it.
+  // Checks the size in the header before memory is allocated for it.
   if (stbi_info_from_memory(data, size, &bitmap.width, &bitmap.height, &channels) &&
       static_cast<double>(bitmap.width) * bitmap.height > most_pixels) {
     diagnostics.error(
@@ -294,7 +292,7 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data, size, &bitmap.width, &bitmap.height, &channels, 0), stbi_image_free);
   if (!pixels) {
-    diagnostics.error(where, fmt::format("{} is no PNG, JPEG, BMP or PNM image that can be read ({})", name,
+    diagnostics.error(where, fmt::format("{} is not a readable PNG, JPEG, BMP or PNM image ({})", name,
                                          stbi_failure_reason()));
     return {};
   }

@@ -25,39 +25,40 @@ struct Bitmap {
   }
 };
 
-/// The most that is read of an image: pixels, and corners of its outlines. They are what memory grows with,
-/// and a file of some kilobytes can ask for any number of either.
+/// Limits of an image: pixels, and corners of its outlines. Memory grows with both, and a file of a few
+/// kilobytes can ask for any number of either.
 inline constexpr double k_most_pixels = 100e6;
 inline constexpr std::size_t k_most_corners = 4000000;
 
-/// Whether a pixel is solid, from its channels: grey, grey and opacity, red green blue, or these and opacity.
+/// Decides whether a pixel is solid, from its channels: grey, red green blue, or either followed by opacity.
 using PixelRule = std::function<bool(std::span<const std::uint8_t> channels)>;
-/// Stage's: the first channel is 127 or darker.
+/// Stage's rule: a pixel is solid if its first channel is at most 127.
 bool is_dark(std::span<const std::uint8_t> channels);
 
-/// Reads PNG, JPEG, BMP or PNM. Empty, with an error at `where`, when the file is missing, no image or too
-/// large.
+/// Reads PNG, JPEG, BMP or PNM. Empty, with an error at `where`, if the file is missing, not such an image,
+/// damaged or too large.
 std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics,
                                   const PixelRule& is_solid = is_dark);
-/// The same for the content of a file, which messages call `name`.
+/// As read_bitmap(), for the content of a file; messages call it `name`.
 std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view name, Where where,
                                     Diagnostics& diagnostics, double most_pixels = k_most_pixels,
                                     const PixelRule& is_solid = is_dark);
 
-/// The outlines of the solid pixels as closed rings, holes included, collinear runs merged; pixel units, +y
-/// up (image row 0 has the largest y). Source: stage worlds' floor plans; docs/stage-worlds.md.
+/// Returns the outlines of the solid pixels, holes included, as closed rings in pixels, +y up: y is 0 at the
+/// top of the image and -height at the bottom. Collinear runs are merged, but as in Stage not among the first
+/// three points of a ring (docs/stage-worlds.md).
 std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
 
-/// Maps the outlines of an image of this size in pixels so that the whole of it, margins included, fills
-/// `size` in x and y, centred.
+/// Maps the outlines of an image of width x height pixels so that the whole image, margins included, fills
+/// `size`, m, in x and y, centred.
 void fit_image(int width, int height, const Eigen::Vector3d& size, std::vector<Ring>& contours);
 
-/// Adds four walls that stand just inside the box of a floor plan, 0.01 m thick (less in a smaller box) and
-/// as tall as it.
+/// Adds four walls just inside the box of a floor plan of this size, m, which is centred in x and y. They are
+/// 0.01 m thick, less in a smaller box, and as tall as the box.
 void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids);
 
 /// Scales the contours of several solids together so that their common bounding box fills `size` and is
-/// centred; z is multiplied by size.z / (z_max - z_min) and not shifted. `frame` counts as part of the box.
+/// centred; z is multiplied by size.z / (z_max - z_min) and not shifted. The bounding box includes `frame`.
 void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size, const Box& frame = {});
 
 }  // namespace troupe::worldio

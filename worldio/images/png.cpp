@@ -35,17 +35,18 @@ void append(png_structp png, png_bytep data, std::size_t size) {
   }
 }
 
-/// Pixels as a PNG has them.
+/// Pixels in the layout of a PNG.
 struct Rows {
   int width;
   int height;
   std::span<const std::uint8_t> bytes;
   int color_type;
-  int bits;                 // a channel
+  int bits;                 // per channel
   std::size_t pixel_bytes;  // of all channels
 };
 
-/// False when libpng jumped out. Nothing with a destructor may live in here: the jump would skip it.
+/// False if libpng left with longjmp(), its way to report an error. No local variable may have a destructor:
+/// the jump would skip it.
 bool encode_rows(png_structp png, png_infop info, const Rows& image, std::vector<png_text>& texts) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
@@ -62,12 +63,12 @@ bool encode_rows(png_structp png, png_infop info, const Rows& image, std::vector
 std::string encode(const Rows& image, const std::vector<std::pair<std::string, std::string>>& text) {
   if (image.width < 1 || image.height < 1 ||
       image.bytes.size() != image.pixel_bytes * static_cast<std::size_t>(image.width) * image.height) {
-    throw std::runtime_error(fmt::format("an image of {} x {} pixels with {} bytes", image.width,
+    throw std::runtime_error(fmt::format("invalid image of {} x {} pixels with {} bytes", image.width,
                                          image.height, image.bytes.size()));
   }
   std::vector<png_text> texts;
   for (const auto& [key, value] : text) {
-    // tEXt is Latin-1; what goes beyond ASCII is UTF-8 here, and iTXt carries that.
+    // tEXt is Latin-1. Text beyond ASCII is UTF-8, which needs iTXt.
     const bool ascii = std::ranges::all_of(value, [](char c) { return static_cast<unsigned char>(c) < 128; });
     png_text entry{};
     entry.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE;
@@ -107,7 +108,7 @@ void write_png(const std::filesystem::path& file, const Image& image,
 
 void write_png(const std::filesystem::path& file, const DepthImage& image,
                const std::vector<std::pair<std::string, std::string>>& text) {
-  std::vector<std::uint8_t> bytes;  // of each value the high one first
+  std::vector<std::uint8_t> bytes;  // big-endian
   bytes.reserve(2 * image.values.size());
   for (const std::uint16_t value : image.values) {
     bytes.push_back(static_cast<std::uint8_t>(value >> 8));

@@ -22,8 +22,9 @@ struct DepthImage {
   std::vector<std::uint16_t> values;
 };
 
-/// Writes a PNG beside its name and renames it when whole; `text` becomes tEXt chunks.
-/// Throws std::runtime_error with the path and the reason when it cannot be written.
+/// Writes a PNG under a temporary name next to `file` and renames it when it is complete. `text` becomes tEXt
+/// chunks, or iTXt chunks if it is not ASCII. Throws std::runtime_error with the path and the reason if it
+/// cannot be written.
 void write_png(const std::filesystem::path& file, const Image& image,
                const std::vector<std::pair<std::string, std::string>>& text = {});
 void write_png(const std::filesystem::path& file, const DepthImage& image,

@@ -14,14 +14,14 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_most_bytes = 1 << 16;  // it is a dozen lines
-constexpr double k_most_meters = 200e3;        // as large as worlds are
+constexpr std::size_t k_most_bytes = 1 << 16;  // a map has a dozen lines
+constexpr double k_most_meters = 200e3;        // the size of a world
 
 constexpr std::string_view k_keys[] = {"image",           "resolution",  "origin", "negate",
                                        "occupied_thresh", "free_thresh", "mode"};
 constexpr std::array<std::string_view, 3> k_modes = {"trinary", "scale", "raw"};
 
-/// The whole text as a number; a "+" before it is YAML's.
+/// Reads the whole text as a number; YAML allows a leading "+".
 std::optional<double> yaml_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
@@ -40,7 +40,7 @@ class MapReader {
     try {
       return read(YAML::Load(std::string(text)));
     } catch (const YAML::Exception& fault) {
-      error(line_of(fault.mark), fmt::format("this is no YAML: {}", fault.msg));
+      error(line_of(fault.mark), fmt::format("not valid YAML: {}", fault.msg));
       return {};
     }
   }
@@ -76,7 +76,7 @@ class MapReader {
 
 std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   if (!node.IsMap()) {
-    error(0, "a map of ROS is a list of \"key: value\": image, resolution, origin, ...");
+    error(0, "a ROS map is a list of \"key: value\": image, resolution, origin, ...");
     return {};
   }
   RosMap map;
@@ -92,11 +92,11 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     error(0, "a map needs \"resolution\", the edge of a cell in m");
   else
     map.resolution_m =
-        number(resolution, "resolution", 1e-6, k_most_meters, "a length in m, above 0").value_or(1);
+        number(resolution, "resolution", 1e-6, k_most_meters, "a length from 1e-6 to 2e5 m").value_or(1);
   if (const YAML::Node origin = node["origin"])
     read_origin(origin, map);
   else
-    error(0, "a map needs \"origin\", the place of its lower left corner: [x, y, yaw]");
+    error(0, "a map needs \"origin\", the pose of its lower left corner: [x, y, yaw]");
   read_thresholds(node, map);
   if (const YAML::Node negate = node["negate"]) {
     const std::string text = negate.IsScalar() ? negate.Scalar() : "";
@@ -117,8 +117,8 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   return map;
 }
 
-/// Of a map that is wrong a key that maps do not have is an error too: warnings would not be shown, and it
-/// may be the misspelt one that is missing.
+/// In a map with errors, an unknown key is an error too: warnings would not be shown, and it may be a
+/// misspelt form of the missing key.
 void MapReader::check_keys(const YAML::Node& map) {
   const bool is_right = is_right_;
   for (const auto& entry : map) {
@@ -127,9 +127,9 @@ void MapReader::check_keys(const YAML::Node& map) {
     const std::string suggestion = did_you_mean(key, k_keys);
     if (is_right)
       diagnostics_.warning({file_number_, line_of(entry.first.Mark())},
-                           fmt::format("a map of ROS has no \"{}\"; it is ignored{}", key, suggestion));
+                           fmt::format("a ROS map has no \"{}\"; it is ignored{}", key, suggestion));
     else
-      error(entry.first, fmt::format("a map of ROS has no \"{}\"{}", key, suggestion));
+      error(entry.first, fmt::format("a ROS map has no \"{}\"{}", key, suggestion));
   }
 }
 
@@ -149,7 +149,7 @@ void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
   double parts[3] = {};
   for (std::size_t i = 0; i < 3; ++i)
     parts[i] = number(origin[i], "origin", -k_most_meters / 2, k_most_meters / 2,
-                      "[x, y, yaw], numbers in m and rad at most 100 km away")
+                      "[x, y, yaw], in m, at most 100 km, and rad")
                    .value_or(0);
   map.pose_map_corner = {parts[0], parts[1], 0, wrap_angle(parts[2])};
 }
@@ -163,7 +163,7 @@ void MapReader::read_thresholds(const YAML::Node& node, RosMap& map) {
   if (map.free_thresh > map.occupied_thresh)
     error(free ? free : node["occupied_thresh"],
           fmt::format("\"free_thresh\", {}{}, must be at most \"occupied_thresh\", {}", map.free_thresh,
-                      free ? "" : " unless it is given", map.occupied_thresh));
+                      free ? "" : " by default", map.occupied_thresh));
 }
 
 }  // namespace
@@ -185,7 +185,7 @@ std::optional<RosMap> parse_ros_map(const std::filesystem::path& file, std::stri
   if (text.size() > k_most_bytes) {
     diagnostics.error(
         {diagnostics.files()->add(file.string()), 0},
-        fmt::format("too large: a map of ROS is a few lines of YAML, at most {} KiB", k_most_bytes >> 10));
+        fmt::format("too large: a ROS map is a few lines of YAML, at most {} KiB", k_most_bytes >> 10));
     return {};
   }
   return MapReader(file, diagnostics).read(text);

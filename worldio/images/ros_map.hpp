@@ -11,8 +11,8 @@
 
 namespace troupe::worldio {
 
-/// A floor plan as ROS's map_server keeps it: a YAML file that names an image and says how large it is, where
-/// it lies, and which of its cells are occupied.
+/// A floor plan in the format of ROS's map_server: a YAML file with the path of an image, its scale and pose,
+/// and the thresholds that make its cells occupied or free.
 /// source  the documentation of map_server and of Nav2's, https://wiki.ros.org/map_server
 struct RosMap {
   enum class Mode { trinary, scale, raw };
@@ -27,20 +27,20 @@ struct RosMap {
   Mode mode = Mode::trinary;
 };
 
-/// By its ending: .yaml or .yml.
+/// Whether a file is a ROS map, by its extension: .yaml or .yml.
 bool is_ros_map(const std::filesystem::path& file);
 
-/// Empty, with errors at their lines, or at `where` when the file cannot be read. Keys that maps do not have
+/// Reads a ROS map. Empty, with errors at their lines, or at `where` if the file cannot be read. Unknown keys
 /// are warnings.
 std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where where, Diagnostics& diagnostics);
-/// The same for the content of the file.
+/// As read_ros_map(), for the content of the file.
 std::optional<RosMap> parse_ros_map(const std::filesystem::path& file, std::string_view text,
                                     Diagnostics& diagnostics);
 
-/// Which pixels of a map are solid. With lightness l, the mean of the colours from 0 to 1, a cell is occupied
-/// with probability p = 1 - l, or l where `negate` is set.
+/// Returns the rule for the solid pixels of a map. With lightness l, the mean of the colours from 0 to 1, a
+/// cell is occupied with probability p = 1 - l, or l if `negate` is set.
 /// trinary  solid: p above occupied_thresh; unknown: from free_thresh to there; free: the rest
-/// scale    solid: p above occupied_thresh; unknown: what is not opaque; free: the rest
+/// scale    solid: p above occupied_thresh; unknown: pixels that are not opaque; free: the rest
 /// raw      the pixel's value, 0 to 255, is the probability in percent: solid where it is above
 ///          occupied_thresh; unknown above 100; free: the rest. `negate` does not count
 PixelRule solid_cells(const RosMap& map, bool unknown_is_solid);

@@ -1,4 +1,4 @@
-// The implementation of stb_image, alone in its file, so that only here its warnings are not ours.
+// The implementation of stb_image, in its own file so that warnings are disabled for nothing else.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
 #pragma GCC diagnostic ignored "-Wextra"

@@ -22,10 +22,9 @@ using engine::Element;
 using engine::StateField;
 using engine::StateTable;
 
-constexpr std::string_view k_id =
-    "bodies";  // whose rows they are; beside the fields, none of which has this name
+constexpr std::string_view k_id = "bodies";  // the ids of the rows; no field has this name
 
-/// Rows of a table by id: a checkpoint does not depend on where they lie in memory.
+/// Rows of a table sorted by id: the file does not depend on their order in memory.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
   std::vector<std::size_t> rows(table.rows());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
@@ -42,8 +41,8 @@ std::vector<std::uint32_t> ids_of(const StateTable& table, std::span<const std::
 
 std::size_t bytes_of(const StateField& field) { return engine::element_size(field.element) * field.columns; }
 
-/// Groups of the tables, as steps below /tables: "ranger/eye" is eye in ranger. Two types may have a
-/// component of one name each.
+/// The groups of the tables, as steps below /tables: "ranger/eye" is eye in ranger. Components of the same
+/// name in several types are numbered.
 std::vector<std::vector<std::string>> places_of(std::span<const StateTable> tables) {
   std::vector<std::vector<std::string>> places;
   std::set<std::string> taken;
@@ -71,7 +70,7 @@ Hdf5Group make_group_for(Hdf5Group& tables, const std::vector<std::string>& plac
 
 void write_meta(Hdf5File& file, engine::World& world, const FileHeader& header) {
   Hdf5Group meta = file.create_group("meta");
-  // Of a key that was said twice the last counts.
+  // If a key is repeated, the last value counts.
   const std::map<std::string, std::string> last = [&header] {
     std::map<std::string, std::string> by_key;
     for (const auto& [key, value] : header) by_key[key] = value;
@@ -152,22 +151,22 @@ void write_table(Hdf5Group group, const StateTable& table) {
 void read_table(const Hdf5Group& group, StateTable& table) {
   const std::vector<std::size_t> rows = rows_by_id(table);
   if (group.dataset(std::string(k_id)).read<std::uint32_t>() != ids_of(table, rows))
-    group.fail("is of other robots than the world has");
+    group.fail("has other robots than the world");
   const std::vector<std::string> names = group.names();
   std::size_t known = 1;  // the ids
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
     const StateField& field = table.fields()[f];
-    // A state from before there was such a field has it at zero.
+    // In a state that is older than a sparse field, the field is zero.
     const bool is_there = std::ranges::find(names, hdf5_name(field.name)) != names.end();
     if (!is_there && field.sparse) continue;
     ++known;
     const Hdf5Dataset dataset = group.dataset(hdf5_name(field.name));
     if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns} ||
         dataset.element() != field.element)
-      dataset.fail(fmt::format(
-          "holds {} {} a robot, the world {} {}: what is changed must keep the shape of the state",
-          dataset.row_values(), engine::element_name(dataset.element()), field.columns,
-          engine::element_name(field.element)));
+      dataset.fail(
+          fmt::format("holds {} {} per robot, the world {} {}: changes must keep the shape of the state",
+                      dataset.row_values(), engine::element_name(dataset.element()), field.columns,
+                      engine::element_name(field.element)));
     const std::size_t width = bytes_of(field);
     if (width == 0) continue;
     std::vector<std::byte> values(dataset.values() * engine::element_size(field.element));
@@ -175,7 +174,7 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     for (std::size_t i = 0; i < rows.size(); ++i)
       std::memcpy(table.cell<std::byte>(rows[i], f).data(), values.data() + i * width, width);
   }
-  if (names.size() != known) group.fail("has other fields than the world's");
+  if (names.size() != known) group.fail("has other fields than the world");
 }
 
 std::uint64_t hash_of(const std::string& text) {
@@ -184,7 +183,7 @@ std::uint64_t hash_of(const std::string& text) {
   return hash;
 }
 
-/// What HDF5 finds wrong with a file that is read is bad input.
+/// Turns errors of HDF5 into InputError: a file that cannot be read is bad input.
 template <class Work>
 auto reading(Work&& work) {
   try {
@@ -227,13 +226,13 @@ void write_checkpoint(const fs::path& file, engine::World& world, const engine::
       throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), fault.what()));
     }
   }();
-  // Made in memory: HDF5 does not always survive a disk that is full, and the state must.
+  // Built in memory: HDF5 does not always survive a full disk, and the state must.
   write_sealed(file, k_checkpoint_kind, k_checkpoint_layout, bytes_of(file, world, spec, header, memories));
 }
 
 Checkpoint::Checkpoint(const fs::path& file)
     : file_(file), hdf5_(reading([&file] {
-        check_seal(file, k_checkpoint_kind, k_checkpoint_layout);  // before HDF5 sees a byte of it
+        check_seal(file, k_checkpoint_kind, k_checkpoint_layout);  // before HDF5 reads a byte of it
         return Hdf5File::open(file);
       })) {
   reading([this] {
@@ -272,7 +271,7 @@ Memories Checkpoint::memories() const {
     const Hdf5Group group = hdf5_.group("memories");
     for (const std::string& name : group.names()) {
       const Hdf5Dataset dataset = group.dataset(name);
-      if (dataset.element() != Element::u8) dataset.fail("is no memory: these are bytes");
+      if (dataset.element() != Element::u8) dataset.fail("is not a memory: memories are bytes");
       std::vector<std::byte>& memory = memories[dataset.text("name")];
       memory.resize(dataset.values());
       dataset.read_bytes(0, memory);
@@ -292,8 +291,8 @@ void Checkpoint::restore(engine::World& world) const {
     const auto fill = [this](std::span<StateTable> tables) { restore_tables(tables); };
     if (!world.restore(tick_, counters_, state_hash_, fill))
       throw InputError(
-          fmt::format("{}: error: the state has not the hash that it had when it was saved, {}: the file is "
-                      "damaged, or this program reads another state from it than the one that wrote it",
+          fmt::format("{}: error: the state does not have the hash that it had when it was saved, {}: the "
+                      "file is damaged, or this program reads it differently from the one that wrote it",
                       file_.string(), hex(state_hash_)));
   });
 }

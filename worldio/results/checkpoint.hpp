@@ -15,34 +15,35 @@
 
 namespace troupe::worldio {
 
-/// A checkpoint: everything that a run goes on from, in one sealed HDF5 file
+/// A checkpoint: everything that is needed to continue a run, in one sealed HDF5 file
 /// (worldio/results/sealed_file.hpp).
 ///
-/// `/meta`        attributes: layout, tick, time_s, state_hash, what was counted, and the header it was given
-/// `/world`       the spec as JSON (worldio/json/spec_json.hpp), without
-/// `/bodies`      its bodies, a column for each of their fields, and
-/// `/aliases`     their other names
-/// `/tables/<component>/<field>`  the state [rows, columns], by the tables' own descriptions; rows by id,
-///                which stand in `/tables/<component>/bodies`
-/// `/bodies/subscribed`  ids of the bodies whose sensors the program itself had run
-/// `/memories/<name>`  bytes that what looks on remembers of earlier ticks: beside the state, not of it
+/// `/meta`        attributes: layout, tick, time_s, state_hash, counters, and the header that was given
+/// `/world`       the spec as JSON (worldio/json/spec_json.hpp), without its bodies and aliases
+/// `/bodies`      the bodies of the spec, one column per field
+/// `/aliases`     the other names of the bodies
+/// `/tables/<component>/<field>`  the state [rows, columns], as the tables describe it; rows are in the order
+///                of the ids in `/tables/<component>/bodies`
+/// `/bodies/subscribed`  ids of the bodies whose sensors the program itself subscribed to
+/// `/memories/<name>`  bytes that observers remember of earlier ticks; not part of the state
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
 
-/// What looks on remembers of earlier ticks, under a name each: no part of the state.
+/// What observers remember of earlier ticks, by name. Not part of the state.
 using Memories = std::map<std::string, std::vector<std::byte>>;
 
-/// What a file of ours says of the run that made it: version, world, seed, effective options.
+/// What a result file says about the run that wrote it, as keys and values: version, world, seed, effective
+/// options.
 using FileHeader = std::vector<std::pair<std::string, std::string>>;
 
-/// Saves the world as it is between two ticks. Throws std::runtime_error that names the file where it cannot
-/// be written, or the world cannot be said in it; a checkpoint of this name is then what it was before.
+/// Saves the world between two ticks. Throws std::runtime_error with the file's name if the file cannot be
+/// written or cannot express the world; an existing checkpoint of this name then stays as it was.
 void write_checkpoint(const std::filesystem::path& file, engine::World& world,
                       const engine::Registry& registry, const FileHeader& header,
                       const Memories& memories = {});
 
-/// A checkpoint that was found whole. Whatever is wrong with it, here or later, is an InputError
-/// `run.h5: error: ...`.
+/// A checkpoint that was opened and found intact. All functions throw InputError, `run.h5: error: ...`, if
+/// something is wrong with the file.
 class Checkpoint {
  public:
   explicit Checkpoint(const std::filesystem::path& file);
@@ -51,17 +52,17 @@ class Checkpoint {
   std::uint64_t tick() const { return tick_; }
   double time_s() const { return time_s_; }
   std::uint64_t state_hash() const { return state_hash_; }
-  /// The texts of /meta; the header among them.
+  /// The texts of /meta, which include the header.
   const std::map<std::string, std::string>& header() const { return header_; }
-  /// One of them, empty where it is not there.
+  /// The text of one key; empty if there is none.
   std::string header(const std::string& key) const;
 
-  /// What the world of the run is made of, with `changes` as --set gives them (restore_spec).
+  /// The spec of the run's world, with `changes` applied as --set does: restore_spec().
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;
   Memories memories() const;
-  /// Puts the state into a world that was made from spec().
+  /// Restores the state into a world that was built from spec().
   void restore(engine::World& world) const;
 
  private:
@@ -76,7 +77,7 @@ class Checkpoint {
   std::map<std::string, std::string> header_;
 };
 
-/// Whether the file begins as a checkpoint does.
+/// Whether a file begins like a checkpoint.
 bool is_checkpoint(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

@@ -4,7 +4,7 @@
 #include "worldio/results/hdf5_heap.hpp"
 
 #include <fmt/format.h>
-#define H5_USE_110_API  // as newer libraries name what Debian 12's has
+#define H5_USE_110_API  // the API of Debian 12's HDF5, also with newer libraries
 #include <hdf5.h>
 
 #include <algorithm>
@@ -26,8 +26,8 @@ herr_t add_name(hid_t, const char* name, const Info*, void* names) {
   return 0;
 }
 
-/// While one lives, its thread alone is inside HDF5's library, which is safe for threads only where it was
-/// built so, and the library does not print its stack of errors. They nest.
+/// While one exists, only its thread is inside HDF5's library, which is not always built to be thread-safe,
+/// and the library does not print its stack of errors. They can be nested.
 class LibraryCall {
  public:
   LibraryCall() : lock_(mutex) {
@@ -47,18 +47,18 @@ class LibraryCall {
 
 Hdf5Id text_type(std::size_t size) {
   Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 knows no text of no bytes
+  H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 has no text of 0 bytes
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
   if (size != H5T_VARIABLE) H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
   return type;
 }
 
-/// Texts of variable length as the references that the file holds, so that HDF5 does not follow them
-/// (worldio/results/hdf5_heap.hpp). HDF5 asks each registered conversion, by H5T_CONV_INIT, whether it is
-/// this one.
+/// Converts texts of variable length to the references that the file holds, so that HDF5 does not follow them
+/// (worldio/results/hdf5_heap.hpp). With H5T_CONV_INIT, HDF5 asks each registered conversion whether it
+/// applies.
 herr_t convert_to_reference(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t,
                             std::size_t, void*, void*, hid_t) {
-  if (conversion->command != H5T_CONV_INIT) return 0;  // the bytes are those of the file already
+  if (conversion->command != H5T_CONV_INIT) return 0;  // the bytes are already those of the file
   conversion->need_bkg = H5T_BKG_NO;
   const bool is_this = H5Tis_variable_str(from) > 0 && H5Tget_size(from) == k_heap_reference_bytes &&
                        H5Tget_class(to) == H5T_OPAQUE && H5Tget_size(to) == k_heap_reference_bytes;
@@ -67,8 +67,8 @@ herr_t convert_to_reference(hid_t from, hid_t to, H5T_cdata_t* conversion, std::
 
 Hdf5Id reference_type() { return {H5Tcreate(H5T_OPAQUE, k_heap_reference_bytes), H5Tclose}; }
 
-/// At its end HDF5 flushes what is open. A file that was abandoned on a full disk is still open then, and the
-/// library would try for ever: what is to be written is closed by its owner.
+/// Starts the library without its flush at exit: a file that was abandoned on a full disk is still open then,
+/// and the library would try for ever. The owners of files close them.
 void start_library() {
   static const bool started = [] {
     H5dont_atexit();
@@ -79,8 +79,8 @@ void start_library() {
   if (!started) throw Hdf5Error("HDF5 cannot be started");
 }
 
-/// What names are looked up with: a link into another file is an error. A file of unknown origin could
-/// otherwise name any file of the user, and a recording that goes on would write there.
+/// Properties for looking up names, with which a link into another file is an error. A file of unknown origin
+/// could otherwise name any file of the user, and a recording that is continued would write there.
 hid_t within_file(hid_t access_class) {
   const hid_t properties = H5Pcreate(access_class);
   H5Pset_elink_cb(
@@ -90,7 +90,7 @@ hid_t within_file(hid_t access_class) {
   return properties;
 }
 
-/// Property lists of the library's lifetime.
+/// Property lists that exist as long as the library.
 ///@{
 hid_t links() {
   static const hid_t properties = within_file(H5P_LINK_ACCESS);
@@ -106,12 +106,12 @@ hid_t datasets() {
 }
 ///@}
 
-/// Whether a dataset may be used. HDF5 can use others: they lie in other files, or are read by a plug-in of
-/// HDF5, which is code.
+/// Checks that a dataset may be used. HDF5 supports more: datasets whose values are in other files, or are
+/// decoded by a plug-in of HDF5, which is code.
 Result<> check_own(hid_t dataset) {
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
   if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
-    return Error{"keeps its values in other files, which no file of Troupe does"};
+    return Error{"has its values in other files, which no file of Troupe does"};
   const int filters = H5Pget_nfilters(creation.get());
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;
@@ -125,7 +125,7 @@ Result<> check_own(hid_t dataset) {
   return {};
 }
 
-/// The deepest entry of the library's stack of errors: what really happened.
+/// The deepest entry of the library's stack of errors: the cause.
 std::string reason() {
   std::string deepest;
   H5Ewalk2(
@@ -135,7 +135,7 @@ std::string reason() {
         return herr_t{0};
       },
       &deepest);
-  // Of the system's errors it says a good deal more: time, address, file descriptor, ...
+  // Of errors of the system, the entry has more than the message: time, address, file descriptor, ...
   constexpr std::string_view k_mark = "error message = '";
   if (const auto start = deepest.find(k_mark); start != deepest.npos) {
     const auto end = deepest.find('\'', start + k_mark.size());
@@ -161,7 +161,7 @@ hid_t memory_type(engine::Element element) {
   return H5T_NATIVE_UINT8;
 }
 
-/// Little-endian on every machine, so that files do not depend on it.
+/// Little-endian, so that files do not depend on the machine.
 hid_t file_type(engine::Element element) {
   switch (element) {
     case engine::Element::f64: return H5T_IEEE_F64LE;
@@ -185,7 +185,7 @@ std::optional<engine::Element> element_of_type(hid_t type) {
   return std::nullopt;
 }
 
-/// The bytes of a text of fixed length, without what pads it.
+/// Removes the padding of a text of fixed length.
 std::string unpadded(std::string text) {
   text.resize(text.find_last_not_of('\0') + 1);
   return text;
@@ -197,15 +197,15 @@ Hdf5Id space_of(const std::vector<std::size_t>& extent) {
   return {H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose};
 }
 
-/// Nothing in a file says when it was made: equal contents are equal bytes.
+/// Properties without creation times, so that files with equal contents have equal bytes.
 Hdf5Id creation_properties(hid_t kind) {
   Hdf5Id properties(H5Pcreate(kind), H5Pclose);
   H5Pset_obj_track_times(properties.get(), false);
   return properties;
 }
 
-/// HDF5's cache of a file's metadata grows to 32 MiB by default: what a long recording has written, and never
-/// needs again. With a bound of 2 MiB a run's memory stays what it is after some seconds.
+/// By default, HDF5's cache of a file's metadata grows to 32 MiB, of data that a long recording has written
+/// and never needs again. With a bound of 2 MiB, the memory of a run is constant after some seconds.
 void bound_metadata_cache(hid_t access) {
   constexpr std::size_t k_most_bytes = std::size_t{2} << 20;
   H5AC_cache_config_t config{};
@@ -217,18 +217,18 @@ void bound_metadata_cache(hid_t access) {
   H5Pset_mdc_config(access, &config);
 }
 
-/// Without the newest features of the library at hand: what HDF5 1.10 reads, and what SWMR needs.
+/// The file format of HDF5 1.10, which SWMR needs and HDF5 1.10 can read, even if the library is newer.
 Hdf5Id access_properties() {
   Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
-  H5Pset_fclose_degree(access.get(), H5F_CLOSE_SEMI);  // closing early is an error, not a surprise
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_SEMI);  // closing before its objects is an error
   bound_metadata_cache(access.get());
   return access;
 }
 
-/// Of files that are written: without a cache of chunks. Batches are appended once and whole; HDF5 would keep
-/// up to 1 MiB of each dataset for good, and a recording of all state has hundreds. Readers have the caches:
-/// of a file that was compressed later they would unpack a chunk for every frame of it.
+/// For files that are written: no cache of chunks. Batches are appended once and whole; HDF5 would keep up to
+/// 1 MiB of each dataset for good, and a recording of all state has hundreds. Readers keep the caches:
+/// without them they would unpack a chunk of a file that was compressed later once for each of its frames.
 Hdf5Id writing_access_properties() {
   Hdf5Id access = access_properties();
   H5Pset_cache(access.get(), 0, 0, 0, 0);
@@ -299,8 +299,8 @@ void Hdf5Object::write_attribute(const std::string& name, std::int64_t type, std
 }
 
 void Hdf5Object::set_text(const std::string& name, std::string_view value) {
-  // The header of an object has room for 64 KiB, in files of the format that checkpoints need. Longer texts
-  // lie in the global heap, which no checksum protects.
+  // In the format that checkpoints need, the header of an object has room for 64 KiB. Longer texts are in the
+  // global heap, which no checksum protects.
   constexpr std::size_t k_most_fixed = 60000;
   const LibraryCall call;
   const std::string text = value.empty() ? std::string(1, '\0') : std::string(value);
@@ -344,7 +344,7 @@ Hdf5Id Hdf5Object::open_attribute(const std::string& name) const {
   check(attribute.get(), "read");
   const Hdf5Id space(H5Aget_space(attribute.get()), H5Sclose);
   if (H5Sget_simple_extent_npoints(space.get()) != 1)
-    fail(fmt::format("has an attribute \"{}\" that is no single value", name));
+    fail(fmt::format("has an attribute \"{}\" that is not a single value", name));
   return attribute;
 }
 
@@ -353,7 +353,7 @@ std::string Hdf5Object::text(const std::string& name) const {
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   if (H5Tget_class(type.get()) != H5T_STRING)
-    fail(fmt::format("has an attribute \"{}\" that is no text", name));
+    fail(fmt::format("has an attribute \"{}\" that is not a text", name));
   if (H5Tis_variable_str(type.get()) > 0) return variable_text(attribute.get(), name);
   const std::size_t size = H5Tget_size(type.get());
   if (size > H5Aget_storage_size(attribute.get()))
@@ -363,7 +363,7 @@ std::string Hdf5Object::text(const std::string& name) const {
   return unpadded(std::move(value));
 }
 
-/// A text of an older recording.
+/// Reads a text of variable length, as older recordings have.
 std::string Hdf5Object::variable_text(std::int64_t attribute, const std::string& name) const {
   std::array<std::uint8_t, k_heap_reference_bytes> reference{};
   check(H5Aread(attribute, reference_type().get(), reference.data()), "read");
@@ -372,7 +372,7 @@ std::string Hdf5Object::variable_text(std::int64_t attribute, const std::string&
   hsize_t user_block = 0;
   check(H5Pget_userblock(creation.get(), &user_block), "read");
   std::optional<std::string> text = read_heap_text(file_, user_block, reference);
-  if (!text) fail(fmt::format("has an attribute \"{}\" whose text is not there: the file is damaged", name));
+  if (!text) fail(fmt::format("has an attribute \"{}\" whose text is missing: the file is damaged", name));
   return std::move(*text);
 }
 
@@ -382,7 +382,7 @@ std::int64_t Hdf5Object::integer(const std::string& name) const {
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   std::int64_t value = 0;
   if (H5Tget_class(type.get()) != H5T_INTEGER)
-    fail(fmt::format("has an attribute \"{}\" that is no integer", name));
+    fail(fmt::format("has an attribute \"{}\" that is not an integer", name));
   check(H5Aread(attribute.get(), H5T_NATIVE_INT64, &value), "read");
   return value;
 }
@@ -393,7 +393,7 @@ double Hdf5Object::number(const std::string& name) const {
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   double value = 0;
   if (H5Tget_class(type.get()) != H5T_FLOAT)
-    fail(fmt::format("has an attribute \"{}\" that is no number", name));
+    fail(fmt::format("has an attribute \"{}\" that is not a number", name));
   check(H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value), "read");
   return value;
 }
@@ -419,7 +419,7 @@ std::size_t Hdf5Dataset::row_values() const {
 
 std::size_t Hdf5Dataset::values() const {
   const std::size_t values = product(std::span<const std::size_t>(extent_));
-  // Rows that were never written take no room, but no program makes a file of nothing else.
+  // Unwritten rows take no room, but no real file consists of nothing else.
   const LibraryCall call;
   const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
   hsize_t bytes = 0;
@@ -489,8 +489,7 @@ void Hdf5Dataset::read_rows(std::size_t first, void* into, std::size_t values,
   const std::size_t row = std::max<std::size_t>(row_values(), 1);
   const std::size_t count = values / row;
   if (values % row != 0 || first > rows() || count > rows() - first)
-    fail(fmt::format("has {} rows of {} values: it has no {} values from row {} on", rows(), row, values,
-                     first));
+    fail(fmt::format("has {} rows of {} values, not {} values from row {} on", rows(), row, values, first));
   const LibraryCall call;
   const hid_t type = memory_type(element);
   if (count == rows()) {
@@ -574,7 +573,7 @@ Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element e
   Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
                          properties.get(), H5P_DEFAULT),
               H5Dclose);
-  if (!made.valid()) fail(fmt::format("cannot be given {}: {}", name, reason()));
+  if (!made.valid()) fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
   return {std::move(made), file_, path_of(name)};
 }
 
@@ -585,7 +584,7 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
   std::vector<hsize_t> most{H5S_UNLIMITED};
   for (const std::size_t size : row) {
     extent.push_back(size);
-    most.push_back(size == 0 ? H5S_UNLIMITED : size);  // no chunk may be larger than what is fixed
+    most.push_back(size == 0 ? H5S_UNLIMITED : size);  // a chunk must not exceed a fixed extent
   }
   const Hdf5Id space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), most.data()), H5Sclose);
   const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
@@ -595,7 +594,7 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
   Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
                          properties.get(), H5P_DEFAULT),
               H5Dclose);
-  if (!made.valid()) fail(fmt::format("cannot be given {}: {}", name, reason()));
+  if (!made.valid()) fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
   return {std::move(made), file_, path_of(name)};
 }
 
@@ -619,7 +618,7 @@ void Hdf5Group::write_text(const std::string& name, std::string_view text) {
                     H5Dclose);
   const std::string padded = text.empty() ? std::string(1, '\0') : std::string(text);
   if (!made.valid() || H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
-    fail(fmt::format("cannot be given {}: {}", name, reason()));
+    fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
 }
 
 void Hdf5Group::write_texts(const std::string& name, std::span<const std::string> texts) {
@@ -636,7 +635,7 @@ void Hdf5Group::write_texts(const std::string& name, std::span<const std::string
                     H5Dclose);
   if (!made.valid() ||
       (!texts.empty() && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0))
-    fail(fmt::format("cannot be given {}: {}", name, reason()));
+    fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
 }
 
 std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
@@ -646,7 +645,7 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
   const Hdf5Id type(H5Dget_type(found.get()), H5Tclose);
   const Hdf5Id space(H5Dget_space(found.get()), H5Sclose);
   if (!found.valid() || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
-    fail_with(file_, fmt::format("{} is no text of fixed length", path_of(name)));
+    fail_with(file_, fmt::format("{} is not a text of fixed length", path_of(name)));
   if (const Result<> own = check_own(found.get()); !own)
     fail_with(file_, fmt::format("{} {}", path_of(name), own.error().text));
   const std::size_t length = H5Tget_size(type.get());
@@ -692,13 +691,13 @@ Hdf5File Hdf5File::create(const fs::path& file, std::size_t user_block) {
 }
 
 Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block) {
-  constexpr std::size_t k_piece = 1 << 20;  // that memory grows by
+  constexpr std::size_t k_piece = 1 << 20;  // by which the memory grows
   start_library();
   const LibraryCall call;
   const Hdf5Id access = access_properties();
   H5Pset_fapl_core(access.get(), k_piece, false);
-  // Newer heads say that the file is open to be written, and hold a sum of themselves; H5Fget_file_image
-  // takes out the one and leaves the other as it was.
+  // Newer superblocks have a flag of files that are open to write, and a checksum. H5Fget_file_image clears
+  // the flag, but does not update the checksum.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
   return {made(file, user_block, access.get()), file};
 }
@@ -723,7 +722,8 @@ Hdf5File Hdf5File::open_to_write(const fs::path& file) { return opened(file, H5F
 
 void Hdf5File::start_swmr() {
   const LibraryCall call;
-  if (H5Fstart_swmr_write(id_.get()) < 0) fail_with(file_, fmt::format("cannot be streamed: {}", reason()));
+  if (H5Fstart_swmr_write(id_.get()) < 0)
+    fail_with(file_, fmt::format("SWMR mode cannot be started: {}", reason()));
 }
 
 void Hdf5File::flush() {
@@ -739,7 +739,7 @@ std::vector<std::byte> Hdf5File::image() {
   hsize_t user_block = 0;
   H5Pget_userblock(creation.get(), &user_block);
   const auto size = static_cast<std::size_t>(check(H5Fget_file_image(id_.get(), nullptr, 0), "copied"));
-  // The library's image begins behind the user block.
+  // The library's image begins after the user block.
   std::vector<std::byte> bytes(user_block + size);
   check(H5Fget_file_image(id_.get(), bytes.data() + user_block, size), "copied");
   return bytes;

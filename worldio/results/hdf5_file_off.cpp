@@ -1,7 +1,7 @@
 #include "worldio/results/hdf5_file.hpp"
 
-// What stands in for hdf5_file.cpp in a build without HDF5: files can neither be made nor opened, so that
-// nothing else here is ever called.
+// Replaces hdf5_file.cpp in a build without HDF5: files can neither be created nor opened, so the other
+// functions are never called.
 
 namespace troupe::worldio {
 namespace {

@@ -13,16 +13,16 @@ namespace troupe::worldio {
 namespace {
 
 // A collection: signature, version, three reserved bytes, its size with this head. Then objects: number,
-// uses, four reserved bytes, size, and the content filled up to whole words; number 0 is the free space at
-// the end (HDF5 File Format Specification 3.0, section III.E).
+// reference count, four reserved bytes, size, and the content padded to whole words; number 0 is the free
+// space at the end (HDF5 File Format Specification 3.0, section III.E).
 constexpr std::string_view k_signature = "GCOL";
 constexpr std::uint8_t k_version = 1;
-constexpr std::uint64_t k_head_bytes = 16;  // of a collection, and of an object
+constexpr std::uint64_t k_head_bytes = 16;  // head of a collection, and of an object
 constexpr std::uint64_t k_word_bytes = 8;
 
 using Head = std::array<std::uint8_t, k_head_bytes>;
 
-/// The bytes of a file from `at` on; false where it has not so many.
+/// Reads bytes of a file from `at` on; false if it does not have so many.
 bool read_at(std::ifstream& stream, std::uint64_t at, std::span<std::uint8_t> into) {
   stream.clear();
   stream.seekg(static_cast<std::streamoff>(at));

@@ -20,7 +20,7 @@
 namespace troupe::worldio {
 namespace {
 
-// Where things lie, for addresses of 8 bytes: the only ones that anybody writes.
+// Offsets of the fields, for addresses of 8 bytes, the only size in use.
 constexpr std::size_t k_bytes = 48;
 constexpr std::size_t k_version = 8;
 constexpr std::size_t k_offset_size = 9;
@@ -117,11 +117,11 @@ void close_superblock(const std::filesystem::path& file) {
   const Descriptor descriptor(file, O_RDWR);
   if (descriptor.get() < 0) fail(system_reason());
   std::optional<Head> head = read_head(descriptor.get());
-  if (!head) fail("its head is damaged");
+  if (!head) fail("its HDF5 header is damaged");
   struct stat status {};
   if (fstat(descriptor.get(), &status) != 0) fail(system_reason());
-  // Where room was given out but never written, HDF5 takes the file for truncated; where room was written
-  // that the head does not know of, for damaged.
+  // HDF5 takes a file for truncated if space was allocated but not written, and for damaged if it is longer
+  // than the superblock says.
   const auto size = static_cast<std::uint64_t>(status.st_size);
   const std::uint64_t end = std::max(size, little_endian(std::span(*head).subspan(k_end, 8)));
   if (end > size && ftruncate(descriptor.get(), static_cast<off_t>(end)) != 0) fail(system_reason());

@@ -7,14 +7,14 @@
 
 namespace troupe::worldio {
 
-/// What an HDF5 file begins with, unless a head of its user stands before it.
+/// The first bytes of an HDF5 file, unless it begins with a user block.
 inline constexpr std::string_view k_hdf5_signature = "\x89HDF\r\n\x1a\n";
 
-/// The head of an HDF5 file as far as the death of its writer concerns it (HDF5 File Format
-/// Specification 3.0, section II.A, versions 2 and 3), read and written without HDF5.
+/// The fields of the superblock of an HDF5 file that matter after the death of its writer (HDF5 File Format
+/// Specification 3.0, section II.A, versions 2 and 3). They are read and written without HDF5.
 struct Hdf5Superblock {
   std::uint8_t flags = 0;  ///< whether a writer has the file open
-  std::uint64_t end = 0;   ///< where the writer thought that the file ends, bytes
+  std::uint64_t end = 0;   ///< size of the file that the writer recorded, bytes
 
   static constexpr std::uint8_t k_writing = 1;
   static constexpr std::uint8_t k_swmr_writing = 4;
@@ -22,12 +22,12 @@ struct Hdf5Superblock {
   bool swmr_writing() const { return (flags & k_swmr_writing) != 0; }
 };
 
-/// None where the file has no whole head of these versions at its first byte: HDF5 writes it with the first
-/// flush.
+/// Empty if the file does not begin with a complete superblock of these versions: HDF5 writes it with the
+/// first flush.
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file);
 
-/// Marks a file that is no longer written as closed, so that plain tools open it, and puts its end where it
-/// is. Nothing else in it changes, and the change is of 48 bytes in one write: it happens or it does not.
+/// Marks a file that has lost its writer as closed, so that plain tools open it, and makes its size and the
+/// recorded size equal. It changes 48 bytes in one write, which happens or does not, and may extend the file.
 /// Throws std::runtime_error with the file and the reason.
 void close_superblock(const std::filesystem::path& file);
 

@@ -24,14 +24,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double k_reach = 1e6;                 // m: ten times as far as worlds reach
-constexpr std::int64_t k_most_beams = 1 << 20;  // of a fan: ten times what a world may say
+constexpr double k_reach = 1e6;                 // m: ten times the reach of a world
+constexpr std::int64_t k_most_beams = 1 << 20;  // of a fan: ten times the limit of a world
 
 [[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {
   throw Hdf5Error(fmt::format("{}: error: {}", recording.file().string(), message));
 }
 
-/// Thrown for what no world says; as nlohmann's own exceptions it becomes an error that names the file.
+/// Thrown for values that no world has; like nlohmann's exceptions it becomes an error with the file's name.
 struct Damaged {};
 
 double number_of(const Json& json) {
@@ -40,7 +40,7 @@ double number_of(const Json& json) {
   return x;
 }
 
-/// Texts that are no UTF-8 are stored as {"latin1": ...}, whose characters are good for people.
+/// Reads a text. Texts that are not UTF-8 are stored as {"latin1": ...} and shown so.
 std::string text_of(const Json& json) {
   return json.is_object() ? json.at("latin1").get<std::string>() : json.get<std::string>();
 }
@@ -60,7 +60,7 @@ Solid solid_of(const Json& json) {
   return solid;
 }
 
-/// The joint that something stands on; the first `known` ones may be named.
+/// Reads the index of the joint that something is mounted on, which must be below `known`.
 std::int32_t joint_of(const Json& json, const char* key, std::size_t known) {
   const auto found = json.find(key);
   if (found == json.end()) return engine::k_rigid;
@@ -69,7 +69,7 @@ std::int32_t joint_of(const Json& json, const char* key, std::size_t known) {
   return static_cast<std::int32_t>(joint);
 }
 
-/// As a path of /state says it.
+/// The component of a joint, as a path in /state.
 std::string component_of(std::string_view joint) {
   std::string component = "joint";
   for (std::size_t start = 0; start <= joint.size();) {
@@ -107,7 +107,7 @@ void add_shapes(const Json& json, RecordedScene::Type& type) {
       for (const Vec2& point : ring) look.radius = std::max(look.radius, point.norm());
 }
 
-/// A stored block of parameters, by its table; a default where it was not worth writing.
+/// Reads a stored block of parameters by its table. Parameters with their default value are not stored.
 engine::Record record_of(const Json& block, const engine::FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
@@ -122,7 +122,7 @@ engine::Record record_of(const Json& block, const engine::FieldTable& table) {
       case engine::FieldType::record:
         record[i] = std::vector<engine::Record>{record_of(*found, *field.record)};
         break;
-      default: break;  // a transducer has no others
+      default: break;  // a transducer has no other types
     }
   }
   return record;
@@ -148,7 +148,7 @@ RecordedScene::Type type_of(const Json& json) {
   type.name = text_of(json.at("name"));
   type.joints = joints_of(json);
   add_shapes(json, type);
-  std::map<std::string, int> met;  // recordings tell sensors of one name apart by "~2"
+  std::map<std::string, int> met;  // in recordings, the second sensor of a name gets "~2"
   for (const Json& sensor : json.at("sensors")) {
     std::string name = hdf5_name(text_of(sensor.at("name")));
     if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
@@ -188,7 +188,7 @@ RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) 
   return scene;
 }
 
-/// Of several devices of a body that show a colour the first counts, as in the engine.
+/// If several devices of a body show a colour, the first counts, as in the engine.
 void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
   std::vector<std::size_t> best(scene.types.size(), std::numeric_limits<std::size_t>::max());
   for (const RecordingReader::Array& array : recording.arrays()) {
@@ -230,16 +230,15 @@ RecordedScene recorded_scene(const RecordingReader& recording) {
   const std::optional<RecordingReader::Scene> columns = recording.scene();
   if (!columns)
     fail(recording,
-         "does not say where walls stand and what colours robots have (/scene): an older version of Troupe "
-         "recorded it; record it again");
+         "has no /scene, with walls and colours: an older version of Troupe recorded it; record it again");
   try {
     RecordedScene scene = scene_of(Json::parse(recording.world_json()), *columns);
     find_shown_colors(recording, scene);
     return scene;
   } catch (const Json::exception&) {
-    fail(recording, "/world is not what a recording holds: the file is damaged");
+    fail(recording, "/world is not valid: the file is damaged");
   } catch (const Damaged&) {
-    fail(recording, "/world or /scene says what no world does: the file is damaged");
+    fail(recording, "/world or /scene has values that no world has: the file is damaged");
   }
 }
 
@@ -257,7 +256,7 @@ std::optional<engine::Record> recorded_window(const RecordingReader& recording) 
     JsonObject world(root);
     window = read_block(world, "window", window_fields());
   }
-  if (diagnostics.has_errors()) fail(recording, "/world is not what a recording holds: the file is damaged");
+  if (diagnostics.has_errors()) fail(recording, "/world is not valid: the file is damaged");
   return window;
 }
 

@@ -19,9 +19,9 @@ using engine::HashGroup;
 using engine::StateTable;
 using engine::World;
 
-/// Which names of --record-fields choose all of a table; those of single fields are looked at besides. "pose"
-/// chooses the poses of parts that move, too, and looks (StateField::look): a body cannot be drawn without
-/// them.
+/// Whether a name of --record-fields chooses a whole table; chosen_fields() adds the names of single fields.
+/// "pose" also chooses the poses of parts that move and fields with StateField::look: a body cannot be drawn
+/// without them.
 bool chooses(const std::string& name, const StateTable& table) {
   const std::string_view component = table.component();
   return name == "all" || name == component || name == component.substr(0, component.find('/')) ||
@@ -53,7 +53,7 @@ std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const 
   return fields;
 }
 
-/// Names made unique: the second "robot" is "robot~2".
+/// Makes names unique: the second "robot" becomes "robot~2".
 class UniqueNames {
  public:
   std::string add(std::string_view name) {
@@ -87,7 +87,7 @@ RecordedComponent component_of(const StateTable& table, std::vector<std::string>
   return component;
 }
 
-/// Row of the table -> place of its body in `bodies`, which is sorted.
+/// Row of the table -> index of its body in `bodies`, which is sorted.
 std::vector<std::uint32_t> places(const StateTable& table, std::span<const BodyId> bodies) {
   std::vector<std::uint32_t> places;
   places.reserve(table.rows());
@@ -96,7 +96,7 @@ std::vector<std::uint32_t> places(const StateTable& table, std::span<const BodyI
   return places;
 }
 
-/// Sensors, a type at a time: their readings differ in number from type to type.
+/// Adds the sensors of each type separately: the number of readings differs between types.
 void add_sensors(const World& world, std::span<const std::string> names,
                  std::vector<RecordedComponent>& components) {
   const std::vector<std::string> type_names = recorded_type_names(world);
@@ -212,7 +212,7 @@ void gather(const World& world, const RecordedComponent& component,
       if (table.rows() == 0 || width == 0) continue;
       const std::byte* from = table.cell<std::byte>(0, component.columns[f]).data();
       std::byte* const into = fields[f].data();
-      if (width == 8) {  // a number each row: worth a loop of its own, the others are rare or long
+      if (width == 8) {  // one number per row: a loop of its own, since other widths are rare or long
         for (const std::uint32_t row : source.recorded) {
           std::memcpy(into + std::size_t{8} * row, from, 8);
           from += stride;
@@ -224,7 +224,7 @@ void gather(const World& world, const RecordedComponent& component,
         }
       }
     }
-    if (world.absent_count() > 0 && component.name != "life")  // which says who is not there
+    if (world.absent_count() > 0 && component.name != "life")  // it says which bodies are absent
       leave_out_absent(world, component, source, fields);
   }
 }

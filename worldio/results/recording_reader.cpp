@@ -12,9 +12,10 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr int k_most_steps = 8;  // of a component's name; ours have three
+constexpr int k_most_steps = 8;  // of a component's name; Troupe writes at most three
 
-/// Places in the order of the phases: what went wrong first stands first.
+/// The place of an array in the order of the phases of a tick, so that a comparison finds the earliest
+/// difference first.
 int phase_order(const RecordingReader::Array& array) {
   const std::string& component = array.component;
   if (component.starts_with("sensors/")) return 0;
@@ -70,17 +71,18 @@ Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
   constexpr std::string_view k_kind = "troupe recording";
   if (!file.has_group("meta") || !file.group("meta").has_attribute("kind") ||
       file.group("meta").text("kind") != k_kind)
-    file.fail(fmt::format("has no /meta of kind \"{}\": the file is no recording", k_kind));
+    file.fail(fmt::format("has no /meta of kind \"{}\": the file is not a recording", k_kind));
   Hdf5Group meta = file.group("meta");
   if (const std::int64_t layout = meta.integer("layout"); layout != k_recording_layout)
-    meta.fail(fmt::format("says layout {}; this program reads {}", layout, k_recording_layout));
+    meta.fail(fmt::format("has layout {}; this program reads layout {}", layout, k_recording_layout));
   return meta;
 }
 
 void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& component,
                                   const std::vector<std::uint32_t>& bodies) {
-  // A damaged file may hold a group that holds itself.
-  if (std::ranges::count(component, '/') > k_most_steps) group.fail("lies too deep: the file is damaged");
+  // In a damaged file, a group may contain itself.
+  if (std::ranges::count(component, '/') > k_most_steps)
+    group.fail("is nested too deep: the file is damaged");
   for (const std::string& name : group.names()) {
     if (group.has_group(name)) {
       find_arrays(group.group(name), component.empty() ? name : fmt::format("{}/{}", component, name),
@@ -88,16 +90,16 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& com
       continue;
     }
     Hdf5Dataset dataset = group.dataset(name);
-    dataset.values();  // throws where no file could hold them
+    dataset.values();  // throws if the file cannot hold them
     const std::vector<std::size_t>& extent = dataset.extent();
-    if (component.empty()) {  // /state/alive is of no component
+    if (component.empty()) {  // /state/alive belongs to no component
       if (name == "alive" && extent.size() == 2 && extent[1] == bodies.size() &&
           dataset.element() == engine::Element::u8)
         alive_ = std::move(dataset);
       continue;
     }
     if (extent.size() != 3 || extent[1] != bodies.size())
-      dataset.fail(fmt::format("is not of {} bodies: the file is damaged", bodies.size()));
+      dataset.fail(fmt::format("does not have {} bodies: the file is damaged", bodies.size()));
     Array array;
     array.component = component;
     array.frame = dataset.text("frame");
@@ -117,7 +119,7 @@ void RecordingReader::read_frames() {
   ticks_ = frames.dataset("tick").read<std::uint64_t>();
   times_s_ = frames.dataset("time_s").read<double>();
   hashes_ = frames.dataset("hash").read<std::uint64_t>();
-  // Ticks are written last: of those that stand there, everything does.
+  // Ticks are written last: a frame that has one is complete.
   std::size_t whole = std::min({ticks_.size(), times_s_.size(), hashes_.size()});
   whole = static_cast<std::size_t>(
       std::find(ticks_.begin(), ticks_.begin() + static_cast<std::ptrdiff_t>(whole), k_no_tick) -
@@ -127,7 +129,7 @@ void RecordingReader::read_frames() {
   times_s_.resize(whole);
   hashes_.resize(whole);
   if (std::ranges::adjacent_find(ticks_, std::greater_equal()) != ticks_.end())
-    frames.fail("has ticks that do not rise: the file is damaged");
+    frames.fail("has ticks that do not increase: the file is damaged");
 }
 
 std::optional<RecordingReader::Scene> RecordingReader::scene() const {
@@ -141,7 +143,7 @@ std::optional<RecordingReader::Scene> RecordingReader::scene() const {
   const std::size_t bodies = scene.type.size();
   if (scene.word.size() != bodies || scene.number.size() != bodies || scene.pose.size() != 4 * bodies ||
       scene.color.size() != 4 * bodies || (!ids_.empty() && std::ranges::max(ids_) >= bodies))
-    group.fail("has not all of the bodies: the file is damaged");
+    group.fail("does not have all bodies: the file is damaged");
   return scene;
 }
 
@@ -160,7 +162,7 @@ std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
   if (!group.has(name) || group.has_group(name)) return all;
   std::vector<std::uint8_t> has = group.dataset(name).read<std::uint8_t>();
   if (has.size() != all.size())
-    group.fail(fmt::format("is not of {} bodies: the file is damaged", all.size()));
+    group.fail(fmt::format("does not have {} bodies: the file is damaged", all.size()));
   return has;
 }
 

@@ -21,7 +21,7 @@ namespace troupe::worldio {
 namespace fs = std::filesystem;
 namespace {
 
-/// Whether a file descriptor of a process was opened to write: Linux tells in /proc/PID/fdinfo/FD.
+/// Whether a file descriptor of a process was opened to write, from its flags in Linux's /proc/PID/fdinfo/FD.
 bool opened_to_write(const fs::path& process, const fs::path& descriptor) {
   std::ifstream info(process / "fdinfo" / descriptor.filename());
   for (std::string key, value; info >> key >> value;)
@@ -29,7 +29,8 @@ bool opened_to_write(const fs::path& process, const fs::path& descriptor) {
   return false;
 }
 
-/// A process of this machine that has the file open to write, as far as we may look.
+/// The id of a process on this machine that has the file open to write. Processes that this user may not
+/// inspect are not found.
 std::optional<std::string> writer_of(const fs::path& file) {
   struct stat wanted {};
   if (stat(file.c_str(), &wanted) != 0) return std::nullopt;
@@ -49,7 +50,7 @@ std::optional<std::string> writer_of(const fs::path& file) {
   return std::nullopt;
 }
 
-/// Cuts every array of the group, and of the groups below, to the whole frames.
+/// Cuts every array of the group, and of the groups in it, to the complete frames.
 void cut(const Hdf5Group& group, std::size_t frames) {
   for (const std::string& name : group.names()) {
     if (group.has_group(name)) {
@@ -95,9 +96,10 @@ Repair repair_recording(const fs::path& file) {
     throw Hdf5Error(fmt::format("{}: error: {}", file.string(), readable.error().text));
   const std::optional<Hdf5Superblock> head = read_superblock(file);
   if (!head)
-    throw Hdf5Error(fmt::format(
-        "{}: error: has no whole head of HDF5: it is no recording, or was cut off before its first frame",
-        file.string()));
+    throw Hdf5Error(
+        fmt::format("{}: error: has no complete HDF5 header: it is not a recording, or was cut off before "
+                    "its first frame",
+                    file.string()));
   if (!head->writing()) {
     const std::size_t frames = RecordingReader(file).frames();
     if (is_even(file, frames)) return {false, frames};
@@ -109,7 +111,8 @@ Repair repair_recording(const fs::path& file) {
   fs::path copy;
   std::error_code ignored;
   try {
-    // Held while the copy is worked on, which HDF5 locks by itself; a copy that a kill left is taken over.
+    // Keeps other repairs out while the copy is changed. It is not the copy itself, because HDF5 locks that.
+    // A copy that a killed repair left is overwritten.
     const PartialFile turn(file);
     copy = fs::path(turn.path()).concat(".copy");
     fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
@@ -119,7 +122,7 @@ Repair repair_recording(const fs::path& file) {
   } catch (const std::system_error& error) {
     fs::remove(copy, ignored);
     throw Hdf5Error(fmt::format("{}: error: cannot be repaired: {}", file.string(), error.code().message()));
-  } catch (const Hdf5Error& error) {  // who asked knows of no copy
+  } catch (const Hdf5Error& error) {  // the message must name the file, not the copy
     fs::remove(copy, ignored);
     throw Hdf5Error(file.string() + std::string(error.what()).substr(copy.string().size()));
   } catch (...) {

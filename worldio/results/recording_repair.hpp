@@ -5,17 +5,17 @@
 
 namespace troupe::worldio {
 
-/// What became of a recording.
+/// The result of a repair.
 struct Repair {
-  bool needed = false;       ///< its writer had been killed, or could not write any further
-  std::uint64_t frames = 0;  ///< whole ones, all of which are kept
+  bool needed = false;       ///< its writer was killed, or could not write any more
+  std::uint64_t frames = 0;  ///< complete frames; all of them are kept
 };
 
-/// Makes a recording that was cut off one that plain tools read: closed, and every array as long as there are
-/// whole frames. Works on a copy beside the file and renames it when it is whole, so that whatever happens
-/// meanwhile the file is the old one or the new. One that was closed is left alone.
-/// Throws Hdf5Error, or std::runtime_error with the file's name: no recording, nothing flushed, no room for
-/// the copy, or a program that is still writing it.
+/// Makes a recording that was cut off readable for plain tools: marks it as closed and cuts every array to
+/// the complete frames. Works on a copy next to the file and renames it when it is complete, so that the file
+/// is always the old one or the new one. Does not change a closed recording without incomplete frames.
+/// Throws Hdf5Error or std::runtime_error, with the file's name, if the file is not a recording, nothing was
+/// flushed, there is no room for the copy, or a program is still writing the file.
 Repair repair_recording(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

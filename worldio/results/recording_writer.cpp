@@ -17,8 +17,8 @@ namespace {
 using engine::Element;
 using engine::World;
 
-// What is gathered before it is written: large enough that the calls cost nothing beside the bytes, small
-// enough to stay in the caches. A chunk is a batch of one array, and of many robots at most this many bytes.
+// Size of a batch: large enough that the calls cost little compared with the bytes, small enough to stay in
+// the caches. A chunk is a batch of one array; with many robots it has at most k_chunk_bytes.
 constexpr std::size_t k_batch_bytes = std::size_t{2} << 20;
 constexpr std::size_t k_chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t k_most_batch_frames = 256;
@@ -49,7 +49,7 @@ std::size_t batch_frames(std::size_t frame_bytes) {
                     k_most_batch_frames);
 }
 
-/// Chunks of a batch of whole frames where those are small, of parts of one frame where they are not.
+/// Chunks hold a batch of whole frames, or a part of one frame if frames are large.
 Hdf5Chunks chunks(std::size_t frames, const std::vector<std::size_t>& row, std::size_t element_bytes) {
   Hdf5Chunks chunks{.extent = {frames}};
   std::size_t inner = element_bytes;
@@ -60,7 +60,7 @@ Hdf5Chunks chunks(std::size_t frames, const std::vector<std::size_t>& row, std::
   return chunks;
 }
 
-/// The group at the path, made where it is not there yet.
+/// The group at a path, which is created if it does not exist.
 Hdf5Group group_at(Hdf5Group& root, std::span<const std::string> path) {
   Hdf5Group group = root.has_group(path[0]) ? root.group(path[0]) : root.create_group(path[0]);
   return path.size() == 1 ? std::move(group) : group_at(group, path.subspan(1));
@@ -109,13 +109,13 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   try {
     components_ = recorded_components(world, split(meta.text("record_fields")));
   } catch (const std::invalid_argument& fault) {
-    meta.fail(fmt::format("is of another world: {}", fault.what()));
+    meta.fail(fmt::format("belongs to another world: {}", fault.what()));
   }
   batch_frames_ = batch_frames(bytes_of(components_, bodies_.size()));
   std::vector<std::uint32_t> ids;
   for (const BodyId body : bodies_) ids.push_back(body.value);
   if (file_.group("bodies").dataset("id").read<std::uint32_t>() != ids)
-    file_.group("bodies").fail("is of another world: it has other bodies");
+    file_.group("bodies").fail("belongs to another world: its bodies differ");
   open_outputs();
   cut_after(world.tick());
   open_ = true;
@@ -126,7 +126,7 @@ RecordingWriter::~RecordingWriter() {
   try {
     close();
   } catch (const Hdf5Error&) {
-    // The owner who wants to know calls close().
+    // A destructor cannot report an error; close() does.
   }
 }
 
@@ -143,14 +143,14 @@ void RecordingWriter::guarded(Work&& work) {
 
 void RecordingWriter::give_up() noexcept {
   open_ = false;
-  thread_.reset();  // it may be writing: not every error is its own
+  thread_.reset();  // it may still be writing: not every error is its own
   outputs_.clear();
   frame_outputs_.clear();
   file_.abandon();
   try {
     close_superblock(file_.file_name());
   } catch (const std::exception&) {
-    // The error that led here is told; `troupe repair` does what could not be done now.
+    // The first error is reported; `troupe repair` can close the file later.
   }
 }
 
@@ -227,7 +227,7 @@ void RecordingWriter::open_outputs() {
     const std::vector<std::size_t>& extent = dataset.extent();
     if (dataset.element() != element ||
         !std::equal(extent.begin() + !extent.empty(), extent.end(), row.begin(), row.end()))
-      dataset.fail("is of another world: it has other rows");
+      dataset.fail("belongs to another world: its rows differ");
     return dataset;
   };
   for (const RecordedComponent& component : components_) {
@@ -255,11 +255,11 @@ void RecordingWriter::cut_after(std::uint64_t tick) {
   const std::vector<std::uint64_t> ticks = frame_outputs_[0].read<std::uint64_t>();
   const auto frames = static_cast<std::size_t>(std::ranges::upper_bound(ticks, tick) - ticks.begin());
   next_tick_ = frames == 0 ? 0 : ticks[frames - 1] + 1;
-  // The next frame that is due must not lie behind the world already.
+  // The next due frame must not be before the world's tick.
   const std::uint64_t due = (next_tick_ + every_ticks_ - 1) / every_ticks_ * every_ticks_;
   if (due < tick)
     frame_outputs_[0].fail(fmt::format(
-        "ends before tick {}, where the run goes on at tick {}: there would be a gap", due, tick));
+        "ends before tick {}, but the run continues at tick {}: there would be a gap", due, tick));
   for (Hdf5Dataset& output : frame_outputs_) output.resize(frames);
   for (Output& output : outputs_) output.dataset.resize(frames);
 }

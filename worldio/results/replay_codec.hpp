@@ -7,28 +7,28 @@
 #include <string>
 #include <string_view>
 
-/// How numbers lie in a replay page (docs/replay.md); apps/replay_page/src/series.js reads it.
+/// The encoding of numbers in a replay page (docs/replay.md); apps/replay_page/src/series.js decodes it.
 namespace troupe::worldio {
 
-/// No value: a body that is not there, a number that is none.
+/// Stands for no value: an absent body, or a number that is not finite.
 inline constexpr std::int32_t k_absent = std::numeric_limits<std::int32_t>::min();
-/// The largest magnitude that a series may hold: what is left of 31 bits when a line is drawn on.
+/// The largest magnitude in a series: with it, a line that is continued still fits 31 bits.
 inline constexpr std::int32_t k_most_in_series = 130000000;
 
-/// What a value is expected to be, so that what is written is small.
+/// How a value is predicted from those before it: only the small difference is stored.
 enum class Expected : std::uint8_t {
-  same,  ///< as the value before
-  line,  ///< as far from the value before as that from the one before it
+  same,  ///< equals the previous value
+  line,  ///< continues the line through the previous two values
 };
 
-/// Appends a series: of each value how far it is from what was expected, as an unsigned number of 7 bits a
-/// byte, the low ones first: 0 where the value is absent, else 1 more than 2 d (d >= 0) or -2 d - 1 (d < 0).
-/// The first value is expected to be 0; behind a gap it is the last that was there.
+/// Appends a series: for each value its difference d from the prediction, as an unsigned number of 7 bits per
+/// byte, low bits first: 0 if the value is absent, else 1 + 2 d (d >= 0) or -2 d (d < 0). The prediction of
+/// the first value is 0; after absent values it is the last value before them.
 void append_series(std::span<const std::int32_t> values, Expected expected, std::string& out);
 
-/// Compressed by zlib, in its own format: what browsers call "deflate".
+/// Compresses with zlib, in its own format, which browsers call "deflate".
 std::string deflated(std::string_view bytes);
-/// RFC 4648, section 4, with padding.
+/// Encodes as base64 (RFC 4648, section 4), with padding.
 std::string base64(std::string_view bytes);
 
 }  // namespace troupe::worldio

@@ -20,7 +20,7 @@
 namespace troupe::worldio {
 namespace {
 
-// A block is long, so that its first frame, which nothing predicts, counts for little; and short, so that a
+// A block is long enough that its first frame, which has no prediction, adds little, and short enough that a
 // browser unpacks it between two pictures.
 constexpr std::size_t k_block_poses = 2000000;
 constexpr std::size_t k_block_values = 16000000;  // of the widest array
@@ -49,7 +49,7 @@ std::int32_t in_steps(double value, double step) {
   return static_cast<std::int32_t>(std::llround(std::clamp(value / step, -k_most, k_most)));
 }
 
-/// Headings run on where they pass half a turn.
+/// Makes headings continuous where they pass half a turn.
 void unwrap(std::span<std::int32_t> series) {
   std::int32_t last = 0;
   for (std::int32_t& value : series) {
@@ -62,7 +62,7 @@ void unwrap(std::span<std::int32_t> series) {
   }
 }
 
-/// Makes the streams of one block after another.
+/// Encodes the streams of blocks, one block after another.
 class BlockWriter {
  public:
   BlockWriter(const RecordingReader& recording, const ReplayPlan& plan) : plan_(plan), reader_(recording) {}
@@ -94,7 +94,7 @@ class BlockWriter {
   }
 
  private:
-  /// values_[(row x columns + column) x frames + frame], in steps above `from`.
+  /// Fills values_[(row x columns + column) x frames + frame], in steps above `from`.
   void gather(const RecordingReader::Array& array, std::span<const std::uint32_t> rows,
               std::span<const std::size_t> frames, double from, double step) {
     const std::size_t columns = array.field.columns;
@@ -121,7 +121,7 @@ std::string little_endian(std::uint32_t number) {
   return bytes;
 }
 
-/// The length of the header, the header, and the blocks.
+/// The data of a page: the length of the header, the header, and the blocks.
 std::string packed(const RecordingReader& recording, const ReplayPlan& plan,
                    std::span<const std::size_t> frames, const ReplayBlocks& blocks,
                    const std::string& streams) {
@@ -129,7 +129,7 @@ std::string packed(const RecordingReader& recording, const ReplayPlan& plan,
   return little_endian(static_cast<std::uint32_t>(header.size())) + header + streams;
 }
 
-/// The page of these frames, or nothing, and by how much it would be too large.
+/// The data of a page, or nothing and the factor by which it would be too large.
 struct Try {
   std::optional<std::string> bytes;
   double excess = 1;
@@ -139,7 +139,7 @@ Try make(const RecordingReader& recording, const ReplayPlan& plan, std::span<con
          std::size_t most_bytes) {
   BlockWriter writer(recording, plan);
   ReplayBlocks blocks{.frames = block_frames(plan), .bytes = {}};
-  // What does not change is measured first: with thousands of types it is most of a page.
+  // The constant data is measured first: with thousands of types it is most of a page.
   const std::size_t fixed_bytes = packed(recording, plan, frames, blocks, "").size();
   const auto excess_of = [&](std::size_t stream_bytes, std::size_t done) {
     const double room = static_cast<double>(most_bytes) - static_cast<double>(fixed_bytes);
@@ -164,7 +164,7 @@ Try make(const RecordingReader& recording, const ReplayPlan& plan, std::span<con
   return {.bytes = std::move(bytes)};
 }
 
-/// The next stride to try where one gave too much.
+/// The next stride to try after one that gave too large a page.
 std::size_t next_stride(std::size_t stride, double excess, std::size_t recorded) {
   const double wanted = std::ceil(static_cast<double>(stride) * excess);
   const auto most = static_cast<double>(std::max<std::size_t>(recorded, 2) - 1);

@@ -29,7 +29,7 @@ Json corners_json(const Ring& ring) {
 
 Json pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
 
-/// Tops as convex polygons, walls as the closed chains below their edges.
+/// Tops as convex polygons, walls as closed chains of corners.
 Json shape_json(const engine::FrameShape& shape, std::int32_t joint) {
   Json json;
   if (joint != engine::k_rigid) json["joint"] = joint;
@@ -77,7 +77,7 @@ Json type_json(const RecordedScene::Type& type) {
   return json;
 }
 
-/// The static bodies that can be seen; `ids` are of those that may move.
+/// The visible bodies that never move: those that are not among `ids`.
 Json fixed_json(std::span<const std::uint32_t> ids, const RecordedScene& scene) {
   std::vector<std::uint8_t> moves(scene.bodies.size(), 0);
   for (const std::uint32_t id : ids) moves[id] = 1;
@@ -91,7 +91,7 @@ Json fixed_json(std::span<const std::uint32_t> ids, const RecordedScene& scene) 
   return fixed;
 }
 
-/// Runs of rows of one type, and of each row id, name and colour.
+/// Runs of rows of one type; and id, name and colour of each row.
 Json robots_json(std::span<const std::uint32_t> ids_in_order, const RecordedScene& scene) {
   std::vector<std::array<std::uint32_t, 2>> types;
   Json ids = Json::array();

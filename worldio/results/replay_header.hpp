@@ -12,23 +12,23 @@
 namespace troupe::worldio {
 
 inline constexpr int k_replay_format = 1;
-inline constexpr double k_replay_step_m = 0.001;    ///< of positions
-inline constexpr int k_replay_turn = 2048;          ///< steps of a whole turn: 0.18 degrees
-inline constexpr double k_replay_shape_m = 0.0001;  ///< of outlines
+inline constexpr double k_replay_step_m = 0.001;    ///< step of positions
+inline constexpr int k_replay_turn = 2048;          ///< steps in a whole turn: 0.18 degrees each
+inline constexpr double k_replay_shape_m = 0.0001;  ///< step of outlines
 
-/// Frames of a page that are compressed together, and the bytes of each of its streams: poses, then fields.
+/// The frames of a page are compressed in blocks, each with one stream for the poses and one per field.
 struct ReplayBlocks {
-  std::size_t frames = 0;  ///< of each block but the last
-  std::vector<std::vector<std::size_t>> bytes;
+  std::size_t frames = 0;                       ///< per block; the last may have fewer
+  std::vector<std::vector<std::size_t>> bytes;  ///< per block: of each stream
 };
 
-/// Everything but the numbers that change, as JSON: shapes, names, colours, times, fields (docs/replay.md).
+/// Returns what does not change, as JSON: shapes, names, colours, times, fields (docs/replay.md).
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 
-/// What a page that shows a running world needs once.
+/// What a page that shows a running world needs at its start.
 struct LivePage {
-  std::string header;                ///< as replay_header(), without what only recordings have
+  std::string header;                ///< as replay_header(), without the keys that only recordings have
   std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page: by type, then by id
   bool has_z = false;                ///< heights may change; else the header has them
 };

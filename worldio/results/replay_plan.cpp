@@ -18,8 +18,8 @@ namespace {
 using Array = RecordingReader::Array;
 using engine::Element;
 
-constexpr double k_levels = 4095;           // that a colour or a reading needs
-constexpr double k_endless = 1e150;         // beyond it a number counts as none: differences stay finite
+constexpr double k_levels = 4095;           // enough for a colour or a reading
+constexpr double k_endless = 1e150;         // larger numbers count as NaN, so that differences stay finite
 constexpr double k_most_whole = 100000000;  // whole numbers that span more are rounded
 
 [[noreturn]] void refuse(const RecordingReader& recording, const std::string& message) {
@@ -43,13 +43,13 @@ const Array* find_pose(const RecordingReader& recording, std::string_view field)
 
 std::string name_of(const Array& array) { return fmt::format("{}/{}", array.component, array.field.name); }
 
-/// Where a part is that moves: as poses, a page needs it to draw the body.
+/// Whether an array has the poses of a part that moves, which a page needs to draw the body.
 bool is_joint(const Array& array) { return array.component.starts_with("joint/"); }
 
-/// Without them a page cannot draw bodies as they looked.
+/// Whether a page needs an array to draw the bodies.
 bool is_look(const Array& array) { return is_joint(array) || array.field.name == engine::k_shown_color; }
 
-/// Which arrays a name of --fields chooses.
+/// Whether a name of --fields chooses an array.
 bool chooses(std::string_view name, const Array& array) {
   const std::string_view component = array.component;
   return name == "all" || name == component || name == array.field.name || name == name_of(array) ||
@@ -64,7 +64,7 @@ std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
       continue;
     std::vector<std::string> known;
     for (const Array& array : recording.arrays()) known.push_back(name_of(array));
-    refuse(recording, fmt::format("{}; troupe run --record-fields says what is recorded",
+    refuse(recording, fmt::format("{}; troupe run --record-fields chooses what is recorded",
                                   unknown_name("field", name, {known.begin(), known.end()})));
   }
   std::vector<const Array*> arrays;
@@ -76,7 +76,7 @@ std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
   return arrays;
 }
 
-/// Of what was recorded of each body: the rows in the order of the page.
+/// A field of an array, with its rows in the order of the page.
 ReplayField field_of(const RecordingReader& recording, const Array& array,
                      std::span<const std::uint32_t> order) {
   constexpr std::uint32_t k_none = std::numeric_limits<std::uint32_t>::max();
@@ -97,7 +97,7 @@ ReplayField field_of(const RecordingReader& recording, const Array& array,
   return field;
 }
 
-/// The least of 1, 2 and 5 times a power of ten that is not below x, for x of any size above 0.
+/// The smallest number that is 1, 2 or 5 times a power of ten and at least x, for any x above 0.
 double round_step(double x) {
   double power = 1;
   while (power < x && power < 1e300) power *= 10;
@@ -107,7 +107,7 @@ double round_step(double x) {
 }
 
 void choose_steps(ReplayField& field) {
-  if (field.min > field.max) {  // nothing but absent numbers
+  if (field.min > field.max) {  // all numbers are absent
     field.min = field.max = 0;
     return;
   }
@@ -127,7 +127,7 @@ void choose_steps(ReplayField& field) {
   field.steps = static_cast<std::uint32_t>(std::ceil((field.max - field.min) / field.step));
 }
 
-/// What the numbers of all frames span.
+/// Finds the range of the numbers in all frames.
 void survey(const RecordingReader& recording, ReplayPlan& plan) {
   FrameReader reader(recording);
   std::vector<double> values;
@@ -159,7 +159,7 @@ void survey(const RecordingReader& recording, ReplayPlan& plan) {
   }
 }
 
-/// Whether robots have parts that move without a word of where they were.
+/// Whether robots have parts that move whose poses were not recorded.
 bool lacks_joints(const ReplayPlan& plan, const RecordingReader& recording) {
   std::vector<std::uint8_t> seen(plan.scene.types.size(), 0);
   for (const std::uint32_t row : plan.order) seen[plan.scene.bodies[recording.ids()[row]].type] = 1;
@@ -172,7 +172,7 @@ bool lacks_joints(const ReplayPlan& plan, const RecordingReader& recording) {
   return false;
 }
 
-/// Heights that never change are said once.
+/// If heights never change, stores them once in place of the array.
 void survey_heights(const RecordingReader& recording, ReplayPlan& plan) {
   plan.heights.assign(plan.order.size(), 0.0);
   const Array* const z = plan.pose[3];
@@ -228,9 +228,9 @@ ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::st
   plan.pose = {find_pose(recording, "x"), find_pose(recording, "y"), find_pose(recording, "heading"),
                find_pose(recording, "z")};
   if (!plan.pose[0] || !plan.pose[1] || !plan.pose[2])
-    refuse(recording, "holds no poses, so there is nothing to show: record it with --record-fields pose,...");
-  if (recording.frames() == 0) refuse(recording, "holds no whole frame");
-  if (recording.ids().empty()) refuse(recording, "holds nothing that moves, senses or decides");
+    refuse(recording, "has no poses, so there is nothing to show: record it with --record-fields pose,...");
+  if (recording.frames() == 0) refuse(recording, "has no complete frame");
+  if (recording.ids().empty()) refuse(recording, "has no body that moves, senses or decides");
   plan.scene = recorded_scene(recording);
 
   plan.order.resize(recording.ids().size());
@@ -243,7 +243,7 @@ ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::st
   plan.at_rest = lacks_joints(plan, recording);
   survey(recording, plan);
   survey_heights(recording, plan);
-  if (plan.bounds.empty()) plan.bounds = Box::around(Vec2::Zero(), 1);  // of robots that are never there
+  if (plan.bounds.empty()) plan.bounds = Box::around(Vec2::Zero(), 1);  // no robot is ever in the world
   std::vector<std::uint8_t> moves(plan.scene.bodies.size(), 0);
   for (const std::uint32_t id : recording.ids()) moves[id] = 1;
   double robot_radius = 0;

@@ -34,7 +34,7 @@ std::string head(std::string_view kind, unsigned layout, std::uint64_t bytes, st
   return text + '\n';
 }
 
-/// The number behind `key` at the start of a line of the head.
+/// The number after `key` in the line of the head that begins with it.
 std::optional<std::uint64_t> number_after(std::string_view head, std::string_view key, int base = 10) {
   const std::size_t line = head.find(fmt::format("\n{} ", key));
   if (line == head.npos) return std::nullopt;
@@ -45,12 +45,12 @@ std::optional<std::uint64_t> number_after(std::string_view head, std::string_vie
 }
 
 struct Content {
-  std::string head;  // of a file that is shorter, all of it
+  std::string head;  // the whole file if it is shorter
   std::uint64_t bytes = 0;
   std::uint64_t hash = 0;
 };
 
-/// Head and hash of a file. Throws std::system_error.
+/// Reads head and hash of a file. Throws std::system_error.
 Content content_of(const fs::path& file) {
   constexpr std::size_t k_piece = 1 << 20;
   const auto failed = [] { return std::system_error(errno, std::generic_category()); };
@@ -72,8 +72,8 @@ Content content_of(const fs::path& file) {
   return content;
 }
 
-/// Where the file system can do that, the names in a folder are on the disk when this returns; the files in
-/// it are safe without.
+/// Syncs the names in a folder to the disk, if the file system can do that. The content of the file is
+/// already on the disk.
 void sync_folder_of(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -90,8 +90,8 @@ void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
   const auto refuse = [&file](const std::string& reason) {
     throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
   };
-  // To be replaced by a file would not become a device.
-  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) refuse("it is no regular file");
+  // The rename would replace a device, such as /dev/null, by a file.
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) refuse("it is not a regular file");
   const std::span<const std::byte> rest = bytes.subspan(k_seal_bytes);
   const std::string text = head(kind, layout, rest.size(), hash_bytes(rest));
   try {
@@ -119,23 +119,23 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
   }
   const std::string& text = content.head;
   const std::string mark = first_line(kind);
-  if (text.empty()) refuse(fmt::format("this is no {}: the file is empty", kind));
-  if (text.starts_with(k_hdf5_signature)) refuse(fmt::format("this is an HDF5 file, but no {}", kind));
+  if (text.empty()) refuse(fmt::format("this is not a {}: the file is empty", kind));
+  if (text.starts_with(k_hdf5_signature)) refuse(fmt::format("this is an HDF5 file, but not a {}", kind));
   if (!text.starts_with(mark) && !mark.starts_with(text)) {
-    if (text.starts_with("troupe ")) refuse(fmt::format("this is no {}, or a damaged one", kind));
-    refuse(fmt::format("this is no {}", kind));
+    if (text.starts_with("troupe ")) refuse(fmt::format("this is not a {}, or a damaged one", kind));
+    refuse(fmt::format("this is not a {}", kind));
   }
-  // The first line and the second are those of every layout.
+  // The first two lines are the same in every layout.
   const auto number = number_after(text, "layout");
   if (number && *number != layout)
-    refuse(fmt::format("its layout is {}, of {} version; this program reads {}", *number,
+    refuse(fmt::format("its layout is {}, of {} version of Troupe; this program reads layout {}", *number,
                        *number > layout ? "a newer" : "an older", layout));
   const auto bytes = number_after(text, "bytes");
   if (text.size() < k_seal_bytes || (bytes && content.bytes < *bytes))
     refuse(fmt::format("the file was cut off, after {} bytes{}", text.size() + content.bytes,
                        bytes ? fmt::format(" of {}", k_seal_bytes + *bytes) : ""));
   if (text != head(kind, layout, content.bytes, content.hash))
-    refuse("the file is damaged: its hash is not the one that was written into it");
+    refuse("the file is damaged: its hash differs from the one in its header");
 }
 
 bool has_seal(const fs::path& file, std::string_view kind) {

@@ -17,7 +17,7 @@ Solid box(double x_min, double x_max, double y_min, double y_max, double z_min, 
   return {{{Vec2(x_min, y_min), Vec2(x_max, y_min), Vec2(x_max, y_max), Vec2(x_min, y_max)}}, {z_min, z_max}};
 }
 
-/// 12 of "point[12]".
+/// Returns 12 for "point[12]".
 std::optional<std::int64_t> point_number(std::string_view key) {
   constexpr std::string_view k_stem = "point[";
   std::int64_t number = 0;
@@ -37,14 +37,14 @@ bool StageBodies::flag(const StageModel& model, std::string_view key) {
 StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                             const std::vector<StageModel>& blocks) {
   std::vector<Solid> solids;
-  // As long as this is set, the first explicit block discards all there is.
+  // While this is set, explicit blocks replace everything made so far.
   bool is_default = kind.has_default_body;
   if (is_default) solids.push_back(box(-0.5, 0.5, -0.5, 0.5, 0, 1));
   if (flag(model, "noblocks")) {
     solids.clear();
     is_default = false;
   }
-  Box frame;  // of an image whose margins are kept
+  Box frame;  // the whole image, if its margins are kept
   if (const StageProperty* bitmap = model.find(document_, "bitmap")) {
     if (is_default) solids.clear();
     is_default = false;
@@ -68,8 +68,9 @@ StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& ki
   if (flag(model, "boundary")) {
     add_boundary(size, solids);
     if (is_default && !blocks.empty())
-      values_.warning(values_.where(*model.find(document_, "boundary")),
-                      "as in Stage, the blocks of this model discard its boundary");
+      values_.warning(
+          values_.where(*model.find(document_, "boundary")),
+          "\"boundary\" has no effect: as in Stage, the blocks of a model without a bitmap replace it");
   }
   if (is_default && !blocks.empty()) solids.clear();
   const bool is_all_blocks = solids.empty() && frame.empty();
@@ -85,11 +86,11 @@ void StageBodies::check_map(const StageModel& model, const FloorImage& map, cons
   const Eigen::Vector2d& size_m = map.place->size_m;
   if (const StageProperty* property = model.find(document_, "size"); property && size.head<2>() != size_m)
     values_.warning(values_.where(*property),
-                    fmt::format("of \"size\" the height alone counts: the map is {:g} m x {:g} m", size_m.x(),
+                    fmt::format("only the height of \"size\" is used: the map is {:g} m x {:g} m", size_m.x(),
                                 size_m.y()));
   if (!blocks.empty())
     values_.error(blocks.front().where,
-                  "a model with a map of ROS takes no blocks: the map is not stretched");
+                  "a model whose \"bitmap\" is a ROS map cannot have blocks: the map is not stretched");
 }
 
 const FloorImage* StageBodies::read_image(const StageProperty& property, engine::ImageSpec& spec) {
@@ -108,7 +109,7 @@ const FloorImage* StageBodies::read_image(const StageProperty& property, engine:
       values_.where(property),
       image->place
           ? fmt::format("the map {} has no occupied cell", path.string())
-          : fmt::format("the image {} has no solid pixel; solid is what is darker than half", path.string()));
+          : fmt::format("the image {} has no solid pixel; pixels darker than half are solid", path.string()));
   return nullptr;
 }
 
@@ -130,7 +131,8 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   std::int64_t written = 0;
   for (const StageEntity* layer : block.layers) written += layer->properties.count;
   if (*count > written + k_most_missing) {
-    values_.error(values_.where(*points), fmt::format("\"points\" is {}, but far fewer are given", *count));
+    values_.error(values_.where(*points),
+                  fmt::format("\"points\" is {}, but the block has far fewer", *count));
     return;
   }
   std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
@@ -141,8 +143,9 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
       if (*number >= 0 && *number < *count)
         given[static_cast<std::size_t>(*number)] = &property;
       else
-        values_.warning(values_.where(property), fmt::format("\"{}\" is ignored: the block has {} points",
-                                                             document_.key(property), *count));
+        values_.warning(values_.where(property),
+                        fmt::format("\"{}\" is ignored: the block has {} points, numbered from 0",
+                                    document_.key(property), *count));
     }
   Ring ring;
   ring.reserve(given.size());
@@ -156,7 +159,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   if (const auto missing = std::ranges::count(given, nullptr); missing > 0)
     values_.warning(
         values_.where(*points),
-        fmt::format("{} of the {} points are not given; as in Stage they lie at [0 0]", missing, *count));
+        fmt::format("{} of the {} points are not given; as in Stage, they are at [0 0]", missing, *count));
   const double area = signed_area(ring);
   if (area == 0) values_.warning(block.where, "this block has no area");
   if (area < 0) std::ranges::reverse(ring);
@@ -167,11 +170,11 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
     if (!v) return;
     z = {(*v)[0] * values_.length_unit(), (*v)[1] * values_.length_unit()};
     if (z.min > z.max) {
-      values_.error(values_.where(*property), "\"z\" needs [min max] with min below max");
+      values_.error(values_.where(*property), "\"z\" needs [min max] with min at most max");
       return;
     }
   }
-  if (z.min == z.max) values_.warning(block.where, "this block has no height; give it z [min max]");
+  if (z.min == z.max) values_.warning(block.where, "this block has no height; give it \"z\" [min max]");
   solids.push_back({{std::move(ring)}, z});
 }
 

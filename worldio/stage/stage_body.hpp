@@ -15,8 +15,7 @@
 
 namespace troupe::worldio {
 
-/// What a model shows of itself, and the image, or the blocks, that it is made from, where these are all of
-/// it.
+/// The solids of a model. `image` or `blocks` is set where that image or those blocks are all its solids.
 struct StageBody {
   std::vector<Solid> solids;
   std::optional<engine::ImageSpec> image;
@@ -33,17 +32,17 @@ class StageBodies {
         values_(values),
         images_(diagnostics) {}
 
-  /// The body of a model, whose blocks have been resolved, in its own frame before its origin: stretched to
-  /// `size` and centred in x and y; z keeps its ratio. A map of ROS has its own size in x and y, which is
-  /// put into `size`, and its own place.
+  /// Returns the body of a model in the model's frame, before `origin` is applied. It is stretched to `size`,
+  /// m, and centred in x and y; z is scaled and not shifted. `blocks` are resolved. A ROS map keeps its own
+  /// place and its own size in x and y, which overwrites that of `size`.
   StageBody make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
 
  private:
   bool flag(const StageModel& model, std::string_view key);
-  /// Null, with an error, where there is no image that can be read or nothing of it is solid.
+  /// Null, with an error, if the image cannot be read or has no solid pixel.
   const FloorImage* read_image(const StageProperty& property, engine::ImageSpec& spec);
-  /// A map of ROS says itself how large it is and where it lies.
+  /// Reports what the model gives and a ROS map overrides: the map has its own size and place.
   void check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
   void add_block(const StageModel& block, std::vector<Solid>& solids);

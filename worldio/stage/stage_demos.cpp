@@ -74,7 +74,7 @@ struct LaserNoise {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::share>("share", within(0, 1),
-                               "standard deviation of a reading's error, as a share of it");
+                               "standard deviation of a reading's error, as a fraction of the reading");
     }
   };
 
@@ -82,7 +82,7 @@ struct LaserNoise {
   static LaserNoise make(const Params&) { return {}; }
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>&) {
     for (std::size_t d = 0; d < devices.size(); ++d)
-      if (devices[d].kind == "ranger") return std::vector{d};  // not claimed: it is for others to read
+      if (devices[d].kind == "ranger") return std::vector{d};  // not claimed: other controllers may read it
     return Error{"needs a ranger"};
   }
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
@@ -108,8 +108,8 @@ engine::ControllerKind dynamic_controller() {
 }
 
 engine::ControllerKind lasernoise_controller() {
-  return engine::make_controller_kind<LaserNoise>(k_lasernoise,
-                                                  "give the model's ranger a normal error in proportion");
+  return engine::make_controller_kind<LaserNoise>(
+      k_lasernoise, "give the model's ranger a normal error in proportion to its readings");
 }
 
 StageAddition stage_addition(std::string_view controller) {

@@ -39,7 +39,7 @@ void write_parameters(const DeviceSpec& device, const DeviceKind& kind, StageTex
     };
     const auto at = static_cast<std::size_t>(kind.params.find(parameter.field));
     const Value& value = device.params[at];
-    if (parameter.column == 0) {  // of a tuple [a b], whose other number is a field of its own
+    if (parameter.column == 0) {  // of a tuple [a b] whose second number is another field
       const auto other = std::ranges::find_if(stage_parameters(), [&](const StageParameter& one) {
         return one.model == parameter.model && one.property == parameter.property && one.column == 1;
       });
@@ -61,7 +61,7 @@ void write_ranger(const DeviceSpec& device, StageText& text) {
   if (ranger.intensity) text.flag("intensity", true);
   for (const engine::TransducerParams& transducer : ranger.transducers) {
     const Pose& pose = transducer.pose;
-    constexpr double k_middle = 0.02 / 2;  // m: of the height of Stage's transducers, where their beams leave
+    constexpr double k_middle = 0.02 / 2;  // m: height of the beams of Stage's transducers
     const double z = solved(pose.z, pose.z - k_middle, [](double x) { return x + k_middle; });
     text.open("sensor");
     text.pose("pose", {pose.x, pose.y, z, pose.heading});
@@ -102,7 +102,7 @@ void write_blob_colors(const DeviceSpec& device, const DeviceKind& kind, StageTe
   for (std::size_t i = 0; i + 2 < parts.size(); i += 3) {
     const JsonNode node = color_node({static_cast<float>(parts[i]), static_cast<float>(parts[i + 1]),
                                       static_cast<float>(parts[i + 2]), 1});
-    names.push_back(node.text() ? *node.text() : "red");  // a colour without a name is told afterwards
+    names.push_back(node.text() ? *node.text() : "red");  // the round trip reports a colour without a name
   }
   if (names.empty()) return;
   text.number("colors_count", static_cast<double>(names.size()));
@@ -116,7 +116,7 @@ void write_radio(const DeviceSpec& device, const DeviceKind& kind, StageText& te
   text.number("range", get(kind.params, device.params, "range").number());
 }
 
-/// As an argument of a controller; empty where a .world has no way to write it.
+/// Writes a value as an argument of `ctrl`; empty if the syntax cannot express it.
 std::optional<std::string> argument(const Value& value) {
   if (const bool* x = std::get_if<bool>(&value.v)) return *x ? "1" : "0";
   if (const auto* x = std::get_if<std::int64_t>(&value.v)) return fmt::format("{}", *x);

@@ -53,7 +53,7 @@ constexpr auto k_parameters = std::to_array<StageParameter>({
     {"radio", "beacon", "beacon"},
 });
 
-// Of two that say the same the first is written.
+// Of two rows with the same law, the first is written.
 constexpr auto k_radio_laws = std::to_array<StageRadioLaw>({
     {"simple", "disc", "pass"},
     {"friis", "friis", "pass"},

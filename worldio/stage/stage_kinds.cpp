@@ -25,7 +25,7 @@ std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
   return names;
 }
 
-/// Whether a number is within a field's limits; else "must be above 0 m".
+/// Checks a number against a field's limits. The error reads "must be above 0 m".
 Result<> check_limits(const Field& field, double value) {
   const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
   const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
@@ -36,14 +36,14 @@ Result<> check_limits(const Field& field, double value) {
   return {};
 }
 
-/// A whole turn, in rad, is often written with few digits: 6.2832 is one.
+/// Reads an angle, rad, slightly above a whole turn as a whole turn: files write 6.2832.
 double within_a_turn(double angle) {
   constexpr double k_turn = 2 * k_pi;
   constexpr double k_rounding = 1e-5;
   return angle > k_turn && angle < k_turn * (1 + k_rounding) ? k_turn : angle;
 }
 
-/// Sets a field where the table has it: kinds need not know all that Stage's models say.
+/// Sets a field if the table has it: a kind need not have every property of Stage's models.
 void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
   if (const int at = table.find(name); at >= 0) record[static_cast<std::size_t>(at)] = std::move(value);
 }
@@ -85,8 +85,8 @@ double StageKinds::period_s(const StageModel& model) {
 std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor) {
   const FieldTable& table = engine::described<TransducerParams>();
   TransducerParams params;
-  bool is_right = true;  // all properties are read, so that all that is wrong is reported
-  // A value is checked against the field's limits, under the name it has in the file.
+  bool is_right = true;  // no early return: every wrong property is reported
+  // Checks a value against the limits of its field; messages use the name in the file.
   const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
     const auto at = static_cast<std::size_t>(table.find(field_name));
     const Result<> kept = check_limits(table.fields[at], value);
@@ -102,8 +102,8 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
   };
 
   Eigen::Vector3d size(0.02, 0.02, 0.02);
-  const bool is_the_ranger = !sensor.alias.empty();  // whose pose and size are those of its body
-  if (sensor.alias == "laser") {                     // as the ones that older files mean
+  const bool is_the_ranger = !sensor.alias.empty();  // then the body has pose and size
+  if (sensor.alias == "laser") {                     // the defaults of older files
     params.range_max = 8;
     params.fov = radians(180);
     params.samples = 180;
@@ -165,7 +165,7 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
       values_.error(values_.where(property), "\"noise\" needs values of 0 or above: [variance share angle]");
       return false;
     }
-    // Stage takes its first number for a variance, and of its third no more than this share.
+    // Stage reads the first number as a variance and scales the third by half the angle between beams.
     const double step = params.fov / static_cast<double>(std::max<std::int64_t>(params.samples - 1, 1));
     params.noise_stddev = sqrt((*given)[0] * values_.length_unit());
     params.noise_proportional = (*given)[1];
@@ -235,7 +235,7 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
     };
     if (given.size() != 2 || !is_one_of(given[0], "open", "closed") || !is_one_of(given[1], "up", "down")) {
       values_.error(values_.where(*property),
-                    "\"paddle_state\" needs [\"open\" or \"closed\", \"up\" or \"down\"]");
+                    "\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or \"down\"");
       return {};
     }
     set(kind.params, spec->params, "paddles", std::string(given[0]));
@@ -253,7 +253,7 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
                                                      const engine::DeviceKind& kind) {
   engine::DeviceSpec spec{
       .kind = std::string(kind.name), .params = kind.params.defaults(), .where = model.where};
-  bool is_right = true;  // all properties are read, so that all that is wrong is reported
+  bool is_right = true;  // no early return: every wrong property is reported
   for (const StageParameter& parameter : stage_parameters()) {
     if (parameter.model != model.type) continue;
     const StageProperty* property = model.find(document_, parameter.property);
@@ -277,7 +277,7 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
   return spec;
 }
 
-/// A property as a value of this field; empty, with an error, where it is none.
+/// Reads a property as a value of this field. Empty, with an error, if it is wrong.
 std::optional<Value> StageKinds::value(const StageProperty& property, const Field& field, double to_si,
                                        int column) {
   const auto checked = [&](std::optional<double> given) -> std::optional<double> {
@@ -323,7 +323,7 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
       return {};
     }
     case FieldType::numbers: {
-      auto given = values_.tuple(property, field.columns, field.columns, "one number each");
+      auto given = values_.tuple(property, field.columns, field.columns, "[x y z]");
       if (!given) return {};
       for (double& number : *given) {
         const auto si = checked(number);
@@ -410,14 +410,14 @@ std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
     if (const StageProperty* property = model.find(document_, key))
       values_.warning_once(
           values_.where(*property),
-          fmt::format("\"{}\" of a position inside another model has no effect: it knows its "
-                      "true pose",
+          fmt::format("\"{}\" of a position inside another model has no effect: such a model "
+                      "always knows its true pose",
                       key));
   if (const StageProperty* property = model.find(document_, "localization");
       property && values_.text(*property).value_or("gps") != "gps")
     values_.warning_once(values_.where(*property),
-                         "\"localization\" of a position inside another model has no effect: it knows its "
-                         "true pose");
+                         "\"localization\" of a position inside another model has no effect: such a "
+                         "model always knows its true pose");
   return spec;
 }
 
@@ -433,7 +433,7 @@ std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& mo
   for (std::size_t i = 0; i < bounds.size(); i += 2)
     if (bounds[i] > bounds[i + 1]) {
       values_.error(values_.where(*property),
-                    fmt::format("\"{}\" needs each minimum at most its maximum", key));
+                    fmt::format("each minimum of \"{}\" must be at most its maximum", key));
       return {};
     }
   return bounds;
@@ -464,8 +464,8 @@ bool StageKinds::localize(const StageModel& model, const FieldTable& table, Reco
     is_right = is_right && origin;
     if (kind == "gps" && !gps_has_origin && origin && *origin != Pose())
       values_.warning_once(values_.where(*property),
-                           "with localization \"gps\" poses are the world's, whatever the origin, as in "
-                           "Stage; \"gps_origin 1\" honours it");
+                           "\"localization_origin\" has no effect: as in Stage, \"gps\" poses are in the "
+                           "world frame; \"gps_origin 1\" applies the origin");
     else if (origin && (kind != "gps" || gps_has_origin)) {
       set(table, params, "localization_origin", std::vector<double>{origin->x, origin->y});
       set(table, params, "localization_origin_heading", origin->heading);
@@ -519,7 +519,7 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
     if (equals == std::string_view::npos) {
       if (positional == fields.size()) {
         values_.error(where,
-                      fmt::format("controller \"{}\" takes no more than {} arguments", name, fields.size()));
+                      fmt::format("controller \"{}\" takes at most {} arguments", name, fields.size()));
         return {};
       }
       const Field& field = fields[positional];
@@ -606,13 +606,13 @@ bool StageKinds::set_argument(const Field& field, double to_si, std::string_view
       for (std::string_view rest = text; !rest.empty() || list.empty();) {
         const std::size_t comma = std::min(rest.size(), rest.find(','));
         const std::optional<double> given = number_of(rest.substr(0, comma));
-        if (!given) return refuse("needs numbers, separated by commas without blanks");
+        if (!given) return refuse("needs numbers separated by commas, without blanks");
         list.push_back(*given * to_si);
         if (const Result<> kept = check_limits(field, list.back()); !kept) return refuse(kept.error().text);
         rest.remove_prefix(std::min(rest.size(), comma + 1));
       }
       if (field.columns > 0 && list.size() != field.columns)
-        return refuse(fmt::format("needs {} numbers, separated by commas without blanks", field.columns));
+        return refuse(fmt::format("needs {} numbers separated by commas, without blanks", field.columns));
       value = std::move(list);
       return true;
     }

@@ -12,40 +12,43 @@
 
 namespace troupe::worldio {
 
-/// Turns what Stage says of rangers, drives and controllers into the parameters of our kinds, by field name.
+/// Turns the properties of Stage models into the parameters of Troupe's kinds of devices, drives and
+/// controllers, by field name.
 class StageKinds {
  public:
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)
       : document_(document), registry_(registry), values_(values) {}
 
-  /// Seconds between updates; 0: every tick.
+  /// Time between updates, s; 0: every tick.
   double period_s(const StageModel& model);
 
-  /// Of a ranger and its `sensor` children; empty, with a warning, when it has none.
+  /// Reads a ranger and its `sensor` children. Empty, with a warning, if it has none; empty, with errors, if
+  /// a property is wrong.
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
-  /// Of a model that is a device of this kind; empty, with errors, where its properties are wrong.
+  /// Reads a model that is a device of this kind. Empty, with errors, if a property is wrong.
   std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
-  /// Of a gripper whose model is of this size.
+  /// As device(), for a gripper whose model has this size, m.
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
                                             const Eigen::Vector3d& size);
+  /// Reads the drive of a position model. Empty, with errors, if a property is wrong.
   std::optional<engine::DriveSpec> drive(const StageModel& model);
-  /// Of a position inside another model, which has a drive of its own; empty, with errors, where its
-  /// properties are wrong.
+  /// Reads the drive of a position model inside another model, as a device. Empty, with errors, if a property
+  /// is wrong.
   std::optional<engine::DeviceSpec> wheels(const StageModel& model, const engine::DeviceKind& kind);
-  /// Of the words of `ctrl`: "name arguments", the arguments in the order of the kind's parameters or as
-  /// parameter=value.
+  /// Reads `ctrl`: strings "name arguments". Arguments are in the order of the kind's parameters, or written
+  /// parameter=value. A string that is wrong is an error and left out.
   std::vector<engine::ControllerSpec> controllers(const StageModel& model);
 
  private:
-  /// [xmin xmax ymin ymax zmin zmax amin amax], m and rad a second or a second squared; Stage's where the
-  /// model does not say, empty where it says them wrongly.
+  /// [xmin xmax ymin ymax zmin zmax amin amax], in m and rad per second or per second squared. Stage's
+  /// defaults if the model does not have the property; empty, with an error, if it is wrong.
   std::optional<std::vector<double>> drive_bounds(const StageModel& model, std::string_view key);
-  /// How the robot knows its pose; false where the model says it wrongly.
+  /// Reads how the robot localizes itself. False, with errors, if a property is wrong.
   bool localize(const StageModel& model, const engine::FieldTable& table, engine::Record& params);
   bool is_always_on(const StageModel& model);
   std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,
                                      int column);
-  // worldio/stage/stage_sensors.cpp; each says whether what it read is right.
+  // In worldio/stage/stage_sensors.cpp. False, with errors, if a property is wrong.
   bool add_blob_colors(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   bool add_bumpers(const StageModel& model, engine::DeviceSpec& spec);
   bool add_radio_law(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);

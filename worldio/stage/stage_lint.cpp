@@ -11,14 +11,14 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_deepest = 200;  // as deep as the parser and the macros go
+constexpr std::size_t k_deepest = 200;  // the limit of the parser and of macros
 
 std::string with_article(std::string_view type) {
   if (type == "world") return "the world";
   return fmt::format("{} {}", type == "actuator" ? "an" : "a", type);
 }
 
-/// How a property is called in messages: "mass", but "noise of a sensor".
+/// The name of a property in messages: "mass", but "noise of a sensor".
 std::string called(const StageRow& row) {
   if (row.type == "model" || row.type == "world") return std::string(row.name);
   return fmt::format("{} of {}", row.name, with_article(row.type));
@@ -46,9 +46,9 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (!model) return;
   if (model->type == "window") add(window_only_, model->where, "window");
   if (macros_.is_only_a_body(model->type))
-    values_.warning_once(model->where,
-                         fmt::format("this program does not have what {} does; it is only a body here",
-                                     with_article(model->type)));
+    values_.warning_once(
+        model->where,
+        fmt::format("this program does not implement {}; it is only a body here", with_article(model->type)));
   if (values_.thorough()) check_overruled(*model);
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
@@ -68,7 +68,7 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
     const std::vector<std::string_view> known = stage_property_names(type);
     values_.warning_once(
         where, fmt::format("{} has no property \"{}\"; it is ignored{}", with_article(type), key,
-                           is_transducers ? ", it belongs into a sensor( ... )" : did_you_mean(key, known)));
+                           is_transducers ? ": it belongs in a sensor( ... )" : did_you_mean(key, known)));
     return;
   }
   switch (row->support) {
@@ -82,7 +82,7 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
   }
 }
 
-/// Of a property that one entity sets twice the last holds.
+/// Warns of properties that an entity sets again later: the last value counts.
 void StageLint::check_repeated(std::span<const StageProperty> properties) {
   if (!values_.thorough()) return;
   std::unordered_map<std::string_view, Where> later;
@@ -94,7 +94,7 @@ void StageLint::check_repeated(std::span<const StageProperty> properties) {
   }
 }
 
-/// What has an effect in some models, but not beside what else is said of this one.
+/// Warns of properties that have no effect because of the other properties or the type of the model.
 void StageLint::check_overruled(const StageModel& model) {
   const auto report = [&](std::string_view key, std::string_view why) {
     if (const StageProperty* property = model.find(document_, key))
@@ -103,7 +103,7 @@ void StageLint::check_overruled(const StageModel& model) {
   const bool runs = macros_.is_device(model.type);
   const bool is_position = model.type == "position";
   const bool is_model = model.type != "block" && model.type != "sensor" && model.type != "window";
-  if (is_model && model.find(document_, "color")) report("color_rgba", "\"color\" is given too");
+  if (is_model && model.find(document_, "color")) report("color_rgba", "\"color\" is also given");
   const bool has_energy =
       model.find(document_, "watts") || model.find(document_, "give_watts") ||
       (is_position && (model.find(document_, "joules") || model.find(document_, "kjoules")));

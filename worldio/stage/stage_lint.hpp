@@ -11,32 +11,31 @@
 
 namespace troupe::worldio {
 
-/// Sees to it that nothing in a file is dropped in silence: looks each property up in the table of all
-/// properties and warns of what has no effect here. Bodies of unused macros are not looked at, as
-/// in Stage. Where the diagnostics are thorough, each place is told by itself, and so are properties that
-/// others beside them overrule.
+/// Warns of every property that has no effect, so that nothing in a file is dropped silently: looks each one
+/// up in the table of all properties. As in Stage, the bodies of unused macros are not checked. Thorough
+/// diagnostics report each place separately, and properties that other properties of the model override.
 class StageLint {
  public:
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)
       : document_(document), macros_(macros), values_(values) {}
 
   void check_world();
-  /// An entity with its macros and all that it holds; the body of a macro is looked at once.
+  /// Checks an entity, its macros and its children. The body of a macro is checked once.
   void check(const StageEntity& entity) { check(entity, 0); }
-  /// Writes the warnings that sum up.
+  /// Writes the summary warnings.
   void finish();
 
  private:
-  /// One kind of thing that is told in one line, or, where thorough, at each of its places.
+  /// A group of properties that share one warning; thorough diagnostics report each place instead.
   struct Summary {
-    std::string_view all;   ///< before the names
-    std::string_view each;  ///< behind a name
+    std::string_view all;   ///< text before the names
+    std::string_view each;  ///< text after a name
     Where first = {};
     std::vector<std::string> names = {};
   };
 
   void check(const StageEntity& entity, std::size_t depth);
-  /// `type`: of the entity, or the alias that it is called by.
+  /// `type` is that of the entity, or the alias that the file has for it.
   void check_property(const StageProperty& property, std::string_view type);
   void check_repeated(std::span<const StageProperty> properties);
   void check_overruled(const StageModel& model);

@@ -13,10 +13,10 @@ namespace {
 constexpr std::size_t k_most_steps = 20000000;
 constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
 constexpr std::string_view k_radio_alias = "wifi";
-/// Types of models that versions of Stage before 4.3 had.
+/// Types of models that Stage had before version 4.3.
 constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",   "puck",
                                           "region",  "simple_laser", "speech"};
-constexpr std::size_t k_names_compared = 2000;  // comparing more would take too long
+constexpr std::size_t k_names_compared = 2000;  // more would delay the error message
 
 }  // namespace
 
@@ -45,10 +45,11 @@ void StageMacros::define(const StageItem& item) {
       macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base).text});
   const Where before = document_.token(first->second.body->word).where();
   const bool is_read_again =
-      before.file == name.file && before.line == name.line;  // of a file included twice
+      before.file == name.file && before.line == name.line;  // the file is included twice
   if (!is_new && !is_read_again)
-    values_.warning(name.where(), fmt::format("\"{}\" is defined already, at {}; the first definition holds",
-                                              name.text, values_.place(before, name.where())));
+    values_.warning(name.where(),
+                    fmt::format("\"{}\" is already defined, at {}; the first definition is used", name.text,
+                                values_.place(before, name.where())));
 }
 
 std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
@@ -59,13 +60,13 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   for (auto macro = macros_.find(model.type); macro != macros_.end(); macro = macros_.find(model.type)) {
     if (!met.insert(model.type).second) {
       values_.error(document_.token(macro->second.body->word).where(),
-                    fmt::format("macro \"{}\" is built on itself", model.type));
+                    fmt::format("macro \"{}\" is based on itself", model.type));
       return {};
     }
     if (++steps_ > k_most_steps) {
       values_.error(model.where,
-                    fmt::format("too large: it takes more than {} steps to follow the macros of the world "
-                                "to what they are built on",
+                    fmt::format("too large: more than {} steps are needed to resolve the macros of the "
+                                "world to their bases",
                                 k_most_steps));
       return {};
     }
@@ -100,8 +101,8 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   std::ranges::sort(near);
   const bool is_dropped = std::ranges::find(k_dropped, model.type) != std::end(k_dropped);
   values_.error(model.where,
-                fmt::format("\"{}\" is no model type, nor a macro defined before{}; types: {}{}", model.type,
-                            is_dropped ? ": older versions of Stage had it, Stage 4.3 has not" : "",
+                fmt::format("\"{}\" is neither a model type nor a macro defined above{}; types: {}{}",
+                            model.type, is_dropped ? ": Stage had it before version 4.3" : "",
                             comma_list(types), is_dropped ? "" : did_you_mean(model.type, near)));
   return {};
 }

@@ -11,18 +11,19 @@
 
 namespace troupe::worldio {
 
-/// An entity with its macros applied. What stands in a later layer overrides the properties of the earlier
-/// ones and adds to their children.
+/// An entity with its macros applied. The properties of a later layer override those of earlier layers; its
+/// children are added to theirs.
 struct StageModel {
   struct Child {
     const StageEntity* entity;
-    const StageEntity* layer;  ///< whose body it stands in
+    const StageEntity* layer;  ///< the layer whose body contains it
   };
 
   std::string_view type;  ///< a model type, "block", "sensor" or "window"
-  /// Of a ranger, "laser" or "sonar" where it is called so: then it is a sensor itself unless it holds any.
+  /// "laser" or "sonar" for a ranger that the file calls so, "wifi" for a radio; else empty. A laser or sonar
+  /// without a sensor in it is its own sensor.
   std::string_view alias;
-  std::vector<std::string_view> names;     ///< as written, then the bases of the macros, the type last
+  std::vector<std::string_view> names;     ///< as in the file, then the bases of the macros, the type last
   std::vector<const StageEntity*> layers;  ///< the innermost base first, the entity itself last
   Where where;
 
@@ -31,22 +32,22 @@ struct StageModel {
   std::vector<Child> children(const StageDocument& document) const;
 };
 
-/// The macros of a file, as far as it has been read.
+/// The macros defined so far in a file.
 class StageMacros {
  public:
   StageMacros(const StageDocument& document, const engine::Registry& registry, StageValues& values);
 
-  /// The first definition of a name holds; another is a warning.
+  /// Adds a macro. The first definition of a name is used; another one is a warning.
   void define(const StageItem& item);
-  /// Follows the chain of bases, and then the aliases of older files; empty, with an error, where it ends at
-  /// no type or in a circle.
+  /// Follows the chain of bases, then the aliases of older files. Empty, with an error, if the chain does not
+  /// end at a type or is a cycle.
   std::optional<StageModel> resolve(const StageEntity& entity);
-  /// Whether models of this type are a device: a ranger, a gripper, ...
+  /// Whether models of this type have a device: a ranger, a gripper, ...
   bool is_device(std::string_view type) const;
-  /// Whether models of this type should be one, but the registry does not have it.
+  /// Whether models of this type have a device in Stage, but the registry does not have that device.
   bool is_only_a_body(std::string_view type) const;
-  /// Warns of macros of the world's own file that resolve() never came by, and of files with no macro that it
-  /// did: a file that is included is there to be chosen from.
+  /// Warns of macros of the world's own file that resolve() never used, and of included files of which
+  /// nothing was used. Single unused macros of an included file are no mistake: it is a library.
   void report_unused();
 
  private:

@@ -18,11 +18,10 @@ using Kind = StageToken::Kind;
 
 constexpr std::size_t k_most_errors = 50;
 constexpr std::size_t k_most_inclusions = 1000;
-constexpr std::size_t k_most_included_bytes = 256
-                                              << 20;  // of all inclusions, the same file counted each time
+constexpr std::size_t k_most_included_bytes = 256 << 20;  // of all inclusions; a file counts each time
 constexpr std::size_t k_deepest_nesting = 200;
 
-/// Thrown, and caught in parse_stage, when reading on would only repeat itself.
+/// Thrown when it is useless to parse on; caught in parse_stage().
 struct GiveUp {};
 
 class SyntaxErrors {
@@ -33,7 +32,7 @@ class SyntaxErrors {
     diagnostics_.error(where, std::move(message));
     if (++count_ == k_most_errors) {
       diagnostics_.error(where,
-                         fmt::format("that makes {} syntax errors; the rest is not read", k_most_errors));
+                         fmt::format("stopped after {} syntax errors; the rest is not read", k_most_errors));
       throw GiveUp{};
     }
   }
@@ -52,7 +51,7 @@ bool is_number_part(char c) { return is_digit(c) || c == '+' || c == '-' || c ==
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
-/// Length of the part of a word before its first bracket without a partner: a tuple begins or ends there.
+/// Length of a word up to its first unmatched bracket, where a tuple begins or ends.
 std::size_t matched_length(std::string_view word) {
   std::size_t open = std::string_view::npos;
   for (std::size_t i = 0; i < word.size(); ++i) {
@@ -92,7 +91,7 @@ class Lexer {
   struct Source {
     std::string_view text;
     std::uint32_t file;
-    std::uint16_t number;  // of the document's, of which there are some thousand at most
+    std::uint16_t number;  // index into StageDocument::sources, at most k_most_inclusions
     std::size_t at = 0;
     std::uint32_t line = 1;
 
@@ -153,8 +152,8 @@ class Lexer {
     if (c == ',') return "unexpected ','; the values of a tuple are separated by blanks: [1 2 3]";
     if (c == '=') return "unexpected '='; a property is written: name value";
     if (c == ';') return "unexpected ';'; a line end or a blank separates properties";
-    if (c == '{' || c == '}') return fmt::format("unexpected '{}'; a body stands in ( )", c);
-    if (c == '\'') return "unexpected \"'\"; strings stand in double quotes";
+    if (c == '{' || c == '}') return fmt::format("unexpected '{}'; a body is written in ( )", c);
+    if (c == '\'') return "unexpected \"'\"; strings are written in double quotes";
     if (c > ' ' && c < 127) return fmt::format("unexpected '{}'", c);
     return fmt::format("unexpected byte 0x{:02x}", static_cast<unsigned char>(c));
   }
@@ -163,7 +162,7 @@ class Lexer {
     std::string_view text = source.take_while(is_word_part);
     if (const std::size_t length = matched_length(text); length < text.size()) {
       if (text[length] == '[')
-        errors_.add(source.where(), fmt::format("\"{}\": a blank must stand before the [", text));
+        errors_.add(source.where(), fmt::format("\"{}\": a blank is needed before the [", text));
       source.at -= text.size() - length;
       text = text.substr(0, length);
     }
@@ -179,7 +178,7 @@ class Lexer {
       const std::string_view rest = source.take_while(is_word_part);
       errors_.add(
           source.where(),
-          fmt::format("\"{}{}\" is no number; numbers have neither exponent nor unit: 0.02", text, rest));
+          fmt::format("\"{}{}\" is not a number; numbers have neither exponent nor unit: 0.02", text, rest));
     }
     add(source, Kind::number, text);
   }
@@ -208,11 +207,11 @@ class Lexer {
       return;
     }
     ++source.at;
-    // Stage drops what else stands on the line; so do we, but not silently.
+    // Stage drops the rest of the line silently; here a warning says so.
     std::string_view rest = source.take_while([](char x) { return !is_line_end(x); });
     rest = rest.substr(std::min(rest.size(), rest.find_first_not_of(" \t")));
     if (!rest.empty() && rest[0] != '#')
-      diagnostics_.warning(where, fmt::format("ignored, as in Stage, behind an include: {}", rest));
+      diagnostics_.warning(where, fmt::format("ignored after an include, as in Stage: {}", rest));
     splice(where, name);
   }
 
@@ -224,7 +223,7 @@ class Lexer {
     if (!text) {
       errors_.add(where,
                   fmt::format("cannot read the included file {}{}", path.lexically_normal().string(),
-                              search_path_.empty() ? "" : ", nor one of that name on the search path"));
+                              search_path_.empty() ? "" : ", nor a file of that name on the search path"));
       return;
     }
     if (*found != path) document_.base_directory = found->parent_path();
@@ -266,7 +265,7 @@ class Parser {
       const StageToken token = peek();
       if (token.kind == Kind::close) {
         document_.well_nested = false;
-        errors_.add(token.where(), "this ) closes nothing");
+        errors_.add(token.where(), "this ) has no matching (");
         ++at_;
       } else if (token.kind == Kind::word && token.text == "define") {
         define(true);
@@ -285,7 +284,7 @@ class Parser {
     return a.file == b.file && a.line == b.line;
   }
 
-  /// What came since the list had this size leaves it and becomes a run of `all`.
+  /// Moves the elements of `open` from index `since` on to the end of `all` and returns their run.
   template <class T>
   static StageEntity::Run close(std::vector<T>& open, std::size_t since, std::vector<T>& all) {
     const StageEntity::Run run{static_cast<std::uint32_t>(all.size()),
@@ -296,7 +295,7 @@ class Parser {
     return run;
   }
 
-  /// Everything up to the ) that closes `entity`; its ( has been taken.
+  /// Parses a body up to the ) that closes `entity`; its ( is already consumed.
   void body(StageEntity& entity, std::size_t depth) {
     const std::size_t properties = open_properties_.size();
     const std::size_t children = open_children_.size();
@@ -314,7 +313,7 @@ class Parser {
         return;
       }
       if (peek().kind == Kind::word && peek().text == "define") {
-        errors_.add(peek().where(), "define belongs at the top level of a file, not into a model");
+        errors_.add(peek().where(), "define is only allowed at the top level of a file, not inside a model");
         define(false);
         continue;
       }
@@ -325,7 +324,7 @@ class Parser {
     entity.children = close(open_children_, children, document_.all_children);
   }
 
-  /// One property, which joins `properties`, or one entity: then true.
+  /// Parses one property, which is added to `properties`, or one entity. True for an entity.
   bool item(std::vector<StageProperty>& properties, StageEntity& entity, std::size_t depth) {
     const StageToken token = peek();
     switch (token.kind) {
@@ -343,7 +342,7 @@ class Parser {
         static_cast<void>(tuple());
         return false;
       case Kind::tuple_close:
-        errors_.add(token.where(), "this ] closes nothing");
+        errors_.add(token.where(), "this ] has no matching [");
         ++at_;
         return false;
       default:
@@ -382,7 +381,7 @@ class Parser {
     return false;
   }
 
-  /// From [ to ], which must lie on one line: how many values stand behind the [.
+  /// Parses a tuple, from [ to ] on one line. Returns the number of values before the first error.
   std::uint32_t tuple() {
     const StageToken open = peek();
     ++at_;
@@ -409,7 +408,7 @@ class Parser {
     return count;
   }
 
-  /// `define NAME BASE body`; not kept where it must not stand.
+  /// Parses `define NAME BASE body`. Drops it unless `keep`: inside a model it is an error.
   void define(bool keep) {
     const StageToken word = peek();
     ++at_;
@@ -443,7 +442,7 @@ class Parser {
 
   StageDocument& document_;
   SyntaxErrors& errors_;
-  std::vector<StageProperty> open_properties_;  // of the entities around the present place
+  std::vector<StageProperty> open_properties_;  // of the entities that are still open
   std::vector<StageEntity> open_children_;
   std::size_t at_ = 0;
 };

@@ -12,26 +12,26 @@
 
 namespace troupe::worldio {
 
-/// The syntax of Stage's world files: what stands where, before any of it has a meaning. Includes are spliced
-/// in while the text is cut into tokens, so that a token alone knows its file and line.
+/// The syntax of Stage's world files, without their meaning. The lexer splices in included files, so each
+/// token carries its own file and line.
 
 struct StageToken {
   enum class Kind : std::uint8_t { word, number, string, open, close, tuple_open, tuple_close, end };
   Kind kind = Kind::end;
   std::uint32_t file = Where::k_no_file;
   std::uint32_t line = 0;
-  std::string_view text;  ///< into a source of the document; a string's without its quotes
+  std::string_view text;  ///< points into a source of the document; strings without their quotes
 
   Where where() const { return {file, line}; }
 };
 
 /// `key value` or `key [value ...]`.
 struct StageProperty {
-  std::uint32_t key = 0;    ///< position in StageDocument::tokens
-  std::uint32_t count = 0;  ///< of the values
+  std::uint32_t key = 0;    ///< index into StageDocument::tokens
+  std::uint32_t count = 0;  ///< number of values
   bool tuple = false;
 
-  std::uint32_t first() const { return key + (tuple ? 2 : 1); }  ///< of the values; position as of the key
+  std::uint32_t first() const { return key + (tuple ? 2 : 1); }  ///< index of the first value, as `key`
 };
 
 /// `word ( properties and entities )`.
@@ -40,20 +40,20 @@ struct StageEntity {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
-  std::uint32_t word = 0;  ///< the type or the macro's name; position in StageDocument::tokens
-  Run properties;          ///< of StageDocument::all_properties
-  Run children;            ///< of StageDocument::all_children
+  std::uint32_t word = 0;  ///< the type or the macro's name; index into StageDocument::tokens
+  Run properties;          ///< in StageDocument::all_properties
+  Run children;            ///< in StageDocument::all_children
 };
 
-/// One thing at the top level of a file: `define word base body`, or the entity itself.
+/// A macro or an entity at the top level of a file: `define word base body`, or `word body`.
 struct StageItem {
   bool is_define = false;
-  std::uint32_t base = 0;  ///< of a define; position in StageDocument::tokens
+  std::uint32_t base = 0;  ///< of a define; index into StageDocument::tokens
   StageEntity entity;
 };
 
-/// A file has a dozen tokens a robot, so they are kept small, and what belongs to entities lies in runs of
-/// common lists.
+/// A parsed file. A world has about a dozen tokens per robot, so tokens are packed, and entities refer to
+/// runs of shared lists instead of owning lists.
 struct StageDocument {
   struct Source {
     std::string text;
@@ -67,16 +67,16 @@ struct StageDocument {
     std::uint32_t length;
   };
 
-  std::deque<Source> sources;  ///< every file, each time it is read
+  std::deque<Source> sources;  ///< the text of every file, once for each inclusion
   std::vector<PackedToken> tokens;
   std::vector<StageProperty> all_properties;
   std::vector<StageEntity> all_children;
-  std::vector<StageProperty> world;  ///< properties at top level, in order
+  std::vector<StageProperty> world;  ///< properties at the top level, in order
   std::vector<StageItem> items;      ///< defines and entities, in order
-  /// What relative paths are relative to: the world file's folder, or that of the last file found through the
+  /// The folder that relative paths start from: that of the world file, or of the last file found through the
   /// search path.
   std::filesystem::path base_directory;
-  /// False when parentheses do not match, so that nothing can be said about what belongs to what.
+  /// False if parentheses do not match: then it is unknown which property belongs to which entity.
   bool well_nested = true;
 
   StageToken token(std::uint32_t position) const {
@@ -90,7 +90,7 @@ struct StageDocument {
   StageToken value(const StageProperty& property, std::uint32_t i) const {
     return token(property.first() + i);
   }
-  /// The last property of this name at the top level; null when there is none.
+  /// The last property of this name at the top level; null if there is none.
   const StageProperty* world_property(std::string_view name) const {
     for (auto property = world.rbegin(); property != world.rend(); ++property)
       if (key(*property) == name) return &*property;
@@ -104,10 +104,10 @@ struct StageDocument {
   }
 };
 
-/// Reads the text of the world `file`, and the files it includes.
-/// errors  every violation of the grammar at its own file and line, with what would be right; reading goes on
-///         behind each, up to a limit. Nesting deeper than 200 and inclusion more than 1,000 times are
-///         errors.
+/// Parses the text of the world `file` and the files that it includes.
+/// errors  every violation of the grammar, at its file and line, with the correct form. Parsing continues
+///         after an error, up to 50 of them. Nesting deeper than 200, more than 1,000 inclusions, and more
+///         than 256 MiB of included text are errors.
 StageDocument parse_stage(const std::filesystem::path& file, std::string text,
                           std::span<const std::filesystem::path> search_path, Diagnostics& diagnostics);
 

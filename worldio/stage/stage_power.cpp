@@ -15,8 +15,8 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::Value;
 
-/// What models of these types draw by themselves, as in Stage, whatever their `watts` say. (A camera's 100 W
-/// stand in Stage's manual, but not in its code.)
+/// Types whose power draw follows from what they do, as in Stage: their `watts` is ignored. (A camera's 100 W
+/// are in Stage's manual, but not in its code.)
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 
@@ -29,7 +29,7 @@ std::string device_name(const TypeSpec& type, std::uint32_t part, std::string_vi
   return below.empty() ? std::string(last) : fmt::format("{}.{}", below, last);
 }
 
-/// The pack that a part runs on; null where it runs on none.
+/// The pack that supplies a part: on the part itself or the nearest part below it. Null if there is none.
 DeviceSpec* pack_of(TypeSpec& type, std::uint32_t part) {
   for (;; part = type.parts[part].parent) {
     for (DeviceSpec& device : type.devices)
@@ -51,7 +51,7 @@ double StagePower::watts(const StageModel& model, std::string_view key) {
   const double watts = property ? values_.number(*property).value_or(0) : 0;
   if (watts >= 0 && watts <= 1e9) return watts;
   values_.error(values_.where(*property),
-                fmt::format("\"{}\" must be 0 or above, in W, and at most 1e9; here is {}", key, watts));
+                fmt::format("\"{}\" must be from 0 to 1e9, in W; here is {}", key, watts));
   return 0;
 }
 
@@ -67,7 +67,7 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   else if (constant > 0)
     values_.warning_once(
         values_.where(*model.find(document_, "watts")),
-        fmt::format("\"watts\" of a {} has no effect: what it draws follows from what it does", model.type));
+        fmt::format("\"watts\" of a {} has no effect: its power draw follows from what it does", model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
     if (!(kg >= 0 && kg <= 1e6))
@@ -80,7 +80,7 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   read_contact(model, part, type);
 }
 
-/// In the order in which Stage reads them: what is stored is what the last one left.
+/// Reads the properties in Stage's order: a later one overwrites the stored energy.
 void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec& type) {
   bool has_pack = false;
   bool infinite = false;
@@ -88,7 +88,7 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
   double capacity = 0;
   struct Amount {
     std::string_view key;
-    double joules;  ///< in one of its units
+    double joules;  ///< per unit of the property
     bool capacity_only;
   };
   constexpr std::array<Amount, 4> amounts{{{"joules", 1, false},
@@ -157,7 +157,7 @@ void StagePower::read_contact(const StageModel& model, std::uint32_t part, TypeS
   set(kind->params, contact.params, "take", take);
   if (give > 0 && !contact.active)
     values_.warning_once(values_.where(*model.find(document_, "give_watts")),
-                         "a model gives energy only while it runs: it needs \"alwayson 1\" or a \"ctrl\"");
+                         "a model gives energy only while it runs: it needs \"alwayson 1\" or \"ctrl\"");
   type.devices.push_back(std::move(contact));
 }
 

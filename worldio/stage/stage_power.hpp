@@ -9,24 +9,25 @@
 
 namespace troupe::worldio {
 
-/// What Stage says of a model's energy (joules, watts, give_watts, ...), as devices of ours: a power pack on
-/// the part that has any, and a contact where it gives or takes. One a type.
+/// Turns the energy properties of Stage models (joules, watts, give_watts, ...) into Troupe's devices: a
+/// power pack on each part that stores energy, a power contact on each part that gives or takes it. Reads one
+/// type at a time.
 class StagePower {
  public:
   StagePower(const StageDocument& document, const engine::Registry& registry, StageValues& values)
       : document_(document), registry_(registry), values_(values) {}
 
-  /// Reads one model, `part` of the type in the making; parts come in their order.
+  /// Reads the model of one `part` and adds its devices to `type`. Call it for every part, in order.
   void read(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
-  /// When all parts are there: what each draws goes to the pack of its own part or the nearest one below, and
-  /// contacts without a pack are left out, with a warning.
+  /// Call it after the last part: adds the draw of each part to the pack of that part or of the nearest part
+  /// below it, and removes contacts without a pack, with a warning.
   void finish(engine::TypeSpec& type);
 
  private:
   struct Draw {
     std::uint32_t part;
     double watts;
-    bool runs;  ///< by itself, whether or not the body has a controller
+    bool runs;  ///< even if the body has no controller
   };
 
   void read_pack(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);

@@ -11,20 +11,18 @@ namespace {
 
 using enum StageSupport;
 
-// One line a property; the documentation, the warnings and the spelling hints are all made from it.
+// One row per property: the source of the documentation, the warnings and the spelling suggestions.
 constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "name", honoured, "title of the world; the file's path unless given"},
     {"world", "interval_sim", honoured, "the tick, ms; at least 0.001"},
-    {"world", "quit_time", honoured, "s; where a run ends unless it is told otherwise"},
+    {"world", "quit_time", honoured, "s; when a run ends, unless an option says otherwise"},
     {"world", "unit_length", fixed, "\"m\", \"cm\" or \"mm\"; anything else is an error"},
     {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error"},
     {"world", "wrap_headings", honoured,
-     "an addition: 0 keeps headings of transducers and bumpers beyond half a turn as they are, which Stage "
-     "wraps"},
+     "an addition: 0 keeps headings of transducers and bumpers beyond half a turn, which Stage wraps"},
     {"world", "seed", honoured, "an addition: the seed of all random numbers; 1 unless given"},
     {"world", "resolution", honoured,
-     "m, from 0.0001 to 100: edge of the grid ray engine's cells; the exact one, and collisions, have no "
-     "cells"},
+     "m, from 0.0001 to 100: cell size of the grid ray engine; the exact one, and collisions, have no cells"},
     {"world", "threads", no_effect,
      "the number of threads is an option of the run and never changes a result"},
     {"world", "test", no_effect, "a debugging aid of Stage's parser"},
@@ -32,10 +30,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "lines on standard error, as with `--clock`; Stage's program overrides it"},
     {"world", "show_clock_interval", honoured, "ticks from one line to the next"},
     {"world", "speedup", fixed,
-     "the pace of `troupe run --rate world`, where Stage keeps to it in its window only; without that a run "
-     "is "
-     "as fast as it can be, as in Stage; 0: with it, too"},
-    {"world", "paused", window_only, "without a window it could not be continued: a run begins at once"},
+     "the pace of `troupe run --rate world`; without that option, or at 0, a run is as fast as possible; "
+     "Stage uses it only with a window"},
+    {"world", "paused", window_only, "a run starts at once: without a window, nothing could resume it"},
     {"world", "confirm_on_quit", window_only, ""},
     {"world", "size", obsolete, ""},
     {"world", "interval_real", obsolete, ""},
@@ -44,56 +41,55 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "gui_menu_interval", obsolete, ""},
     {"world", "threadpool", obsolete, ""},
 
-    {"model", "name", honoured, "`/name` is a name of its own instead of one below the parent's"},
+    {"model", "name", honoured, "`/name` is a global name, not one below the parent's"},
     {"model", "pose", honoured,
      "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning"},
     {"model", "size", honoured,
-     "[x y z], above 0 where there is a body; of the older [x y] the height is the type's default, with a "
-     "warning"},
+     "[x y z], above 0 if there is a body; the older [x y] has the type's default height, with a warning"},
     {"model", "origin", honoured, "offset of the body from the pose; children do not inherit it"},
     {"model", "update_interval", fixed, "ms; 0 is every tick, where Stage hangs"},
     {"model", "color", fixed,
-     "X11 name; \"random\" follows from the seed and the body, a child's from its name"},
-    {"model", "color_rgba", honoured, "where `color` is not given"},
+     "X11 name; \"random\" depends on the seed and the body, for a child on its name"},
+    {"model", "color_rgba", honoured, "used if `color` is not given"},
     {"model", "bitmap", fixed,
-     "the outline of the solid pixels, stretched to `size`; also blocks what is inside; or a map of ROS"},
+     "the outline of the solid pixels, stretched to `size`; its inside is solid too; or a ROS map"},
     {"model", "bitmap_margins", honoured,
      "an addition: the whole image fills `size`, not only its solid pixels; 0 unless given"},
     {"model", "bitmap_unknown", honoured,
-     "an addition: of a map of ROS, unknown cells are solid too; 0 unless given"},
+     "an addition: unknown cells of a ROS map are solid too; 0 unless given"},
     {"model", "noblocks", honoured, ""},
     {"model", "boundary", honoured,
      "four walls of 0.01 m; explicit blocks without a bitmap discard them, with a warning"},
     {"model", "stack_children", honoured, ""},
     {"model", "obstacle_return", fixed, "whole regions block, not only their outlines"},
     {"model", "ranger_return", fixed, "bodies of any size are seen, however small"},
-    {"model", "fiducial_return", honoured, "what fiducial finders read; 0: they do not find it"},
-    {"model", "fiducial_key", honoured, "of the finders that may find it"},
-    {"model", "gripper_return", fixed, "grippers feel it, and take the whole body; held bodies do not jump"},
+    {"model", "fiducial_return", honoured, "the number that fiducial finders read; 0: they do not find it"},
+    {"model", "fiducial_key", honoured, "the key of the finders that can find it"},
+    {"model", "gripper_return", fixed, "grippers sense it, and take the whole body; held bodies do not jump"},
     {"model", "blob_return", fixed, "0: blob finders do not see its colour; Stage never reads it"},
-    {"model", "ctrl", fixed, "names a controller of ours with its arguments: `\"expand speed=0.2\"`"},
-    {"model", "alwayson", honoured, "its sensor runs without a controller that reads it"},
+    {"model", "ctrl", fixed, "names a controller of Troupe with its arguments: `\"expand speed=0.2\"`"},
+    {"model", "alwayson", honoured, "its sensor runs even if no controller reads it"},
     {"model", "event_queue", no_effect, "Stage overwrites it"},
-    {"model", "friction", no_effect, "Stage stores it and no more"},
-    {"model", "map_resolution", no_effect, "Stage stores it and no more"},
+    {"model", "friction", no_effect, "Stage stores it and does not use it"},
+    {"model", "map_resolution", no_effect, "Stage stores it and does not use it"},
     {"model", "debug", no_effect, "Stage prints a line"},
     {"model", "mass", honoured,
-     "kg, of a top-level position model: its drive draws 1 W and 10 W a kg and m/s"},
+     "kg, of a top-level position model: its drive draws 1 W, and 10 W per kg and m/s"},
     {"model", "watts", fixed,
-     "W, drawn while the model runs, each second whatever the tick is; not of models that draw by "
-     "themselves: "
+     "W, drawn while the model runs, at any tick; ignored for models whose draw follows from what they do: "
      "position, ranger (0.2 W a sensor), blobfinder (2), bumper (0.1), actuator (2), camera (100)"},
     {"model", "joules", fixed,
-     "a power pack, full; below 0 it never runs out. An empty one stops what runs on it: see `when_empty`"},
-    {"model", "kjoules", fixed, "the same in kJ"},
+     "J, a full power pack; below 0 it never runs out. An empty pack stops what it supplies: see "
+     "`when_empty`"},
+    {"model", "kjoules", fixed, "as `joules`, in kJ"},
     {"model", "joules_capacity", honoured,
-     "what the pack can hold; without `joules` it is empty at the start"},
-    {"model", "kjoules_capacity", honoured, "the same in kJ"},
+     "J, what the pack can hold; without `joules` it is empty at the start"},
+    {"model", "kjoules_capacity", honoured, "as `joules_capacity`, in kJ"},
     {"model", "when_empty", honoured,
      "an addition: \"stop\" (sensors keep their readings, drives stand still) or, as in Stage, \"nothing\""},
     {"model", "give_watts", fixed,
-     "W, to each body that touches (0.02 m) and takes, while the model runs; whole regions touch"},
-    {"model", "take_watts", honoured, "W, at most, from each body that touches and gives"},
+     "W, to each body that touches it (0.02 m) and takes energy, while the model runs; whole regions touch"},
+    {"model", "take_watts", honoured, "W, at most, from each body that touches it and gives energy"},
     {"model", "say", window_only, ""},
     {"model", "gui_nose", window_only, ""},
     {"model", "gui_outline", window_only, ""},
@@ -101,15 +97,15 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "gui_move", window_only, ""},
     {"model", "trail_length", window_only, ""},
     {"model", "trail_interval", window_only, ""},
-    {"model", "laser_return", obsolete, "`ranger_return` took its place"},
-    {"model", "blobfinder_return", obsolete, "`blob_return` took its place"},
+    {"model", "laser_return", obsolete, "replaced by `ranger_return`"},
+    {"model", "blobfinder_return", obsolete, "replaced by `blob_return`"},
     {"model", "shape", obsolete, ""},
-    {"model", "polygons", obsolete, "`block` entities took its place"},
+    {"model", "polygons", obsolete, "replaced by `block` entities"},
     {"model", "polygon[k]", obsolete, ""},
     {"model", "polygon[k].points", obsolete, ""},
     {"model", "polygon[k].point[k]", obsolete, ""},
     {"model", "polygon[k].filled", obsolete, ""},
-    {"model", "blocks", obsolete, "`block` entities took its place"},
+    {"model", "blocks", obsolete, "replaced by `block` entities"},
     {"model", "block[k]", obsolete, ""},
     {"model", "block[k].points", obsolete, ""},
     {"model", "block[k].point[k]", obsolete, ""},
@@ -120,7 +116,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "offset", obsolete, ""},
     {"model", "gui_movemask", obsolete, ""},
     {"model", "view", obsolete, ""},
-    {"model", "scount", obsolete, "`sensor` entities took its place"},
+    {"model", "scount", obsolete, "replaced by `sensor` entities"},
     {"model", "spose[k]", obsolete, ""},
     {"model", "ssize", obsolete, ""},
     {"model", "sview", obsolete, ""},
@@ -151,15 +147,14 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "[xmin xmax ymin ymax zmin zmax amin amax]; turn rates do not wrap at 180 degrees"},
     {"position", "wheelbase", honoured, "of a car; above 0"},
     {"position", "velocity", fixed,
-     "[x y z a]: with which it moves until its first update, which with the default `update_interval` comes "
-     "before the first motion; turn rates do not wrap at 180 degrees"},
+     "[x y z a]: its velocity until its first update, which with the default `update_interval` comes before "
+     "the first motion; turn rates do not wrap at 180 degrees"},
     {"position", "acceleration_bounds", fixed,
      "[xmin xmax ymin ymax zmin zmax amin amax]: bounds commanded accelerations, not speeds, as in Stage; "
-     "also "
-     "those of a `car`, and for the time since the last update"},
+     "also of a `car`, and over the time since the last update"},
     {"position", "localization", fixed,
-     "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it stands still with a "
-     "robot that is stalled, misses no tick between updates, and a way to the left counts as one"},
+     "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it does not change while "
+     "the robot is stalled, misses no tick between updates, and counts motion to the left"},
     {"position", "localization_origin", honoured,
      "of \"odom\"; ignored by \"gps\", as in Stage, with a warning, unless `gps_origin` is 1"},
     {"position", "gps_origin", honoured, "an addition: 1 gives \"gps\" poses in the frame of the origin"},
@@ -167,12 +162,12 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "[x y z a], the last in `unit_angle`, as in Stage; unless given, drawn for each robot from the world's "
      "seed, not from the clock"},
     {"position", "odom_heading", honoured,
-     "an addition: \"new\", as in Stage, lays a tick's way along the heading after its turn; \"old\" along "
-     "the one before, as robots move, so that without error the estimate is the truth"},
+     "an addition: \"new\", as in Stage, adds the motion of a tick along the heading after its turn; \"old\" "
+     "along the heading before it, as robots move, so that without error the estimate is exact"},
     {"position", "odom", obsolete, ""},
 
     {"ranger", "intensity", honoured,
-     "an addition: 1: the `ranger_return` of what each beam meets is read too; Stage always has it"},
+     "an addition: 1 also reads the `ranger_return` of the body that each beam hits; Stage always does"},
 
     {"sensor", "pose", honoured, "[x y z heading] in the ranger's frame, its origin included"},
     {"sensor", "size", honoured, "half of its height is added to the height of the beams"},
@@ -181,11 +176,11 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"sensor", "fov", honoured, "angle from the first sample to the last"},
     {"sensor", "samples", honoured, "one sample looks straight ahead; for cones see `beam_width`"},
     {"sensor", "noise", fixed,
-     "[variance share angle], each 0 or above; a reading stays within 0 and the maximum, and the numbers "
-     "follow from the seed"},
+     "[variance share angle], each 0 or above; readings stay within 0 and the maximum, and the random "
+     "numbers follow from the seed"},
     {"sensor", "beam_width", honoured,
-     "an addition: opening angle of each beam, in which the nearest surface is read; 0 unless given"},
-    {"sensor", "apply_range_min", honoured, "an addition: 1: readings below the minimum are the minimum"},
+     "an addition: opening angle of each beam, which reads the nearest surface within it; 0 unless given"},
+    {"sensor", "apply_range_min", honoured, "an addition: 1 raises readings below the minimum to it"},
     {"sensor", "color", window_only, ""},
     {"sensor", "color_rgba", window_only, ""},
     {"sensor", "view", obsolete, ""},
@@ -205,32 +200,32 @@ constexpr auto k_rows = std::to_array<StageRow>({
 
     {"fiducial", "range_min", honoured, "as in Stage it is kept but not applied, unless `apply_range_min`"},
     {"fiducial", "apply_range_min", honoured, "an addition: 1: nearer targets are not found"},
-    {"fiducial", "range_max", honoured, "origins nearer than this are found"},
-    {"fiducial", "range_max_id", honoured, "the ids of those that are nearer than this are read"},
+    {"fiducial", "range_max", honoured, "targets whose origins are nearer than this are found"},
+    {"fiducial", "range_max_id", honoured, "ids of targets nearer than this are read"},
     {"fiducial", "fov", honoured, "in the file's unit of angles"},
-    {"fiducial", "ignore_zloc", fixed, "what stands behind a target does not hide it"},
+    {"fiducial", "ignore_zloc", fixed, "a body behind a target does not hide it"},
 
-    {"radio", "essid", honoured, "an addition, as are all of `radio`: those of one `essid` hear one another"},
+    {"radio", "essid", honoured,
+     "an addition, as are all of `radio`: radios of one `essid` hear one another"},
     {"radio", "model", honoured,
-     "\"simple\", \"friis\", \"ITU indoor\", \"log distance\" or \"raytrace\": how messages weaken; the last "
-     "is "
-     "friis with walls that weaken"},
+     "\"simple\", \"friis\", \"ITU indoor\", \"log distance\" or \"raytrace\": how signals weaken with "
+     "distance; the last is friis with walls that weaken"},
     {"radio", "power", honoured, "dBm; 20 unless given"},
     {"radio", "sensitivity", honoured, "dBm; -80 unless given"},
-    {"radio", "plc", honoured, "of \"ITU indoor\": dB for ten times the distance; 30 unless given"},
+    {"radio", "plc", honoured, "of \"ITU indoor\": dB per tenfold distance; 30 unless given"},
     {"radio", "ple", honoured, "of \"log distance\": the exponent; 4 unless given"},
     {"radio", "wall_factor", honoured, "dB lost at each wall, where walls weaken; 10 unless given"},
     {"radio", "range", honoured,
      "how far it is heard; 5 m with \"simple\", 1000 m with others, unless given"},
-    {"radio", "hears", honoured, "how far it hears; as far as it is heard unless given"},
+    {"radio", "hears", honoured, "how far it hears; `range` unless given"},
     {"radio", "walls", honoured,
      "\"block\", \"weaken\" or \"pass\"; \"weaken\" with \"raytrace\", \"pass\" with others, unless given"},
     {"radio", "bodies", honoured, "\"block\" or \"pass\""},
     {"radio", "frequency", honoured, "GHz; 2.4 unless given"},
     {"radio", "payload", honoured, "bytes of a message, at most"},
-    {"radio", "most_heard", honoured, "messages a tick; the nearest are heard"},
-    {"radio", "drop_rate", honoured, "the share of messages to it that get lost by chance"},
-    {"radio", "beacon", honoured, "1: it says an empty message until a controller has it say another"},
+    {"radio", "most_heard", honoured, "messages heard per tick, at most: the nearest"},
+    {"radio", "drop_rate", honoured, "the fraction of messages to it that is lost at random"},
+    {"radio", "beacon", honoured, "1: it sends an empty message until a controller sends another"},
     {"radio", "ip", no_effect, "messages go to all in range"},
     {"radio", "mac", no_effect, "messages go to all in range"},
 
@@ -240,13 +235,13 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"blobfinder", "fov", fixed, "no column is skipped between two blobs"},
     {"blobfinder", "pan", honoured, "added to its heading"},
     {"blobfinder", "colors_count", honoured,
-     "how many of `colors` count; without it every colour is reported"},
+     "how many of `colors` are used; without it every colour is reported"},
     {"blobfinder", "colors", fixed, "X11 names; an unknown one is an error"},
-    {"blobfinder", "channel_count", obsolete, "`colors_count` took its place"},
-    {"blobfinder", "channels", obsolete, "`colors` took its place"},
+    {"blobfinder", "channel_count", obsolete, "replaced by `colors_count`"},
+    {"blobfinder", "channels", obsolete, "replaced by `colors`"},
 
     {"bumper", "bcount", honoured, "without it there are none"},
-    {"bumper", "blength", honoured, "of those that have no `blength[k]`; above 0"},
+    {"bumper", "blength", honoured, "length of the bumpers without a `blength[k]`; above 0"},
     {"bumper", "blength[k]", honoured, ""},
     {"bumper", "bpose[k]", honoured,
      "[x y z heading] of its middle; it runs across its heading and is 0.02 m thick"},
@@ -254,13 +249,13 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"gripper", "paddle_size", fixed,
      "paddles move as solid parts of the body, where those of Stage jump; they stop at what they touch"},
     {"gripper", "paddle_state", fixed,
-     "[\"open\" or \"closed\" \"up\" or \"down\"]; what is held rises with the paddles and is left where it "
-     "is let go"},
+     "[\"open\" or \"closed\" \"up\" or \"down\"]; a held body rises with the paddles and stays where it is "
+     "released"},
     {"gripper", "autosnatch", honoured, "closes while a beam is broken, opens while none is"},
 
     {"actuator", "type", fixed,
-     "\"linear\" or \"rotational\"; it moves, with what stands on it, where Stage's stand still"},
-    {"actuator", "axis", fixed, "[x y z] in the model's frame; of no length: x"},
+     "\"linear\" or \"rotational\"; it moves, with its children, where Stage's do not move"},
+    {"actuator", "axis", fixed, "[x y z] in the model's frame; x if its length is 0"},
     {"actuator", "min_position", fixed, "m or rad, whatever the file's units"},
     {"actuator", "max_position", fixed,
      "m or rad, whatever the file's units; at least `min_position`, and linear ones reach 1000 m at most"},
@@ -282,7 +277,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"camera", "pitch", obsolete, ""},
 
     {"blinkenlight", "period", fixed, "ms; it blinks, where Stage's draws nothing"},
-    {"blinkenlight", "dutycycle", fixed, "share of the period for which it is lit"},
+    {"blinkenlight", "dutycycle", fixed, "fraction of the period for which it is lit"},
     {"blinkenlight", "enabled", fixed, "0: dark until a controller switches it; Stage never reads it"},
 
     {"window", "size", window_only, "[width height], pixels; below 0: the whole screen"},
@@ -290,8 +285,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"window", "rotate", window_only, "[pitch yaw], degrees"},
     {"window", "scale", window_only, "pixels per metre"},
     {"window", "pcam_loc", window_only, "[x y z]"},
-    {"window", "pcam_angle", window_only,
-     "[pitch yaw], degrees whatever `unit_angle` says: so Stage uses them"},
+    {"window", "pcam_angle", window_only, "[pitch yaw], degrees whatever `unit_angle` says, as in Stage"},
     {"window", "pcam_on", window_only, ""},
     {"window", "interval", window_only, "ms"},
     {"window", "screenshot_skip", window_only, ""},
@@ -333,7 +327,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"window", "energy_stored", window_only, ""},
 });
 
-/// Entities that are no models do not share the rows of `model`.
+/// Whether an entity is a model: only models share the rows of `model`.
 bool is_model(std::string_view type) {
   return type != "world" && type != "block" && type != "sensor" && type != "window";
 }
@@ -363,7 +357,7 @@ std::string_view status(StageSupport support) {
   return "accepted, obsolete";
 }
 
-/// The rows of a property's name, in whatever entity.
+/// The rows of a property name in all entities.
 std::span<const StageRow* const> rows_of_name(std::string_view written) {
   using Index = std::unordered_map<std::string_view, std::vector<const StageRow*>>;
   static const Index index_of_rows = [] {
@@ -387,7 +381,7 @@ std::span<const StageRow> stage_rows() { return k_rows; }
 
 const StageRow* find_stage_row(std::string_view type, std::string_view written) {
   if (type == "wifi") type = "radio";
-  // The lasers and sonars of older files are rangers, and their own sensors, too.
+  // The lasers and sonars of older files are rangers and also their own sensors.
   const bool is_both = type == "laser" || type == "sonar";
   const auto row_of = [&](std::string_view wanted) -> const StageRow* {
     for (const StageRow* row : rows_of_name(written))
@@ -418,7 +412,7 @@ std::vector<std::string_view> stage_property_names(std::string_view type) {
 }
 
 std::string stage_property_table() {
-  std::string out = "| in | property | what becomes of it | how, why |\n|---|---|---|---|\n";
+  std::string out = "| in | property | status | notes |\n|---|---|---|---|\n";
   for (const StageRow& row : k_rows)
     out += fmt::format("| {} | `{}` | {} | {} |\n", row.type, row.name, status(row.support), row.note);
   return out;

@@ -25,10 +25,11 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-/// Coordinates that are further apart than this, m, are no matter of rounding.
+/// Coordinates that differ by more than this, m, are an error; smaller differences are rounding.
 constexpr double k_rounding_m = 1e-9;
 
-/// How far apart the corners of two solids are at most, m; nothing where they are no two of a kind.
+/// The largest difference between corresponding coordinates of two lists of solids, m. Empty if they do not
+/// have the same number of solids, contours and corners.
 std::optional<double> distance(const std::vector<Solid>& a, const std::vector<Solid>& b) {
   if (a.size() != b.size()) return std::nullopt;
   double most = 0;
@@ -64,14 +65,13 @@ class RoundTrip {
   void lacks(Where where, const std::string& what) {
     if (!told_.insert(what).second) return;
     diagnostics_.error(where,
-                       fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
+                       fmt::format("a .world file cannot express this: type \"{}\": {}", type_.name, what));
   }
-  /// True where headings are the same but for whole turns, which Stage takes away.
+  /// True, with a warning, if two headings are the same up to whole turns, which Stage removes.
   bool is_turned(Where where, const std::string& owner, double a, double b) {
     if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
     const std::string text = fmt::format(
-        "type \"{}\": {}: Stage has headings within half a turn: they are "
-        "written so, and hashes may differ",
+        "type \"{}\": {}: its heading is wrapped into half a turn, as in Stage; hashes may differ",
         type_.name, owner);
     if (told_.insert(text).second) diagnostics_.warning(where, text);
     return true;
@@ -104,7 +104,7 @@ void RoundTrip::check_params(Where where, std::string_view owner, const Record& 
         check_params(where, fmt::format("{} {}", owner, field.name), a[i].records()[k], b[i].records()[k],
                      *field.record);
     else
-      lacks(where, fmt::format("{}: {} as it is", owner, quoted_keys(field)));
+      lacks(where, fmt::format("{}: the value of {}", owner, quoted_keys(field)));
   }
 }
 
@@ -125,14 +125,15 @@ void RoundTrip::check_devices() {
     const auto other = std::ranges::find(back_.devices, device.name, &DeviceSpec::name);
     if (other == back_.devices.end() || other->kind != device.kind)
       lacks(device.where,
-            fmt::format("device \"{}\", a {}: Stage has no such device, or calls it something else",
+            fmt::format("device \"{}\", a {}: Stage has no such device, or gives it another name",
                         device.name, device.kind));
     else
       check_device(device, *other);
   }
   for (const DeviceSpec& device : back_.devices)
     if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
-      lacks(type_.parts.front().where, fmt::format("that it has no \"{}\", a {}", device.name, device.kind));
+      lacks(type_.parts.front().where,
+            fmt::format("a type without the device \"{}\", a {}", device.name, device.kind));
   // Controllers choose among the devices of a kind in their order.
   for (const engine::DeviceKind& kind : registry_.devices) {
     const auto names = [&](const TypeSpec& type) {
@@ -167,7 +168,7 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
     return j == engine::k_rigid ? std::string() : type.joints[static_cast<std::size_t>(j)].name;
   };
   if (!is_placeless && joint(type_, a.joint) != joint(back_, b.joint))
-    lacks(a.where, owner + ": the joint that it stands on");
+    lacks(a.where, owner + ": the joint that it is mounted on");
 }
 
 void RoundTrip::check_controllers() {
@@ -181,7 +182,7 @@ void RoundTrip::check_controllers() {
     const engine::ControllerKind* kind = registry_.controller(a.kind);
     if (!kind) continue;
     check_params(a.where, owner, a.params, b.params, kind->params);
-    // With a drive, a controller is due when its drive is.
+    // With a drive, a controller runs when its drive does.
     if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   }
 }
@@ -207,19 +208,19 @@ void RoundTrip::check_bodies() {
     for (const engine::ControllerSpec& controller : type_.controllers)
       if (stage_addition(controller.kind))
         return lacks(controller.where,
-                     fmt::format("controller \"{}\": it adds to its model, with this seed, other parts than "
-                                 "are there",
+                     fmt::format("controller \"{}\": with this seed it adds other parts to its model than "
+                                 "the type has",
                                  controller.kind));
     return lacks(type_.parts.front().where, fmt::format("{} parts with a body", parts.size()));
   }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const PartSpec& a = *parts[p];
     const PartSpec& b = *others[p];
-    const std::string owner = a.name.empty() ? std::string("it") : fmt::format("part \"{}\"", a.name);
-    engine::Returns returns = b.returns;  // with which number a body is marked, the bodies say themselves
+    const std::string owner = a.name.empty() ? std::string("its body") : fmt::format("part \"{}\"", a.name);
+    engine::Returns returns = b.returns;  // each body has its own fiducial number
     if (parts[p] == &type_.parts.front() && a.returns.fiducial != 0 && returns.fiducial != 0)
       returns.fiducial = a.returns.fiducial;
-    if (a.returns != returns) lacks(a.where, owner + ": how it shows itself to others");
+    if (a.returns != returns) lacks(a.where, owner + ": how sensors perceive it");
     check_size(a, b, owner);
     if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": \"floor_plan\"");
     if (a.color && a.color != b.color) lacks(a.where, owner + ": \"color\"");
@@ -227,21 +228,21 @@ void RoundTrip::check_bodies() {
     if (!off || *off > k_rounding_m)
       lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
     else if (*off > 0)
-      diagnostics_.warning(a.where,
-                           fmt::format("type \"{}\": {}: Stage centres bodies: its outline is rounded, "
-                                       "by at most {:.2g} m, and hashes may differ",
-                                       type_.name, owner, *off));
+      diagnostics_.warning(
+          a.where, fmt::format("type \"{}\": {}: its outline is rounded by at most {:.2g} m, because Stage "
+                               "centres bodies; hashes may differ",
+                               type_.name, owner, *off));
   }
 }
 
-/// Fiducial finders read the sizes of what they find, foragers that of a zone.
+/// Sizes affect a run: fiducial finders report those of their targets, foragers read that of a zone.
 void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::string& owner) {
   if (a.size == b.size) return;
   if ((a.size - b.size).cwiseAbs().maxCoeff() > k_rounding_m)
-    lacks(a.where, owner + ": an extent other than that of its outline");
+    lacks(a.where, owner + ": an extent that differs from its outline");
   else
-    diagnostics_.warning(a.where, fmt::format("type \"{}\": {}: its extent is rounded, and hashes may differ",
-                                              type_.name, owner));
+    diagnostics_.warning(
+        a.where, fmt::format("type \"{}\": {}: its extent is rounded; hashes may differ", type_.name, owner));
 }
 
 }  // namespace
@@ -250,7 +251,7 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
                             Diagnostics& diagnostics) {
   const Where whole{spec.resolution_where.file, 0};
   const auto lacks = [&](Where where, const std::string& what) {
-    diagnostics.error(where, fmt::format("a .world file cannot say this: {}", what));
+    diagnostics.error(where, fmt::format("a .world file cannot express this: {}", what));
   };
   if (!same_bits(spec.tick_s, back.tick_s))
     lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");

@@ -5,9 +5,9 @@
 
 namespace troupe::worldio {
 
-/// Reports in what `back`, a world that was written in Stage's syntax and read again, would do something else
-/// than `spec`: each an error at its place in `spec`, for want of a word. Parts that are there only to carry
-/// a device, sizes as declared, and other names do not count; outlines that differ by rounding are warnings.
+/// Compares `back`, a world that was written in Stage's syntax and read again, with `spec`. Each difference
+/// in behaviour is an error at its place in `spec`: a `.world` file cannot express it. Parts without a body
+/// and aliases are not compared; outlines and sizes that differ by rounding are warnings.
 void check_stage_round_trip(const engine::WorldSpec& spec, const engine::WorldSpec& back,
                             const engine::Registry& registry, Diagnostics& diagnostics);
 

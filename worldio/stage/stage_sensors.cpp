@@ -1,4 +1,4 @@
-// What Stage says of sensors whose properties are more than parameters as they stand.
+// Properties of sensors that do not map one to one to parameters.
 
 #include "engine/sensor_params.hpp"
 #include "worldio/colors.hpp"
@@ -11,7 +11,8 @@
 
 namespace troupe::worldio {
 
-/// `colors` are names, of which the first `colors_count` filter; none do where that is not given.
+/// Reads the colours that a blob finder reports: the first `colors_count` names of `colors`. Without
+/// `colors_count` it reports every colour.
 bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKind& kind,
                                  engine::DeviceSpec& spec) {
   const StageProperty* names = model.find(document_, "colors");
@@ -22,8 +23,7 @@ bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKi
   const std::vector<std::string_view> given = values_.texts(*names);
   if (*used < 0 || static_cast<std::uint64_t>(*used) > given.size()) {
     values_.error(values_.where(*count),
-                  fmt::format("\"colors_count\" must be from 0 to {}, as many as there "
-                              "are \"colors\"; here is {}",
+                  fmt::format("\"colors_count\" must be from 0 to {}, the number of \"colors\"; here is {}",
                               given.size(), *used));
     return false;
   }
@@ -31,8 +31,8 @@ bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKi
   for (const std::string_view name : std::span(given).first(static_cast<std::size_t>(*used))) {
     const auto color = color_by_name(name);
     if (!color) {
-      values_.error(values_.where(*names), fmt::format("unknown colour \"{}\"; colours have X11 names{}",
-                                                       name, did_you_mean(name, color_names())));
+      values_.error(values_.where(*names), fmt::format("unknown colour \"{}\"; colours are X11 names{}", name,
+                                                       did_you_mean(name, color_names())));
       return false;
     }
     parts.insert(parts.end(), {color->r, color->g, color->b});
@@ -83,7 +83,7 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
   return true;
 }
 
-/// `model` is the law, and says how walls are taken where `walls` does not.
+/// Reads the propagation law from `model`, which also sets the defaults of `walls` and `range`.
 bool StageKinds::add_radio_law(const StageModel& model, const engine::DeviceKind& kind,
                                engine::DeviceSpec& spec) {
   const auto index = [&](std::string_view name) { return static_cast<std::size_t>(kind.params.find(name)); };

@@ -100,10 +100,11 @@ void StageText::texts(std::string_view key, std::span<const std::string> values)
 }
 
 std::string StageText::spelt(double value) {
-  constexpr double k_largest = 9007199254740992.0;  // 2^53, as far as Stage's files are read
+  constexpr double k_largest = 9007199254740992.0;  // 2^53, the largest number that is read
   if (!(std::abs(value) <= k_largest))
-    diagnostics_.error(where_, fmt::format("{:g} is too large a number for a .world file", value));
-  std::array<char, 1200> digits{};  // the smallest double has 1074 behind the point
+    diagnostics_.error(where_,
+                       fmt::format("{:g} is too large for a .world file; numbers are at most 2^53", value));
+  std::array<char, 1200> digits{};  // the smallest double has 1074 digits after the point
   const auto [end, fault] =
       std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::fixed);
   return {digits.data(), end};
@@ -112,8 +113,8 @@ std::string StageText::spelt(double value) {
 std::string StageText::spelt(std::string_view text) {
   if (text.find_first_of("\"\n\r") != text.npos)
     diagnostics_.error(where_,
-                       fmt::format("a .world file cannot say \"{}\": its texts hold no quotes and no line "
-                                   "ends",
+                       fmt::format("a .world file cannot express \"{}\": its strings have no double quotes "
+                                   "and no line ends",
                                    text));
   return fmt::format("\"{}\"", text);
 }

@@ -12,8 +12,8 @@
 
 namespace troupe::worldio {
 
-/// A number that `read` turns into just this value: the guess or one of its neighbours; the guess where none
-/// of them does.
+/// Finds a number x with read(x) == value, to the last bit, among the guess and its nearest doubles. Returns
+/// the guess if there is none.
 template <class Read>
 double solved(double value, double guess, Read read) {
   constexpr int k_neighbours = 8;
@@ -29,19 +29,20 @@ double solved(double value, double guess, Read read) {
   return guess;
 }
 
-/// pose_b_c where compose(pose_a_b, pose_b_c) is pose_a_c, to the last bit where any number does that.
+/// Returns pose_b_c with compose(pose_a_b, pose_b_c) == pose_a_c: to the last bit if such numbers are found,
+/// else up to rounding.
 Pose relative_pose(const Pose& pose_a_b, const Pose& pose_a_c);
 
-/// The text of a world in Stage's syntax, in the making. Numbers have the fewest digits that read back as the
-/// same double, without an exponent, which Stage does not know.
+/// Builds the text of a world in Stage's syntax. Numbers have the fewest digits that read back as the same
+/// double, and no exponent: Stage's syntax has none.
 class StageText {
  public:
   explicit StageText(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Where what is written next comes from: of texts and numbers that Stage has no way to write.
+  /// Sets the place that errors name for texts and numbers that Stage's syntax cannot express.
   void at(Where where) { where_ = where; }
   void comment(std::string_view text);
-  /// `word (`, or `define word base (`, until close().
+  /// Writes `word (`, or with define() `define word base (`. close() writes the `)`.
   void open(std::string_view word);
   void define(std::string_view word, std::string_view base);
   void close();

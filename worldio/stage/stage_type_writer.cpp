@@ -35,8 +35,7 @@ Box extent_of(const std::vector<Solid>& solids) {
   return box;
 }
 
-/// One type as a macro: its root, and below it a model for each part, and for each device that stands on a
-/// part that is no such device itself.
+/// Writes one type: write_stage_type().
 class TypeText {
  public:
   TypeText(const TypeSpec& type, const StageMacro& macro, const StagePlaces& places, StageText& text)
@@ -53,20 +52,20 @@ class TypeText {
  private:
   void lacks(Where where, const std::string& what) {
     diagnostics_.error(where,
-                       fmt::format("a .world file cannot say this: type \"{}\": {}", type_.name, what));
+                       fmt::format("a .world file cannot express this: type \"{}\": {}", type_.name, what));
   }
   const DeviceKind* kind_of(const DeviceSpec& device) const { return registry_.device(device.kind); }
   bool is_property(const DeviceSpec& device) const {
     return device.kind == "power_pack" || device.kind == "power_contact" || device.kind == "flags";
   }
-  /// What a position inside another model drives with.
+  /// Whether this is the drive of a position model inside another model.
   bool is_wheels(const DeviceSpec& device) const {
     return device.kind == "wheels" && device.part != 0 && type_.parts[device.part].kind == "position";
   }
   const DeviceSpec* own_device(std::uint32_t p) const;
-  /// The joint that what stands on a part moves with.
+  /// The joint that the children of a part move with.
   std::int32_t joint_of(std::uint32_t p) const;
-  /// The part that carries what moves with this joint, which should be `part`.
+  /// The part to write a child of `part` in, so that it moves with this joint: `part` itself if possible.
   std::uint32_t carrier(std::uint32_t part, std::int32_t joint) const;
   bool is_brought(std::uint32_t p) const;
 
@@ -81,7 +80,8 @@ class TypeText {
   void write_controllers(std::uint32_t p);
   void write_power(std::uint32_t p);
   void write_children(std::uint32_t p);
-  /// Below a part; `generated` counts the children of each kind that it has had.
+  /// Writes the name of a child of `parent` unless it is the generated one. `generated` counts the children
+  /// of each kind.
   void write_name(std::uint32_t parent, const std::string& name, const std::string& kind,
                   std::map<std::string, std::size_t>& generated);
 
@@ -128,7 +128,7 @@ std::uint32_t TypeText::carrier(std::uint32_t part, std::int32_t joint) const {
   return part;
 }
 
-/// A part that the device of the part around it brings along: a gripper's paddle.
+/// Whether the device of the parent adds this part itself, as a gripper adds its paddles.
 bool TypeText::is_brought(std::uint32_t p) const {
   const PartSpec& part = type_.parts[p];
   if (p == 0 || part.solids.empty()) return false;
@@ -145,10 +145,10 @@ void TypeText::write_part(std::uint32_t p) {
   text_.at(part.where);
   if (!registry_.model(part.kind)) return lacks(part.where, fmt::format("a part of kind \"{}\"", part.kind));
   if ((part.kind == "position") != (p == 0 ? type_.drive.has_value() : own && is_wheels(*own)))
-    lacks(part.where, "only a model of kind \"position\" has a drive, and it always has one");
+    lacks(part.where, "a model of kind \"position\" always has a drive, and no other model has one");
   write_body(part, own);
   write_returns(part.returns);
-  if (part.returns.pushable) lacks(part.where, "bodies that are pushed");
+  if (part.returns.pushable) lacks(part.where, "bodies that can be pushed");
   const engine::DriveKind* drive = p == 0 && type_.drive ? registry_.drive(type_.drive->kind) : nullptr;
   if (drive) write_stage_drive(*type_.drive, *drive, text_);
   write_power(p);
@@ -181,7 +181,8 @@ bool TypeText::is_default_box(const PartSpec& part, const engine::ModelKind& kin
   return part.solids == std::vector{placed(box, part.pose_body_part)};
 }
 
-/// True where an image, of this size or as large as what is there, makes just this.
+/// Writes the image of a part if the image, stretched to the part's size or to the extent of its solids,
+/// makes exactly its solids. Else false.
 bool TypeText::write_image(const PartSpec& part) {
   if (!part.image) return false;
   const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
@@ -203,7 +204,7 @@ bool TypeText::write_image(const PartSpec& part) {
   return false;
 }
 
-/// Stage scales the blocks of a model to its size and centres them, which `origin` undoes.
+/// Stage scales the blocks of a model to its size and centres them; `origin` undoes the centring.
 void TypeText::write_blocks(const PartSpec& part) {
   if (part.fitted) {
     write_size(part.size, nullptr, part.where);
@@ -217,7 +218,7 @@ void TypeText::write_blocks(const PartSpec& part) {
   const Rotation& turn = frame.rotation;
   Pose origin{middle.x() * turn.cos + middle.y() * turn.sin, middle.y() * turn.cos - middle.x() * turn.sin, 0,
               0};
-  constexpr double k_centred = 1e-9;  // of the extent: less is rounding
+  constexpr double k_centred = 1e-9;  // fraction of the extent; less is rounding
   if (origin.position().norm() <= k_centred * whole.size().norm()) origin = Pose();
   const Pose pose_body_blocks = compose(part.pose_body_part, origin);
   std::vector<Solid> solids = part.solids;
@@ -252,14 +253,14 @@ void TypeText::write_block(const Solid& block, Where where) {
 
 void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where) {
   if (kind && size == kind->size) return;
-  if (size.minCoeff() <= 0) return lacks(where, "a size of 0");
+  if (size.minCoeff() <= 0) return lacks(where, "a \"size\" of 0");
   text_.numbers("size", std::array{size.x(), size.y(), size.z()});
 }
 
 void TypeText::write_returns(const engine::Returns& returns) {
   const engine::Returns usual;
   const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, pushable, blob] = returns;
-  static_cast<void>(pushable);  // Stage knows nothing of it
+  static_cast<void>(pushable);  // Stage has no such property
   if (obstacle != usual.obstacle) text_.flag("obstacle_return", obstacle);
   if (ranger != usual.ranger) text_.number("ranger_return", short_number(ranger));
   if (fiducial != usual.fiducial) text_.number("fiducial_return", fiducial);
@@ -284,7 +285,7 @@ void TypeText::write_controllers(std::uint32_t p) {
   if (calls.size() > 1) text_.texts("ctrl", calls);
 }
 
-/// Packs and contacts are properties of the model that they belong to.
+/// Power packs and contacts are properties of the model that they belong to.
 void TypeText::write_power(std::uint32_t p) {
   for (const DeviceSpec& device : type_.devices) {
     const DeviceKind* kind = kind_of(device);
@@ -296,7 +297,7 @@ void TypeText::write_power(std::uint32_t p) {
       text_.number("joules", value("infinite").boolean() ? -1 : stored);
       if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
       if (value("mass").number() > 0) text_.number("mass", value("mass").number());
-      if (value("draw").number() > 0) {  // only what runs draws
+      if (value("draw").number() > 0) {  // only a running model draws power
         text_.number("watts", value("draw").number());
         text_.flag("alwayson", true);
       }
@@ -332,7 +333,7 @@ void TypeText::write_children(std::uint32_t p) {
     text_.at(device->where);
     if (!model || model->device != device->kind || !kind_of(*device)) {
       lacks(device->where,
-            fmt::format("device \"{}\": there is no model of kind {}", device->name, device->kind));
+            fmt::format("device \"{}\": Stage has no model of kind {}", device->name, device->kind));
       continue;
     }
     text_.open(device->kind);
@@ -377,7 +378,7 @@ std::vector<bool> added_parts(const TypeSpec& type, std::uint64_t seed, const en
   for (const engine::ControllerSpec& controller : type.controllers) {
     const StageAddition add = stage_addition(controller.kind);
     if (!add) continue;
-    // What it adds stands in a row, somewhere behind the part that it belongs to.
+    // The parts that a controller adds are consecutive, somewhere after its own part.
     TypeSpec read = type;
     read.parts.resize(controller.part + 1);
     add(controller.params, seed, registry, read, controller.part);

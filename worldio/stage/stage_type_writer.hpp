@@ -13,34 +13,34 @@
 
 namespace troupe::worldio {
 
-/// What the types of one world are written with.
+/// What all types of a world share when they are written.
 struct StagePlaces {
-  const std::filesystem::path& folder;  ///< of the file
+  const std::filesystem::path& folder;  ///< of the .world file
   const engine::Registry& registry;
   FloorImages& images;
   Diagnostics& diagnostics;
 };
 
-/// Which parts of a type its controllers add to it whenever a `.world` is read
-/// (worldio/stage/stage_demos.hpp), so that they are not written.
+/// Which parts of a type are not written, because its controllers add them when a `.world` file is read
+/// (worldio/stage/stage_demos.hpp). One element per part.
 std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
                               const engine::Registry& registry);
 
-/// How a type is written, as a macro.
+/// The macro that a type is written as.
 struct StageMacro {
   std::string word;              ///< its name
-  Color color;                   ///< of its bodies, unless they say another
-  bool has_many_colors = false;  ///< some do: theirs must count, so that this one is not written by name
-  std::vector<bool> added;       ///< of each part, whether it is left out
+  Color color;                   ///< of the bodies that do not have another
+  bool has_many_colors = false;  ///< some bodies have another: then `color` must not be written by name
+  std::vector<bool> added;       ///< per part: whether it is omitted (added_parts())
 };
 
-/// A type as a macro: its root, and below it a model for each part, and for each device that stands on a part
-/// but is not the part itself.
+/// Writes a type as a macro: its root, and in it a model for each part and for each device that is mounted on
+/// a part but is not the part itself.
 void write_stage_type(const engine::TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
                       StageText& text);
 
-/// `color`, an X11 name where there is one, else `color_rgba`, which counts only where there is no `color`,
-/// not even in a macro.
+/// Writes `color` if the colour has an X11 name, else `color_rgba`. Stage reads `color_rgba` only if neither
+/// the model nor its macros have a `color`.
 void write_stage_color(const Color& color, StageText& text);
 
 }  // namespace troupe::worldio

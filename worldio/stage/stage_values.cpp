@@ -13,7 +13,7 @@ namespace {
 
 // The engine's bounds: positions from -100 km to 100 km.
 constexpr double k_world_limit = 100e3;
-// Beyond it doubles do not tell whole numbers apart.
+// Above it, doubles do not represent every whole number.
 constexpr double k_largest = 9007199254740992.0;  // 2^53
 
 }  // namespace
@@ -50,7 +50,7 @@ std::optional<std::string_view> StageValues::text(const StageProperty& property)
 std::optional<std::string_view> StageValues::name(const StageProperty& property) {
   const auto given = text(property);
   if (!given || (!given->empty() && *given != "/")) return given;
-  warning_once(where(property), "an empty name; the generated one stays");
+  warning_once(where(property), "\"name\" is empty; the generated name is used");
   return {};
 }
 
@@ -68,10 +68,11 @@ std::optional<double> StageValues::number(const StageProperty& property, const S
   const auto [rest, fault] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
   if (fault == std::errc() && rest == end && std::isfinite(value)) {
     if (std::abs(value) <= k_largest) return value;
-    error(where(property), fmt::format("\"{}\": {} is too large a number", key(property), token.text));
+    error(where(property),
+          fmt::format("\"{}\": {} is too large; numbers are at most 2^53", key(property), token.text));
     return {};
   }
-  error(where(property), fmt::format("\"{}\" needs a number such as 2, -0.5 or .25; \"{}\" is none",
+  error(where(property), fmt::format("\"{}\" needs a number such as 2, -0.5 or .25; here is \"{}\"",
                                      key(property), token.text));
   return {};
 }
@@ -85,7 +86,7 @@ std::optional<std::int64_t> StageValues::integer(const StageProperty& property) 
   const std::optional<double> value = number(property);
   if (!value) return {};
   if (*value == std::floor(*value)) return static_cast<std::int64_t>(*value);
-  error(where(property), fmt::format("\"{}\" needs a whole number; {} is none", key(property), *value));
+  error(where(property), fmt::format("\"{}\" needs a whole number; here is {}", key(property), *value));
   return {};
 }
 
@@ -135,7 +136,7 @@ std::optional<Pose> StageValues::pose(const StageProperty& property, bool is_wra
   const double z = v->size() == 4 ? (*v)[2] : 0;
   for (const double part : {(*v)[0], (*v)[1], z})
     if (std::abs(part) * length_ > k_world_limit) {
-      error(where(property), fmt::format("\"{}\" lies outside the world, which ends {} km from its origin",
+      error(where(property), fmt::format("\"{}\" is outside the world, which reaches {} km from its origin",
                                          key(property), k_world_limit / 1000));
       return {};
     }
@@ -149,7 +150,7 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
   if (v->size() == 2)
     warning_once(
         where(property),
-        fmt::format("old syntax: \"{}\" takes [x y z]; two values are read as [x y], the height stays {} m",
+        fmt::format("old syntax: \"{}\" takes [x y z]; two values are read as [x y], with a height of {} m",
                     key(property), default_height));
   for (const double extent : *v) {
     if (extent * length_ > 2 * k_world_limit) {
@@ -177,8 +178,8 @@ std::optional<Color> StageValues::color(const StageProperty& property) {
   const auto name = text(property);
   if (!name || *name == "random") return {};
   if (const auto found = color_by_name(*name)) return found;
-  warning(where(property), fmt::format("unknown colour \"{}\", drawn red; colours have X11 names{}", *name,
-                                       did_you_mean(*name, color_names())));
+  warning(where(property), fmt::format("unknown colour \"{}\", replaced by red; colours are X11 names{}",
+                                       *name, did_you_mean(*name, color_names())));
   return Color{};
 }
 

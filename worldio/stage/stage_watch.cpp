@@ -17,7 +17,7 @@ using engine::Field;
 using engine::FieldType;
 using engine::Value;
 
-/// What a number of Stage's is worth in SI units.
+/// The unit of a number in a `.world` file.
 enum class Scale {
   one,
   length,   // by unit_length
@@ -25,7 +25,8 @@ enum class Scale {
   milliseconds
 };
 
-/// Where a window's property goes. The switches, which are called the same here, are not among them.
+/// The field that a property of a window is stored in. Switches are not listed: they have the name of their
+/// field.
 struct WindowProperty {
   std::string_view stage;
   std::string_view field;
@@ -56,7 +57,7 @@ double factor(Scale scale, double length_unit) {
   return 1;
 }
 
-/// False, with an error, where a number is beyond the limits of its field.
+/// False, with an error, if a number is outside the limits of its field.
 bool is_within(const Field& field, double value, double written, const StageProperty& property,
                StageValues& values) {
   if (value >= field.min && value <= field.max && !(field.above_min && value == field.min)) return true;
@@ -112,10 +113,10 @@ engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& v
       watch.clock_ticks = static_cast<std::uint64_t>(*ticks);
     else if (ticks)
       values.error(values.where(*property),
-                   fmt::format("\"show_clock_interval\" must be from 1 to {} updates; here is {}",
+                   fmt::format("\"show_clock_interval\" must be from 1 to {} ticks; here is {}",
                                engine::k_most_clock_ticks, *ticks));
   }
-  // Stage takes 0 and below for "as fast as possible".
+  // Stage reads 0 and below as "as fast as possible".
   if (const StageProperty* property = document.world_property("speedup"))
     watch.rate = std::clamp(values.number(*property).value_or(1), 0.0, engine::k_most_rate);
   if (const StageProperty* property = document.world_property("paused"))

@@ -8,16 +8,16 @@
 
 namespace troupe::worldio {
 
-/// What a world says at its top level of how it is to be watched: `show_clock`, `show_clock_interval`,
+/// Reads the properties of the world that say how to watch it: `show_clock`, `show_clock_interval`,
 /// `speedup`, `paused`.
 engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& values);
-/// The same properties, as far as they are not as usual.
+/// Writes these properties where they differ from their defaults.
 void write_stage_watch(const engine::WatchSpec& watch, StageText& text);
 
-/// A `window`, by window_fields(). What it says of other things is left to the warnings.
+/// Reads a `window` into a record of window_fields(). Other properties are ignored: StageLint warns of them.
 engine::Record read_stage_window(const StageModel& window, const StageDocument& document,
                                  StageValues& values);
-/// In a file whose lengths are metres.
+/// Writes a `window`, for a file whose unit of length is the metre.
 void write_stage_window(const engine::Record& window, StageText& text);
 
 }  // namespace troupe::worldio

@@ -36,15 +36,16 @@ using engine::WorldSpec;
 
 constexpr std::size_t k_most_entities = 20000;  // in one top-level model, macros expanded
 constexpr std::size_t k_deepest_nesting = 200;
-// Of all different models together: macros and images multiply what stands in a file.
+// In all distinct models together: macros multiply the entities of a file.
 constexpr std::size_t k_most_parts = 1000000;
 
-/// What tells one body from another of its type; of its `fiducial_return` the type says whether there is any.
+/// Properties in which bodies of one type may differ. Of `fiducial_return` only the number may differ, not
+/// whether it is 0.
 constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba", "fiducial_return"};
 enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
 using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
 
-/// Whether a number is 0, by its characters.
+/// Whether the text of a number is 0.
 bool is_zero(std::string_view text) { return text.find_first_not_of("+-.0") == text.npos; }
 
 class StageWorld {
@@ -71,7 +72,7 @@ class StageWorld {
     for (const StageItem& item : document_.items) {
       if (item.is_define) {
         macros_.define(item);
-        prototypes_.clear();  // the same words may mean something else from here on
+        prototypes_.clear();  // the same words may mean another model from here on
       } else {
         add_body(item.entity);
       }
@@ -81,7 +82,7 @@ class StageWorld {
   }
 
  private:
-  /// What bodies written alike have in common, but for the properties of k_own_keys.
+  /// What bodies with the same text share, except the properties of k_own_keys.
   struct Prototype {
     bool usable = false;
     const engine::ModelKind* kind = nullptr;
@@ -90,11 +91,11 @@ class StageWorld {
     std::vector<std::string> global_parts;
   };
 
-  /// A type in the making.
+  /// A type that is being built.
   struct Draft {
     TypeSpec type;
-    std::vector<std::string> global_parts;   ///< names of parts with names of their own
-    std::vector<const StageEntity*> inside;  ///< the bodies of macros and entities around the present one
+    std::vector<std::string> global_parts;   ///< names of parts that have global names
+    std::vector<const StageEntity*> inside;  ///< bodies of macros and entities that enclose the current one
     std::size_t entities = 0;
     Where where;  ///< of the top-level model
     bool broken = false;
@@ -103,17 +104,17 @@ class StageWorld {
   struct Contents {
     std::vector<StageModel> blocks;
     std::vector<StageModel> sensors;                                  // of a ranger
-    std::vector<std::pair<StageModel, const StageEntity*>> children;  // with the body each stands in
+    std::vector<std::pair<StageModel, const StageEntity*>> children;  // with the body that contains each
   };
 
-  /// Where a part lies in its body, and how it is called there.
+  /// The place and the names of a part in its body.
   struct Place {
     std::uint32_t parent = 0;
     std::int32_t joint = engine::k_rigid;
     Pose pose_body_part;
     std::string name;
     std::string alias;
-    bool has_own_name = false;  ///< it or a model around it has a name of its own: not one below the body's
+    bool has_own_name = false;  ///< it or an enclosing model has a global name: "/name"
   };
 
   void read_world();
@@ -132,7 +133,7 @@ class StageWorld {
                      TypeSpec& type);
   void add_children(const StageModel& model, const Place& place, double height,
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
-  /// Of several windows the first counts, wherever it stands.
+  /// Uses the first window of the file, at whatever level it is.
   void add_window(const StageModel& window) {
     if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
   }
@@ -154,8 +155,8 @@ class StageWorld {
 
   std::unordered_map<std::string, Prototype> prototypes_;
   std::unordered_map<std::string, TypeId> types_;             // by compared_bytes()
-  std::vector<std::vector<std::string_view>> type_names_;     // words that lead to each type, outermost first
-  std::map<std::string_view, engine::Name> generated_names_;  // the last of the top-level models of each kind
+  std::vector<std::vector<std::string_view>> type_names_;     // words of each type, outermost first
+  std::map<std::string_view, engine::Name> generated_names_;  // per kind: the last name of a top-level model
   engine::NameMap names_;
   std::size_t parts_ = 0;
   std::size_t vertices_ = 0;
@@ -226,7 +227,8 @@ void StageWorld::read_world() {
     if (const auto title = values_.text(*property)) spec_->title = *title;
 }
 
-/// The words of an entity, one after another: entities with equal keys make equal types.
+/// Appends the text of an entity to `key`, for a root without k_own_keys. Entities with equal keys have equal
+/// types.
 void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string& key) const {
   const auto add = [&key](std::string_view text) {
     key += text;
@@ -265,7 +267,7 @@ void StageWorld::add_body(const StageEntity& entity) {
     for (std::size_t i = 0; i < own.size(); ++i)
       if (document_.key(property) == k_own_keys[i]) own[i] = &property;
 
-  // Even a body that cannot be made takes its number, so that the names in other messages are right.
+  // A body that cannot be built takes its number too, so that later messages have the right names.
   const engine::Name generated = generate_name(prototype.kind->name);
   const BodyId id(spec_->bodies.size());
   engine::BodySpec body{
@@ -288,13 +290,14 @@ void StageWorld::add_body(const StageEntity& entity) {
   for (const std::string& part : prototype.global_parts)
     spec_->part_aliases.insert_or_assign(part, engine::PartName{id, part});
   if (names_.add(body.name, id) != id)
-    values_.warning_once(own[k_name] ? values_.where(*own[k_name]) : body.where,
-                         fmt::format("the name \"{}\" is taken already; looking it up finds the last",
-                                     spec_->names.text(body.name)));
+    values_.warning_once(
+        own[k_name] ? values_.where(*own[k_name]) : body.where,
+        fmt::format("the name \"{}\" is already taken; a lookup finds the last model with this name",
+                    spec_->names.text(body.name)));
   spec_->bodies.push_back(body);
 }
 
-/// model:0, model:1, ... in the order of the file.
+/// Returns the next of model:0, model:1, ... in the order of the file.
 engine::Name StageWorld::generate_name(std::string_view kind) {
   const auto [last, is_first] = generated_names_.try_emplace(kind);
   if (is_first)
@@ -313,7 +316,7 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
     return prototype;
   }
   if (model->type == "block" || model->type == "sensor") {
-    values_.error(model->where, fmt::format("a {} belongs into a {}, not at top level", model->type,
+    values_.error(model->where, fmt::format("a {} must be inside a {}, not at the top level", model->type,
                                             model->type == "block" ? "model" : "ranger"));
     return prototype;
   }
@@ -334,9 +337,10 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
   return prototype;
 }
 
-/// A type is called by the innermost word that all its bodies have in common: the macro they are made from.
+/// Returns the type that equals `type`, adding it if it is new. A type is named after the outermost macro
+/// that all its bodies are made from, or their model type.
 TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>& names) {
-  // Of the number of its root only whether there is one: the number itself is each body's own.
+  // Types compare only whether the root has a fiducial number: each body has its own number.
   std::int32_t& mark = type.parts.front().returns.fiducial;
   const std::int32_t number = std::exchange(mark, mark != 0 ? 1 : 0);
   const auto [entry, is_new] = types_.try_emplace(compared_bytes(type), TypeId(spec_->types.size()));
@@ -357,7 +361,7 @@ TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>
   return id;
 }
 
-/// Sorts what a model holds; empty when its macros never end.
+/// Sorts the children of a model by kind. Empty, with an error, if its macros expand beyond a limit.
 std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model, Draft& draft) {
   Contents out;
   const auto fail = [&](Where where, std::string message) {
@@ -371,11 +375,12 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
       return {};
     }
     if (++draft.entities > k_most_entities) {
-      fail(draft.where, fmt::format("its macros expand to more than {} entities", k_most_entities));
+      fail(draft.where,
+           fmt::format("the macros of this model expand to more than {} entities", k_most_entities));
       return {};
     }
     if (draft.inside.size() >= k_deepest_nesting) {
-      fail(draft.where, fmt::format("its macros nest deeper than {}", k_deepest_nesting));
+      fail(draft.where, fmt::format("the macros of this model nest deeper than {}", k_deepest_nesting));
       return {};
     }
     auto resolved = macros_.resolve(*child.entity);
@@ -394,14 +399,14 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     if (is_piece)
       for (const StageModel::Child& inner : resolved->children(document_))
         fail(document_.token(inner.entity->word).where(),
-             fmt::format("a {} holds properties only, no \"{}\"", resolved->type,
+             fmt::format("a {} can only hold properties, not \"{}\"", resolved->type,
                          document_.word(*inner.entity)));
     if (resolved->type == "block")
       out.blocks.push_back(std::move(*resolved));
     else if (resolved->type == "sensor" && model.type == "ranger")
       out.sensors.push_back(std::move(*resolved));
     else if (resolved->type == "sensor")
-      fail(resolved->where, fmt::format("a sensor belongs into a ranger, not into: {}", model.type));
+      fail(resolved->where, fmt::format("a sensor must be inside a ranger, not inside: {}", model.type));
     else if (resolved->type == "window")
       add_window(*resolved);
     else
@@ -451,10 +456,10 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   }
   check_extent(model, part);
   if (model.type == "bumper" && !find("size") && !part.solids.empty())
-    values_.warning_once(
-        model.where, fmt::format("as in Stage, a bumper without \"size\" is a body of {:g} m x {:g} m x {:g} "
-                                 "m; give it one, or noblocks 1",
-                                 part.size.x(), part.size.y(), part.size.z()));
+    values_.warning_once(model.where,
+                         fmt::format("as in Stage, a bumper without \"size\" has a body of {:g} m x {:g} m x "
+                                     "{:g} m; give it a \"size\", or \"noblocks 1\"",
+                                     part.size.x(), part.size.y(), part.size.z()));
   part.returns = returns(model);
   if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
   part.floor_plan = find("bitmap") != nullptr;
@@ -474,7 +479,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
       device->joint = place.joint;
       device->pose_body_sensor = pose_body_frame;
       const std::size_t d = engine::add_device(draft.type, std::move(*device), *device_kind);
-      if (model.type == "actuator")  // it moves itself, and what stands on it
+      if (model.type == "actuator")  // it moves its own part and the parts on it
         draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
       if (draft.type.parts[index].solids.empty() && !is_without_body(model))
         engine::add_device_body(draft.type, d, *device_kind);
@@ -495,26 +500,27 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   add_children(model, below, height, holds->children, draft);
 }
 
-/// A body needs an extent; what is no more than a place, as a sensor without a body, does not.
+/// Reports a size of 0. A model without a body, such as most sensors, may have it.
 void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
-  const bool is_gripper = model.type == "gripper";  // whose body comes with its paddles
+  const bool is_gripper = model.type == "gripper";  // its body is added with its paddles
   if (part.size.minCoeff() > 0 || (part.solids.empty() && !is_gripper)) return;
   const StageProperty* property = model.find(document_, "size");
   const Where where = property ? values_.where(*property) : model.where;
   if (part.size.head<2>().minCoeff() > 0 && !is_gripper)
-    values_.warning_once(where,
-                         "\"size\" gives this model no height: only what is at that very height meets it");
+    values_.warning_once(
+        where,
+        "\"size\" gives this model a height of 0: only bodies and beams at exactly its height meet it");
   else if (part.size.minCoeff() == 0)
     values_.error(where, "\"size\" must be above 0 in every direction; here is 0");
 }
 
-/// Whether it says that it has no body at all, not even that of its kind.
+/// Whether the model has `noblocks 1`: no body, not even the default of its kind.
 bool StageWorld::is_without_body(const StageModel& model) {
   const StageProperty* property = model.find(document_, "noblocks");
   return property && values_.flag(*property).value_or(false);
 }
 
-/// How the model shows itself to the sensors of others.
+/// Reads the `..._return` properties: how sensors of other bodies perceive the model.
 engine::Returns StageWorld::returns(const StageModel& model) {
   engine::Returns returns;
   const auto read = [&](std::string_view key, auto& member, auto value) {
@@ -533,7 +539,7 @@ engine::Returns StageWorld::returns(const StageModel& model) {
   return returns;
 }
 
-/// A number for fiducial finders.
+/// Reads a number for fiducial finders: a whole number of 32 bits.
 std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
   using Limits = std::numeric_limits<std::int32_t>;
   const auto given = values_.integer(property);
@@ -567,7 +573,7 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
   }
 }
 
-/// What a controller works with that Stage gives to every model.
+/// Adds the devices that a controller needs and that every Stage model has.
 void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
                                TypeSpec& type) {
   for (const std::string_view name : kind.brings) {
@@ -635,7 +641,8 @@ Color StageWorld::color(const StageProperty* name, const StageProperty* rgba, co
   return fallback;
 }
 
-/// A `.world` has no keys to set: --set reaches into the document that `troupe convert` would write.
+/// Applies --set. A `.world` file has no JSON keys, so the values are set in the document that `troupe
+/// convert` would write.
 WorldSpec changed(const WorldSpec& spec, const std::filesystem::path& file, const engine::Registry& registry,
                   const LoadOptions& options, Diagnostics& diagnostics) {
   std::optional<JsonNode> document = write_json_world(spec, file, registry, diagnostics);

@@ -20,7 +20,7 @@ namespace {
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-/// Words of Stage's syntax, beginning with a letter.
+/// Turns a name into a word of Stage's syntax, which begins with a letter.
 std::string word_of(const std::string& name) {
   std::string word;
   for (const char c : name) {
@@ -32,7 +32,7 @@ std::string word_of(const std::string& name) {
   return word.empty() ? "type" : word;
 }
 
-/// Whether a heading in a record, or below it, is beyond half a turn: Stage would wrap it.
+/// Whether a record, or a record inside it, has a heading beyond half a turn: Stage would wrap it.
 bool has_wide_heading(const engine::Record& record, const engine::FieldTable& table) {
   for (std::size_t i = 0; i < table.fields.size() && i < record.size(); ++i) {
     const engine::Field& field = table.fields[i];
@@ -78,13 +78,13 @@ class WorldText {
 
  private:
   bool says(std::string_view key) const { return document_ && document_->says(key); }
-  /// Of a key, named without its unit.
+  /// The line of a key, which is given without its unit; the whole file if the file does not have the key.
   Where where_of(std::string_view key) const {
     return says(key) ? document_->where_of(key) : Where{spec_.resolution_where.file, 0};
   }
   void lacks(std::string_view key, std::string_view why) {
     const engine::Field& field = document_table<WorldDocument>().find(key)->field;
-    diagnostics_.error(where_of(key), fmt::format("a .world file cannot say this: \"{}{}\": {}", key,
+    diagnostics_.error(where_of(key), fmt::format("a .world file cannot express this: \"{}{}\": {}", key,
                                                   engine::unit_suffixes(field.unit).front().suffix, why));
   }
   void refuse_what_stage_lacks();
@@ -98,34 +98,34 @@ class WorldText {
   const WorldDocument* document_;
   const engine::Registry& registry_;
   Diagnostics& diagnostics_;
-  Diagnostics image_findings_;  // of images that are outlines then
+  Diagnostics image_findings_;  // not reported: without its image a body is written as outlines
   FloorImages images_;
   StageText text_;
-  std::vector<std::string> macros_;  // of the types
-  std::vector<Color> colors_;        // of the types: of their first bodies
+  std::vector<std::string> macros_;  // per type
+  std::vector<Color> colors_;        // per type: that of its first body
 };
 
 void WorldText::refuse_what_stage_lacks() {
   if (spec_.ranging != engine::RangingEngine::exact)
-    lacks("ranging", "which engine finds ranges is an option of the run, --raytracer");
-  if (spec_.record) lacks("record", "what is recorded is an option of the run, --record");
+    lacks("ranging", "the ray engine is an option of the run, --raytracer");
+  if (spec_.record) lacks("record", "recording is an option of the run, --record");
   if (!spec_.measures.empty()) lacks("measures", "they are options of the run, --measure");
   if (spec_.measure_every_s != WorldSpec().measure_every_s)
     lacks("measure_every", "it is an option of the run, --measure-every");
   if (!spec_.reserves.empty())
     lacks(says("populations") ? "populations" : "models",
-          "Stage has no bodies that are yet to be born, as in a \"reserve\"");
+          "Stage has no \"reserve\" of bodies that are born later");
   if (spec_.mortal) lacks("mortal", "Stage has no deaths");
-  if (!spec_.experiment.stop_when.empty()) lacks("stop_when", "it ends where its quit_time says");
-  if (!spec_.experiment.at.empty()) lacks("at", "nothing is done to it while it runs");
-  if (!spec_.experiment.faults.empty()) lacks("faults", "its robots do not fail");
+  if (!spec_.experiment.stop_when.empty()) lacks("stop_when", "a Stage world ends only at its quit_time");
+  if (!spec_.experiment.at.empty()) lacks("at", "Stage has no events at given times");
+  if (!spec_.experiment.faults.empty()) lacks("faults", "robots do not fail in Stage");
   if (says("bounds_m"))
-    lacks("bounds_m", "it reaches 100 km in each direction");
+    lacks("bounds_m", "a Stage world always reaches 100 km in each direction");
   else if (spec_.bounds)
     diagnostics_.warning(
         where_of("floorplans"),
-        "a .world reaches 100 km in each direction: robots that leave the floor plans are held "
-        "no more");
+        "a .world file reaches 100 km in each direction: robots are no longer stopped at the edge of the "
+        "floor plans");
 }
 
 void WorldText::write_settings() {
@@ -148,7 +148,7 @@ void WorldText::write_settings() {
   if (spec_.window) write_stage_window(*spec_.window, text_);
 }
 
-/// A macro for each type that has bodies, called as the type is where that is no word of Stage's already.
+/// Writes a macro for each type that has bodies. Its name is that of the type, with a number if it is taken.
 void WorldText::write_types() {
   std::vector<bool> is_used(spec_.types.size(), false);
   std::vector<bool> has_many_colors(spec_.types.size(), false);
@@ -172,14 +172,14 @@ void WorldText::write_types() {
                            .color = colors_[t],
                            .has_many_colors = has_many_colors[t],
                            .added = added_parts(type, spec_.seed, registry_)};
-    TypeSpec colored = type;  // a part without a colour of its own has its body's
+    TypeSpec colored = type;  // a part without a colour has that of its body
     for (std::size_t p = 1; p < colored.parts.size(); ++p) {
       if (macro.added[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
       colored.parts[p].color = colors_[t];
       if (has_many_colors[t])
         diagnostics_.error(
             colored.parts[p].where,
-            fmt::format("a .world file cannot say this: type \"{}\": part \"{}\" takes the color "
+            fmt::format("a .world file cannot express this: type \"{}\": part \"{}\" has the color "
                         "of its body",
                         type.name, colored.parts[p].name));
     }
@@ -211,7 +211,7 @@ std::string write_stage_world(const WorldSpec& spec, const std::filesystem::path
   for (const Finding& finding : found.findings())
     if (finding.severity == Severity::error)
       diagnostics.error({spec.resolution_where.file, 0},
-                        fmt::format("a .world file cannot say this: {}", finding.message));
+                        fmt::format("a .world file cannot express this: {}", finding.message));
   if (!diagnostics.has_errors()) check_stage_round_trip(spec, back, registry, diagnostics);
   return text;
 }

@@ -9,9 +9,10 @@
 
 namespace troupe::worldio {
 
-/// The text of a `.world` that is this world where it lies in `file`: a macro for each type, a model for each
-/// body. It is read to make sure that it does the same: what Stage has no word for is an error at its place;
-/// outlines that come out otherwise in their last bits, since Stage centres bodies, are warnings.
+/// Returns a world as the text of a `.world` file: a macro per type, a model per body. `file` is where it
+/// will be stored: the paths of images are relative to its folder. The text is read again and compared with
+/// `spec`: whatever Stage's syntax cannot express is an error at its place. Outlines that differ in their
+/// last bits, because Stage centres bodies, are warnings.
 /// `document`: the JSON that the world was read from, for the lines of its keys; may be null.
 std::string write_stage_world(const engine::WorldSpec& spec, const std::filesystem::path& file,
                               const WorldDocument* document, const engine::Registry& registry,
