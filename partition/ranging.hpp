@@ -184,8 +184,7 @@ void turn(const Rotation& rotation, const double* x, const double* y, std::size_
 /// Raises inverse[i] to the largest inverse range at which beam i hits one of the edges, if that is larger.
 /// inverse  fan.padded() entries
 /// returns  fan.padded() entries, or null: set to the ranger_return of the edge that is hit; of two edges at
-/// one
-///          range, to the larger
+///          one range, to the larger
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
 
 /// Computes the distance that each beam can still reach, metres: the smaller of its range so far and
