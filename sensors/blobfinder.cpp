@@ -31,19 +31,20 @@ struct Finder {
       using namespace engine::facts;
       using enum engine::Unit;
       constexpr double k_most_pixels = 10000;  // an edge
-      d.member<&Params::image_width>("image_width", within(1, k_most_pixels), "columns: a ray each");
+      d.member<&Params::image_width>("image_width", within(1, k_most_pixels),
+                                     "columns of the image, one ray each");
       d.member<&Params::image_height>("image_height", within(1, k_most_pixels),
-                                      "rows, in which the blobs' heights are told");
-      d.member<&Params::range>("range", meters, above(0), at_most(10000), "how far it sees");
+                                      "rows of the image, in which the heights of blobs are reported");
+      d.member<&Params::range>("range", meters, above(0), at_most(10000), "length of the rays");
       d.member<&Params::fov>("fov", radians, above(0), at_most(2 * k_pi),
                              "angle between the first column and the last");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "by which it looks to the left of its heading");
-      d.member<&Params::colors>("colors", "only blobs of these colours are reported; none given: all");
+                             "pan angle to the left of its heading");
+      d.member<&Params::colors>("colors", "only blobs of these colours are reported; []: all blobs");
       d.member<&Params::use_blob_return>(
-          "use_blob_return", "models whose blob_return is false hide what is behind them and are no blobs");
+          "use_blob_return", "models whose blob_return is false are not blobs, but hide what is behind them");
       d.member<&Params::most_blobs>("most_blobs", within(1, 1000),
-                                    "entries of the readings, from right to left; all blobs are counted");
+                                    "entries of the readings, from right to left; `count` counts all blobs");
     }
   };
 
@@ -159,12 +160,12 @@ DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body
   const std::uint32_t n = params.most_blobs;
   return {.data = std::move(finder),
           .percepts = {{"count", Element::u32, 1, "", "blobs in sight"},
-                       {"left", Element::i32, n, "", "column of each"},
-                       {"right", Element::i32, n, "", "last column of each"},
-                       {"top", Element::i32, n, "", "row of each"},
-                       {"bottom", Element::i32, n, "", "last row of each"},
-                       {"range", Element::f32, n, "m", "mean distance of each"},
-                       {"color", Element::u8, 4 * n, "", "of each: red, green, blue, opacity"}},
+                       {"left", Element::i32, n, "", "first column of each blob"},
+                       {"right", Element::i32, n, "", "last column of each blob"},
+                       {"top", Element::i32, n, "", "first row of each blob"},
+                       {"bottom", Element::i32, n, "", "last row of each blob"},
+                       {"range", Element::f32, n, "m", "mean distance of each blob"},
+                       {"color", Element::u8, 4 * n, "", "colour of each blob: red, green, blue, opacity"}},
           .reach_m = pose_body_sensor.position().norm() + params.range,
           .watts = 2};  // as in Stage
 }
@@ -205,7 +206,8 @@ void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind blobfinder_kind() {
-  return engine::make_device_kind<Finder>("blobfinder", "finds stretches of one colour in what is in sight");
+  return engine::make_device_kind<Finder>("blobfinder",
+                                          "finds blobs: stretches of one colour in its field of view");
 }
 
 }  // namespace troupe::sensors

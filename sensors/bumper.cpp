@@ -74,8 +74,8 @@ struct Bumper {
     }
     const auto n = static_cast<std::uint32_t>(bumper.strips.size());
     return {.data = std::move(bumper),
-            .percepts = {{"hit", Element::u8, n, "", "1: something touches that bumper"},
-                         {"body", Element::u32, n, "", "id of the body that does; 0: none"}},
+            .percepts = {{"hit", Element::u8, n, "", "1: a body touches the strip"},
+                         {"body", Element::u32, n, "", "id of that body; 0: none"}},
             .reach_m = reach + params.thickness,
             .watts = 0.1};  // as in Stage
   }
@@ -100,7 +100,7 @@ struct Bumper {
 }  // namespace
 
 DeviceKind bumper_kind() {
-  return engine::make_device_kind<Bumper>("bumper", "feels what touches its strips");
+  return engine::make_device_kind<Bumper>("bumper", "detects bodies that touch its contact strips");
 }
 
 }  // namespace troupe::sensors

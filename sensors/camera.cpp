@@ -43,16 +43,16 @@ struct Lens {
       d.member<&Params::width>("width", within(1, k_most_pixels), "pixels");
       d.member<&Params::height>("height", within(1, k_most_pixels), "pixels");
       d.member<&Params::range_near>("range_near", meters, above(0), at_most(k_farthest),
-                                    "what is nearer is cut away");
+                                    "nearer surfaces are not drawn");
       d.member<&Params::range_far>("range_far", meters, above(0), at_most(k_farthest),
-                                   "what is farther is sky; above range_near");
+                                   "farther surfaces are drawn as sky; must be above range_near");
       d.member<&Params::fov_horizontal>("fov_horizontal", radians, above(0), at_most(k_widest),
-                                        "from the left to the right edge of the picture");
+                                        "angle from the left to the right edge of the picture");
       d.member<&Params::fov_vertical>("fov_vertical", radians, above(0), at_most(k_widest),
-                                      "from the lower to the upper edge of the picture");
+                                      "angle from the lower to the upper edge of the picture");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "by which it looks to the right of its heading");
-      d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2), "by which it looks upwards");
+                             "pan angle to the right of its heading");
+      d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2), "tilt angle upwards");
     }
   };
 
@@ -298,7 +298,7 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
   const std::uint32_t pixels = params.width * params.height;
   return {.data = lens,
           .percepts = {{"color", Element::u8, 4 * pixels, "", "red, green, blue, opacity of each pixel"},
-                       {"depth", Element::f32, pixels, "m", "of each pixel, along the axis of view"}},
+                       {"depth", Element::f32, pixels, "m", "depth of each pixel along the axis of view"}},
           .reach_m = pose_body_sensor.position().norm() + farthest,
           .watts = 100,  // as Stage's manual says
           .camera = engine::Camera{.width = params.width,
@@ -311,7 +311,7 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
 /// What its limits cannot say: that it sees something.
 Result<> Lens::mount(const engine::TypeSpec&, std::uint32_t) {
   if (params.range_near < params.range_far) return {};
-  return Error{fmt::format("needs a range_near below its range_far; here are {} m and {} m",
+  return Error{fmt::format("has a range_near of {} m, which must be below its range_far of {} m",
                            params.range_near, params.range_far)};
 }
 
@@ -325,7 +325,7 @@ std::uint64_t Lens::sense(const DeviceBatch& batch) const {
 }  // namespace
 
 DeviceKind camera_kind() {
-  return engine::make_device_kind<Lens>("camera", "colour and depth of what is in its field of view");
+  return engine::make_device_kind<Lens>("camera", "colour and depth images of its field of view");
 }
 
 }  // namespace troupe::sensors

@@ -36,7 +36,7 @@ struct Compass {
     static constexpr void describe(engine::Description<State>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&State::heading>("heading", radians, "of its x axis in the world frame, in (-pi, pi]");
+      d.member<&State::heading>("heading", radians, "heading of its x axis in the world frame, in (-pi, pi]");
     }
   };
 

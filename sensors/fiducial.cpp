@@ -37,17 +37,18 @@ struct Finder {
       using enum engine::Unit;
       constexpr double k_farthest = 10000;  // m
       d.member<&Params::range_min>("range_min", meters, within(0, k_farthest),
-                                   "kept for the record unless apply_range_min");
+                                   "no effect unless apply_range_min is true");
       d.member<&Params::apply_range_min>("apply_range_min", "targets nearer than range_min are not found");
       d.member<&Params::range_max>("range_max", meters, above(0), at_most(k_farthest),
-                                   "targets are found whose origin is nearer");
+                                   "targets with an origin nearer than this are found");
       d.member<&Params::range_max_id>("range_max_id", meters, within(0, k_farthest),
-                                      "the ids of those that are nearer than this are read, others are 0");
+                                      "ids of targets nearer than this are read, those of others are 0");
       d.member<&Params::fov>("fov", radians, within(0, 2 * k_pi), "field of view, half of it to each side");
       d.member<&Params::key>("key", "only targets of this fiducial_key are found");
-      d.member<&Params::ignore_zloc>("ignore_zloc", "also targets above or below the height of the finder");
+      d.member<&Params::ignore_zloc>("ignore_zloc",
+                                     "also find targets above or below the height of the finder");
       d.member<&Params::most_targets>("most_targets", within(1, 1000),
-                                      "entries of the readings: the nearest targets; all are counted");
+                                      "entries of the readings, for the nearest targets; `count` counts all");
     }
   };
 
@@ -204,21 +205,23 @@ void write(const Search& search, const Finder& finder, std::span<const Target> t
 
 DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body_sensor) {
   const std::uint32_t n = params.most_targets;
-  return {.data = Finder{.params = params,
-                         .pose_body_sensor = pose_body_sensor,
-                         .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
-                         .range_min = params.apply_range_min ? params.range_min : 0,
-                         .least_cos = cos(params.fov / 2)},
-          .percepts = {{"count", Element::u32, 1, "", "targets in sight"},
-                       {"id", Element::i32, n, "", "fiducial_return of each; 0: too far to read"},
-                       {"body", Element::u32, n, "", "id of the body that each belongs to"},
-                       {"range", Element::f32, n, "m", "to the origin of each, on the ground"},
-                       {"bearing", Element::f32, n, "rad", "of the origin of each, sensor frame"},
-                       {"heading", Element::f32, n, "rad", "of each, sensor frame"},
-                       {"size", Element::f32, 3 * n, "m", "of each: x, y, z"},
-                       {"pose", Element::f64, 4 * n, "m, rad", "of each: x, y, z, heading, world frame"}},
-          .reach_m = pose_body_sensor.position().norm() + params.range_max,
-          .seeks = engine::SoughtMarks{params.key, params.ignore_zloc}};
+  return {
+      .data = Finder{.params = params,
+                     .pose_body_sensor = pose_body_sensor,
+                     .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
+                     .range_min = params.apply_range_min ? params.range_min : 0,
+                     .least_cos = cos(params.fov / 2)},
+      .percepts = {{"count", Element::u32, 1, "", "targets in sight"},
+                   {"id", Element::i32, n, "", "fiducial_return of each target; 0: too far to read"},
+                   {"body", Element::u32, n, "", "id of the body of each target"},
+                   {"range", Element::f32, n, "m", "distance to the origin of each target, on the ground"},
+                   {"bearing", Element::f32, n, "rad", "bearing of the origin of each target, sensor frame"},
+                   {"heading", Element::f32, n, "rad", "heading of each target, sensor frame"},
+                   {"size", Element::f32, 3 * n, "m", "size of each target: x, y, z"},
+                   {"pose", Element::f64, 4 * n, "m, rad",
+                    "pose of each target: x, y, z, heading, world frame"}},
+      .reach_m = pose_body_sensor.position().norm() + params.range_max,
+      .seeks = engine::SoughtMarks{params.key, params.ignore_zloc}};
 }
 
 std::uint64_t Finder::sense(const DeviceBatch& batch) const {
@@ -244,7 +247,7 @@ void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind fiducial_kind() {
-  return engine::make_device_kind<Finder>("fiducial", "finds marked models: which are in sight, and where");
+  return engine::make_device_kind<Finder>("fiducial", "finds marked models in sight: their ids and poses");
 }
 
 }  // namespace troupe::sensors

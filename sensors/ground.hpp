@@ -34,7 +34,7 @@ struct GroundParams {
   static constexpr void describe(engine::Description<GroundParams>& d) {
     using namespace engine::facts;
     d.member<&GroundParams::height>("height", engine::Unit::meters, within(0, 10),
-                                    "of what has a higher top nothing is ground");
+                                    "parts with a higher top are not ground");
   }
 };
 

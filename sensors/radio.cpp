@@ -66,34 +66,35 @@ struct Radio {
       constexpr double k_farthest = 10000;  // m
       constexpr double k_most_power = 200;  // dBm
       d.member<&Params::range>("range", meters, above(0), at_most(k_farthest),
-                               "how far it is heard, whatever the law");
+                               "largest distance at which it is heard, with every law");
       d.member<&Params::hears>("hears", meters, within(0, k_farthest),
-                               "how far it hears; 0: as far as `range`");
-      d.member<&Params::channel>("channel", "radios hear those of their own channel");
+                               "largest distance from which it hears; 0: equal to `range`");
+      d.member<&Params::channel>("channel", "radios hear only radios of their own channel");
       d.member<&Params::payload>("payload", within(1, 255), "bytes of a message, at most");
       d.member<&Params::most_heard>(
           "most_heard", within(1, 1000),
-          "messages a tick: of more the nearest are heard, the others are counted as lost");
+          "most messages per tick: of more the nearest are heard, the others count as lost");
       d.member<&Params::drop_rate>("drop_rate", within(0, 1),
-                                   "the share of messages to it that get lost by chance");
-      d.member<&Params::walls>(
-          "walls",
-          "what becomes of messages on whose way something stands that never moves and that rangers see");
-      d.member<&Params::bodies>("bodies", "the same of other bodies");
+                                   "fraction of the messages to it that are dropped at random");
+      d.member<&Params::walls>("walls",
+                               "effect on messages of static geometry between the radios, if rangers see it");
+      d.member<&Params::bodies>("bodies",
+                                "effect on messages of other bodies between the radios, if rangers see them");
       d.member<&Params::law>("law",
                              "how messages weaken with the distance, see docs/radio.md; `disc`: not at all");
-      d.member<&Params::power>("power_dBm", within(-k_most_power, k_most_power), "with which it sends");
+      d.member<&Params::power>("power_dBm", within(-k_most_power, k_most_power), "transmission power");
       d.member<&Params::sensitivity>("sensitivity_dBm", within(-k_most_power, k_most_power),
-                                     "it hears nothing weaker than this");
-      d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000), "of friis and the others");
+                                     "weaker messages are not heard");
+      d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000),
+                                   "carrier frequency, for every law but `disc`");
       d.member<&Params::power_loss_coefficient>("power_loss_coefficient", within(0, 100),
-                                                "of `itu_indoor`: N, dB for ten times the distance");
+                                                "N of `itu_indoor`: dB for ten times the distance");
       d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10),
-                                            "of `log_distance`: n, 2 in free space");
+                                            "n of `log_distance`: 2 in free space");
       d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000),
-                                   "for each wall on the way, where walls weaken");
-      d.member<&Params::beacon>("beacon",
-                                "says an empty message in each tick until a controller has it say another");
+                                   "loss for each wall on the way, if `walls` is weaken");
+      d.member<&Params::beacon>(
+          "beacon", "sends an empty message in each tick until a controller sets another message");
     }
   };
 
@@ -752,31 +753,32 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
   // coarse for rangers that see little.
   constexpr double k_most_reach = 4;
   const double reach = std::min(pose_body_radio.position().norm() + radio.hears, k_most_reach);
-  return {.data = std::move(radio),
-          .percepts = {{"count", Element::u32, 1, "", "messages heard"},
-                       {"lost", Element::u32, 1, "", "that arrived beside them: too many, or too long"},
-                       {"dropped", Element::u32, 1, "", "that got lost by chance"},
-                       {"sender", Element::u32, n, "", "id of the body that said each"},
-                       {"range", Element::f32, n, "m", "to the radio that said each, on the ground"},
-                       {"bearing", Element::f32, n, "rad", "of the radio that said each, frame of this one"},
-                       {"strength", Element::f32, n, "dBm", "of each"},
-                       {"quality", Element::f32, n, "", "of each link: 0 at its limit, 1 at no distance"},
-                       {"length", Element::u8, n, "", "bytes of each"},
-                       {"payload", Element::u8, n * bytes, "", "bytes of each, one message after another"}},
-          .commands = {{"mode", Element::u8, 1, "", "1: it says the payload, 2: it is silent", k_radio_mode},
-                       {"length", Element::u8, 1, "", "bytes of what it says", k_radio_bytes},
-                       {"payload", Element::u8, bytes, "", "what it says", k_radio_said}},
-          .command_bytes = k_radio_said + bytes,
-          .reach_m = reach};
+  return {
+      .data = std::move(radio),
+      .percepts = {{"count", Element::u32, 1, "", "messages heard"},
+                   {"lost", Element::u32, 1, "",
+                    "messages that arrived but are not heard: too many or too long"},
+                   {"dropped", Element::u32, 1, "", "messages dropped at random"},
+                   {"sender", Element::u32, n, "", "id of the body that sent each message"},
+                   {"range", Element::f32, n, "m", "distance to each sending radio, on the ground"},
+                   {"bearing", Element::f32, n, "rad", "bearing of each sending radio, radio frame"},
+                   {"strength", Element::f32, n, "dBm", "strength of each message"},
+                   {"quality", Element::f32, n, "", "quality of each link: 0 at its limit, 1 at no distance"},
+                   {"length", Element::u8, n, "", "bytes of each message"},
+                   {"payload", Element::u8, n * bytes, "", "bytes of the messages, one after another"}},
+      .commands = {{"mode", Element::u8, 1, "", "0: as its parameters say, 1: sends the payload, 2: silent",
+                    k_radio_mode},
+                   {"length", Element::u8, 1, "", "bytes of the message", k_radio_bytes},
+                   {"payload", Element::u8, bytes, "", "bytes of the message", k_radio_said}},
+      .command_bytes = k_radio_said + bytes,
+      .reach_m = reach};
 }
 
 /// Radios are found by the circles of their bodies.
 Result<> Radio::mount(const engine::TypeSpec& type, std::uint32_t) {
   if (!(params.sensitivity < params.power))
-    return Error{
-        fmt::format("hears nothing that is as strong as itself: its sensitivity, {:g} dBm, must be below "
-                    "its power, {:g} dBm",
-                    params.sensitivity, params.power)};
+    return Error{fmt::format("has a sensitivity_dBm of {:g}, which must be below its power_dBm of {:g}",
+                             params.sensitivity, params.power)};
   double radius2 = 0;
   for (const engine::PartSpec& part : type.parts)
     for (const Solid& solid : part.solids)
@@ -785,8 +787,7 @@ Result<> Radio::mount(const engine::TypeSpec& type, std::uint32_t) {
   const Vec2 place = pose_body_radio.position();
   if (place.squaredNorm() <= radius2 || place == Vec2::Zero()) return {};
   return Error{
-      fmt::format("stands {:g} m from the origin of its body, which ends at {:g} m: others could not find it "
-                  "there",
+      fmt::format("is {:g} m from the origin of its body; it must be within {:g} m, the radius of the body",
                   place.norm(), sqrt(radius2))};
 }
 
@@ -794,7 +795,7 @@ Result<> Radio::mount(const engine::TypeSpec& type, std::uint32_t) {
 
 DeviceKind radio_kind() {
   return engine::make_device_kind<Radio>(
-      "radio", "says something to others in range, and hears what they say, from where");
+      "radio", "sends messages to radios in range, and receives theirs with range and bearing");
 }
 
 }  // namespace troupe::sensors

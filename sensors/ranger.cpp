@@ -149,10 +149,10 @@ engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& p
   out.reach_m = beams.reference.norm() + beams.reach;
   const auto columns = static_cast<std::uint32_t>(out.beams);
   out.percepts.push_back(
-      {"ranges", engine::Element::f32, columns, "m", "distance to the first surface, a beam each"});
+      {"ranges", engine::Element::f32, columns, "m", "distance to the first surface along each beam"});
   if (beams.intensity)
     out.percepts.push_back(
-        {"intensities", engine::Element::f32, columns, "", "ranger_return of what was met"});
+        {"intensities", engine::Element::f32, columns, "", "ranger_return of what each beam hits"});
   out.data = Ranger{std::make_shared<const RangerBeams>(std::move(beams))};
   return out;
 }
