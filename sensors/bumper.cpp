@@ -30,13 +30,13 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
   return differ(cross(b - a, c - a), cross(b - a, d - a)) && differ(cross(d - c, a - c), cross(d - c, b - c));
 }
 
-/// Between two straight lines; 0 where they cross.
+/// The distance between two segments; 0 if they cross.
 double distance(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   if (cross_each_other(a, b, c, d)) return 0;
   return std::min({distance(a, c, d), distance(b, c, d), distance(c, a, b), distance(d, a, b)});
 }
 
-/// The body that a strip, in the world's frame, feels; not valid: none.
+/// The body that a strip (world frame) touches; not valid if there is none.
 BodyId felt(const engine::World& world, Row own, const Strip& strip, double thickness) {
   Box box;
   box.extend(strip.right);

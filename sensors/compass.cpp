@@ -10,7 +10,7 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 
-/// In (-pi, pi]: wrap_angle() leaves -pi as it is.
+/// Wraps an angle into (-pi, pi]; wrap_angle() alone leaves -pi unchanged.
 double wrapped(double heading) {
   const double inside = wrap_angle(heading);
   return inside == -k_pi ? k_pi : inside + 0.0;  // never -0

@@ -19,7 +19,7 @@ using engine::PartSpec;
 using engine::TypeSpec;
 using engine::World;
 
-constexpr double k_rounding = 1e-9;  // of sines and cosines, and more
+constexpr double k_rounding = 1e-9;  // above the rounding of sines and cosines
 
 struct Finder {
   struct Params {
@@ -54,9 +54,9 @@ struct Finder {
 
   Params params;
   Pose pose_body_sensor;
-  Vec2 ahead = Vec2::UnitX();  // where it looks, body frame
+  Vec2 ahead = Vec2::UnitX();  // axis of view, body frame
   double range_min = 0;        // nearer targets are not found
-  double least_cos = 0;        // of the bearing of what it finds
+  double least_cos = 0;        // least cosine of the bearing of a target
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   std::uint64_t sense(const DeviceBatch& batch) const;
@@ -75,11 +75,11 @@ struct Target {
   Pose pose_world_part;
 };
 
-/// Finds targets for one robot after another. A thread keeps one, so that a warm step allocates nothing.
+/// Finds the targets of finders. Each thread reuses one, so that a warm step allocates nothing.
 class Search {
  public:
-  /// The targets in sight of a row, whose finder stands on `mount`, the nearest first. Counts the rays it
-  /// casts.
+  /// Returns the targets in sight of a row, the nearest first. Counts the rays that it casts. mount: the
+  /// frame in which the finder's pose is given
   std::span<const Target> look(const World& world, const Finder& finder, Row own,
                                const engine::Mount& mount) {
     world_ = &world;
@@ -89,7 +89,7 @@ class Search {
     found_.clear();
     lines_.clear();
     const std::size_t room =
-        std::min<std::size_t>(world.rows(), 1024);  // a crowd of that size takes it at once
+        std::min<std::size_t>(world.rows(), 1024);  // reserved up front for crowds of this size
     found_.reserve(room);
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));
@@ -121,14 +121,15 @@ class Search {
   }
 
  private:
-  /// extent: no surface of the target is farther than this from its origin, m; 0: not known.
+  /// Adds a candidate if range and bearing allow. extent: bound on the distance of the target's surfaces from
+  /// its origin, m; 0: unknown
   void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
                 double extent) {
     if (spec.returns.fiducial_key != finder_->params.key) return;
     const Vec2 way = pose_world_part.position() - sensor_.position();
     const double range = way.norm();
     if (!(range < finder_->params.range_max) || range < finder_->range_min) return;
-    if (way.dot(ahead_) < (finder_->least_cos - k_rounding) * range) return;  // most are sure to lie beside
+    if (way.dot(ahead_) < (finder_->least_cos - k_rounding) * range) return;  // saves most calls of atan2()
     const double bearing = range > 0 ? wrap_angle(atan2(way.y(), way.x()) - sensor_.heading) : 0;
     if (std::abs(bearing) > finder_->params.fov / 2) return;
     const Vec2 direction = range > 0 ? Vec2(way / range) : Rotation(sensor_.heading) * Vec2::UnitX();
@@ -138,7 +139,7 @@ class Search {
     found_.push_back({range, body, part, bearing, &spec, pose_world_part});
   }
 
-  /// Keeps of what was considered what no other surface hides.
+  /// Removes the candidates that another surface hides.
   void keep_seen() {
     rays_ += lines_.size();
     first_.resize(std::max(first_.size(), lines_.size()));
@@ -159,16 +160,16 @@ class Search {
   Pose sensor_;  // world frame
   Vec2 ahead_ = Vec2::UnitX();
   engine::Lookout lookout_;
-  std::vector<Target> found_;             // beside them, while they are only considered:
-  std::vector<engine::SightLine> lines_;  // the rays towards them
-  std::vector<engine::Sighting> first_;   // and what those meet
+  std::vector<Target> found_;             // candidates, until keep_seen()
+  std::vector<engine::SightLine> lines_;  // per candidate: the ray towards it
+  std::vector<engine::Sighting> first_;   // per candidate: the first surface along that ray
   std::uint64_t rays_ = 0;
 };
 
 void write(const Search& search, const Finder& finder, std::span<const Target> targets,
            engine::StateTable& state, std::size_t slot) {
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_fiducial_count)[0];
-  // Behind those of the last time all entries are 0.
+  // Entries after those of the previous tick are 0 already.
   const std::size_t last =
       std::min<std::size_t>(finder.params.most_targets, std::max<std::size_t>(targets.size(), count));
   count = static_cast<std::uint32_t>(targets.size());
@@ -228,7 +229,7 @@ std::uint64_t Finder::sense(const DeviceBatch& batch) const {
   thread_local const auto search = std::make_unique<Search>();
   const std::uint64_t rays_before = search->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    // Readings take a kilobyte a robot: they come from memory while it looks.
+    // The readings of a robot take a kilobyte: they are prefetched while it searches.
     __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
     write(*search, *this, search->look(batch.world, *this, batch.rows[i], batch.mount(i)), batch.state,
           batch.slot(i));

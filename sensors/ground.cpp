@@ -22,7 +22,8 @@ using engine::PartSpec;
 using engine::World;
 using engine::WorldSpec;
 
-/// Even-odd; of two regions that share an edge a point on it lies in one.
+/// Whether the point is inside, by the even-odd rule. A point on the common edge of two regions is in exactly
+/// one.
 bool holds(const std::vector<Ring>& contours, const Vec2& point) {
   bool inside = false;
   for (const Ring& ring : contours)
@@ -49,7 +50,7 @@ bool Ground::Zone::is_above(const Zone& other) const {
   return std::tuple(body, part) < std::tuple(other.body, other.part);
 }
 
-/// The flat parts of bodies that never move.
+/// The flat parts of static bodies.
 struct Ground::Fixed {
   struct Part {
     Zone zone;
@@ -131,7 +132,7 @@ struct GroundSensor {
   };
 
   Ground ground;
-  std::vector<Vec2> points;  // body frame, or that of their joint
+  std::vector<Vec2> points;  // frame of the body, or of the joint that carries the sensor
   bool is_odd = false;       // the last point has no y
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor) {

@@ -50,17 +50,17 @@ struct LightSensor {
 struct Seen {
   BodyId body;
   std::size_t device = 0;
-  Vec2 way = Vec2::Zero();  // on the ground, sensor frame, m
+  Vec2 way = Vec2::Zero();  // displacement to it on the ground, sensor frame, m
   double distance = 0;
   double intensity = 0;
 };
 
-/// A thread keeps one, so that a warm step allocates nothing.
+/// Finds the lights in sight. Each thread reuses one, so that a warm step allocates nothing.
 class Eyes {
  public:
   Eyes() { seen_.reserve(256); }
 
-  /// What a row sees, by (body, device). Counts the rays it casts.
+  /// Returns the lights that a row sees, sorted by (body, device). Counts the rays that it casts.
   std::span<const Seen> look(const World& world, const LightSensor& sensor, Row own,
                              const engine::Mount& mount) {
     seen_.clear();
