@@ -188,7 +188,8 @@ void turn(const Rotation& rotation, const double* x, const double* y, std::size_
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
 
 /// Computes the distance that each beam can still reach, metres: the smaller of its range so far and
-/// range_max, plus the slack of culls. Returns the largest. inverse, range_max, limits  fan.padded() entries
+/// range_max, plus the slack of culls. Returns the largest.
+/// inverse, range_max, limits  fan.padded() entries
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits);
 
 /// Computes the readings: range_of() for each beam. ranges: fan.count entries; the other arrays fan.padded()

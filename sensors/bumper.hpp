@@ -13,9 +13,9 @@ enum BumperField : std::size_t {
 };
 
 /// Contact strips. Each is a line segment across the heading of its pose. It detects any body of another
-/// robot or of the scene whose outline comes within the thickness, whatever the heights. ties    of several
-/// bodies the nearest is reported, then the lower id source  Stage's bumper model, whose strips are as thick
-/// as its cells, 0.02 m: a strip without thickness
+/// robot or of the scene whose outline comes within the thickness, whatever the heights.
+/// ties    of several bodies the nearest is reported, then the lower id
+/// source  Stage's bumper model, whose strips are as thick as its cells, 0.02 m: a strip without thickness
 ///         would not cross a wall that it touches in parallel
 engine::DeviceKind bumper_kind();
 
