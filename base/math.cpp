@@ -70,8 +70,8 @@ Rounded nearest(double x) {
 
 // -- Angles --
 
-/// Angles up to this bound are multiples of pi/2 below 2^20, for which the products with the short parts of
-/// pi/2 are exact.
+/// Up to this angle the multiples of pi/2 are below 2^20, so that their products with the short parts of pi/2
+/// are exact.
 constexpr double k_near = 0x1p20;
 
 /// angle - n * pi/2, for differences of at most about pi. The first subtraction is exact; the errors of the

@@ -7,13 +7,13 @@
 
 namespace troupe {
 
-/// The reason of a failure: part of a sentence, without the place in the input and without a full stop. The
+/// The reason for a failure: part of a sentence, without the place in the input and without a full stop. The
 /// caller that reports it adds the place (base/diagnostics.hpp).
 struct Error {
   std::string text;  ///< for example "needs a radio"
 };
 
-/// A value, or the error why there is none:
+/// A value, or an error that says why there is none:
 ///
 ///     Result<Image> read_image(...);
 ///     if (const Result<Image> image = read_image(...))

@@ -20,9 +20,8 @@ float grazing_limit(const RayEdge& e) { return k_grazing * (std::abs(e.ex) + std
 /// m: the sum of the magnitudes of the coordinates of edge and origin
 float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double oy, float ca, float cb,
                       float m) {
-  constexpr float k_noise = 1.0f / (1 << 21);  // rounding of a side, relative to m
-  constexpr double k_area_noise =
-      1.0 / (1 << 22);  // rounding of the area, relative to the origin's part of it
+  constexpr float k_noise = 1.0f / (1 << 21);       // rounding error of a side, relative to m
+  constexpr double k_area_noise = 1.0 / (1 << 22);  // of the area, relative to the origin's part
   const bool falls = ca >= 0 && cb <= 0;
   const bool rises = ca <= 0 && cb >= 0;
   const bool runs_along = std::max(std::abs(ca), std::abs(cb)) <= k_noise * m;

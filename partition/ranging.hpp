@@ -210,8 +210,8 @@ struct MetCircles : CircleArrays {
 inline constexpr std::size_t k_circle_padding = 16;
 /// Culls circles. Of the circles [begin, end) it writes to `met` the rows and beams of those that some beam
 /// may hit before its limit and whose nearest point is from `low` to `high` away from the reference, metres.
-/// Returns their number. Margins far above rounding ensure that no circle that matters is culled. begin, end
-/// multiples of k_circle_padding; circles with a radius of minus infinity are never hit
+/// Returns their number. Margins far above rounding ensure that no circle that matters is culled.
+/// begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never hit
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 

@@ -70,7 +70,7 @@ class RayGrid {
     std::span<const double> lifts;          ///< per outline: how far it is raised, m; empty: none is
     std::span<const std::uint32_t> groups;  ///< per body: its group, which its rays ignore; empty: each body
                                             ///< is its own group. Must stay valid until the next redraw
-    std::span<const std::uint8_t> absent;  ///< per body: not 0 if it is not drawn; empty: all are drawn
+    std::span<const std::uint8_t> absent;   ///< per body: not 0 if it is not drawn; empty: all are drawn
   };
   /// Redraws the mobile bodies. vertices: of all outlines, world frame, metres. poses: of each body; only z
   /// is used. Sizes must be those that the grid was made for. The result depends on neither threads nor
@@ -109,8 +109,7 @@ class RayGrid {
   };
   /// A region that is or was in use.
   struct Slot {
-    const Region* seen =
-        nullptr;  // what rays see: the live region while bodies are in it, else the fixed one
+    const Region* seen = nullptr;  // what rays see: live while bodies are in it, else fixed
     std::unique_ptr<Region> fixed;
     std::unique_ptr<Region> live;
     std::uint64_t redrawn = 0;    // blocks of the live region that differ from the fixed one

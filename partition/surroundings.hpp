@@ -50,7 +50,7 @@ class Surroundings {
   /// The row of a circle is that of the body, or the number of the fixed piece with this bit set.
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
-  /// Starts queries on these indices, which must outlive them. reach: largest distance of interest, metres
+  /// Sets the indices to search; they must stay valid during the queries. reach: largest distance, metres
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
   /// Makes the block of this point (world frame) the current block.
   void look_from(const Vec2& point);
