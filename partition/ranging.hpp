@@ -142,8 +142,8 @@ class EdgeBlock {
   /// The most edges that the next chain may have.
   std::size_t room() const { return std::max(vertices_, k_capacity - 1) - vertices_; }
 
-  /// Adds a chain of `edges` edges that are in the same circle: from `first` to rest[0], to rest[1] and so
-  /// on. rest: copied in whole pieces, so that k_piece - 1 vertices beyond the chain must be readable
+  /// Adds a chain of `edges` edges that are in the same circle: from `first` to rest[0], to rest[1] ...
+  /// rest: copied in whole pieces, so that k_piece - 1 vertices beyond the chain must be readable
   void add(const Vec2& first, const Vec2* rest, std::size_t edges, float ranger_return, BeamSet met_by) {
     double* out = &xy_[2 * vertices_];
     out[0] = first.x();
