@@ -3,8 +3,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// TROUPE_ASSERT states an invariant of ours, never a property of the input. It is on in the Debug and check
-/// builds (TROUPE_ASSERTIONS) and compiles to nothing elsewhere.
+/// Aborts with file, line and condition if an internal invariant does not hold. Invalid input must be
+/// reported as an error instead. Enabled in the Debug and check builds (TROUPE_ASSERTIONS); compiles to
+/// nothing elsewhere.
 #ifdef TROUPE_ASSERTIONS
 #define TROUPE_ASSERT(condition)                                                             \
   do {                                                                                       \
@@ -18,5 +19,5 @@
 #endif
 
 #ifdef __FAST_MATH__
-#error "Troupe promises the same bits everywhere; it cannot be compiled with -ffast-math"
+#error "Troupe cannot be compiled with -ffast-math: its results must be bit-identical on every machine"
 #endif

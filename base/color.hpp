@@ -10,11 +10,11 @@ struct Color {
   float r = 1;  ///< red
   float g = 0;  ///< green
   float b = 0;  ///< blue
-  float a = 1;  ///< opacity: 0 lets all through, 1 nothing
+  float a = 1;  ///< opacity: 0 is transparent, 1 opaque
   friend bool operator==(const Color&, const Color&) = default;
 };
 
-/// A part of a colour in 8 bits, rounded half up; parts beyond 0 to 1 are the nearest of these.
+/// A colour component in 8 bits: clamped to 0 to 1, scaled by 255, rounded half up.
 inline std::uint8_t to_byte(float part) {
   return static_cast<std::uint8_t>((static_cast<int>(std::clamp(part, 0.0f, 1.0f) * 510) + 1) / 2);
 }

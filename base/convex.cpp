@@ -9,13 +9,13 @@
 namespace troupe {
 namespace {
 
-/// A turn to the right by less than this (radians) is straight on: corners worked out in floating point on
-/// one line rarely lie on it exactly.
+/// A right turn by less than this (radians) counts as straight on: collinear corners computed in floating
+/// point rarely lie exactly on one line.
 constexpr double k_straight = 1e-9;
-/// Corners whose heights differ by less than this part of the solid's extent lie on one level.
+/// Corners whose heights differ by at most this fraction of the largest coordinate lie on one level.
 constexpr double k_level = 1e-12;
 
-/// True when the way a, b, c turns left or goes straight on at b; false when it goes straight back.
+/// True if the path a, b, c turns left or goes straight on at b; false if it turns straight back.
 bool turns_left(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 in = b - a;
   const Vec2 out = c - b;
@@ -23,7 +23,7 @@ bool turns_left(const Vec2& a, const Vec2& b, const Vec2& c) {
   return turn > 0 || (in.dot(out) > 0 && turn >= -k_straight * sqrt(in.squaredNorm() * out.squaredNorm()));
 }
 
-/// Without vertices that repeat the one before.
+/// The ring without vertices that repeat the previous one.
 Ring distinct(const Ring& ring) {
   Ring result;
   for (const Vec2& p : ring) {
@@ -33,10 +33,9 @@ Ring distinct(const Ring& ring) {
   return result;
 }
 
-// -- Trapezoids
-// -----------------------------------------------------------------------------------------------
+// -- Trapezoids --
 
-/// A side of the region that is not horizontal, from its lower to its upper end.
+/// A side of the region that is not horizontal.
 struct Side {
   Vec2 low;
   Vec2 high;
@@ -58,9 +57,9 @@ struct Trapezoid {
   double top;
 };
 
-/// Sides may cross as often as there are pairs of them, and each crossing is a level that all of them are cut
-/// at: a few thousand corners, drawn for the purpose, would take days. What serious outlines take is a
-/// thousandth of this.
+/// Limits the work. Every pair of sides may cross, and each crossing is a level at which all sides are cut: a
+/// few thousand corners, chosen maliciously, would take days. Realistic outlines need a thousandth of the
+/// limit.
 class Effort {
  public:
   void spend(std::size_t steps) {
@@ -72,7 +71,7 @@ class Effort {
   std::size_t left_ = 50000000;
 };
 
-/// Heights in ascending order, those within `tolerance` of the one before them left out.
+/// The heights in ascending order, without those within `tolerance` of the previous level.
 std::vector<double> levels_of(std::vector<double> heights, double tolerance) {
   std::sort(heights.begin(), heights.end());
   std::vector<double> levels;
@@ -82,7 +81,7 @@ std::vector<double> levels_of(std::vector<double> heights, double tolerance) {
   return levels;
 }
 
-/// The level a height was merged into.
+/// The level that a height was merged into.
 double level_of(const std::vector<double>& levels, double y) {
   return *std::prev(std::upper_bound(levels.begin(), levels.end(), y));
 }
@@ -107,13 +106,14 @@ std::vector<Side> sides_of(const std::vector<Ring>& contours, const std::vector<
       if (b.y() < a.y()) sides.push_back({b, a});
     }
   }
-  // By their lower ends, for the sweep; a stable order, so that the pieces do not depend on the sort.
+  // By their lower ends, for the sweep. Stable, so that the pieces do not depend on the implementation of
+  // sort.
   std::stable_sort(sides.begin(), sides.end(),
                    [](const Side& a, const Side& b) { return a.low.y() < b.low.y(); });
   return sides;
 }
 
-/// Where sides cross strictly between two levels, as further levels. `active` are the sides that span them.
+/// The heights at which sides cross between two levels. `active`: the sides that span both levels.
 std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom,
                               double top, Effort& effort) {
   std::vector<double> heights;
@@ -122,7 +122,7 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
   std::stable_sort(active.begin(), active.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(x_bottom(a), x_top(a)) < std::pair(x_bottom(b), x_top(b));
   });
-  // Each exchange of an insertion sort by the order at the top is a pair that crosses.
+  // Each exchange of an insertion sort by the order at the top is a pair of sides that cross.
   effort.spend(active.size());
   for (std::size_t i = 1; i < active.size(); ++i) {
     for (std::size_t j = i; j > 0 && x_top(active[j - 1]) > x_top(active[j]); --j) {
@@ -136,8 +136,8 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
   return heights;
 }
 
-/// The even-odd region between two levels where no sides cross, appended to `trapezoids`. One that goes on
-/// between the same sides as a trapezoid of the slab below (the `open` ones) lengthens that one instead.
+/// Appends the even-odd region between two levels, where no sides cross, to `trapezoids`. A trapezoid between
+/// the same sides as one of the slab below (those in `open`) extends that one instead.
 void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom, double top,
               std::vector<Trapezoid>& trapezoids, std::vector<std::size_t>& open, Effort& effort) {
   effort.spend(4 * active.size());
@@ -169,7 +169,7 @@ std::vector<Trapezoid> trapezoids_of(const std::vector<Side>& sides, const std::
                                      double tolerance) {
   Effort effort;
   std::vector<Trapezoid> trapezoids;
-  std::vector<std::size_t> open;  // the trapezoids that reach the top of the slab before, from left to right
+  std::vector<std::size_t> open;  // trapezoids that reach the top of the slab below, from left to right
   std::vector<std::size_t> active;
   std::size_t next = 0;
   for (std::size_t k = 0; k + 1 < levels.size(); ++k) {
@@ -182,7 +182,7 @@ std::vector<Trapezoid> trapezoids_of(const std::vector<Side>& sides, const std::
     cuts.push_back(bottom);
     cuts.push_back(top);
     cuts = levels_of(std::move(cuts), tolerance);
-    cuts.back() = top;  // a crossing that close below it is one with it
+    cuts.back() = top;  // a crossing within the tolerance below `top` is merged into it
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
       cut_slab(sides, active, cuts[i], cuts[i + 1], trapezoids, open, effort);
     }
@@ -190,10 +190,9 @@ std::vector<Trapezoid> trapezoids_of(const std::vector<Side>& sides, const std::
   return trapezoids;
 }
 
-// -- Merging
-// --------------------------------------------------------------------------------------------------
+// -- Merging --
 
-/// A convex piece that grows upwards: its left and right chains, both from the bottom to the top.
+/// A convex piece that grows upwards: its left and right chains, both from bottom to top.
 struct Piece {
   Ring left;
   Ring right;
@@ -209,15 +208,15 @@ bool continues(const Piece& piece, const Piece& above) {
          straight_or_in(piece.left, above.left, true) && straight_or_in(piece.right, above.right, false);
 }
 
-/// Joins each trapezoid to the piece that ends in its bottom, when what results is convex. Greedy, from the
-/// bottom upwards; the least number of pieces is not sought.
+/// Joins each trapezoid to the piece that ends at its bottom if the union is convex. Greedy, from bottom to
+/// top; the number of pieces is not minimal.
 std::vector<Piece> merged(const std::vector<Side>& sides, std::vector<Trapezoid> trapezoids,
                           double tolerance) {
   std::vector<Piece> pieces;
-  // By bottom, then from left to right, as they were found but for those that began lower.
+  // By bottom; stable, so that trapezoids of one slab stay in order from left to right.
   std::stable_sort(trapezoids.begin(), trapezoids.end(),
                    [](const Trapezoid& a, const Trapezoid& b) { return a.bottom < b.bottom; });
-  // Pieces by the height and the left end of their top, to find the one below a trapezoid.
+  // Maps the height and left end of a piece's top to the piece, to find the piece below a trapezoid.
   std::map<std::pair<double, double>, std::size_t> by_top;
   for (const Trapezoid& t : trapezoids) {
     Piece above;
@@ -245,7 +244,7 @@ std::vector<Piece> merged(const std::vector<Side>& sides, std::vector<Trapezoid>
   return pieces;
 }
 
-/// The chains as one ring, counter-clockwise.
+/// The piece as a counter-clockwise ring.
 Ring outline_of(const Piece& piece) {
   Ring ring = piece.right;
   ring.insert(ring.end(), piece.left.rbegin(), piece.left.rend());
@@ -287,7 +286,7 @@ bool is_convex(const Ring& ring) {
   const Ring corners = distinct(ring);
   const std::size_t n = corners.size();
   if (n < 3 || !(signed_area(corners) > 0)) return false;
-  // Left turns all of them, a pentagram's too: the ring is convex when they add up to one full turn, not to
+  // A pentagram also turns left at every corner. The ring is convex if the turns add up to one full turn, not
   // more.
   double turned = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -305,7 +304,7 @@ double convex_width(const Ring& ring) {
   const Ring corners = distinct(ring);
   if (corners.size() < 3) return 0;
   double width = std::numeric_limits<double>::infinity();
-  // The width of a convex polygon is attained with one line along an edge.
+  // The minimum width of a convex polygon is attained with one of the two lines along an edge.
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec2 edge = corners[(i + 1) % corners.size()] - corners[i];
     double farthest = 0;
@@ -323,8 +322,8 @@ bool contains(const Solid& solid, const Vec2& point) {
       const Vec2& b = contour[(i + 1) % contour.size()];
       const bool a_above = a.y() > point.y();
       if (a_above == (b.y() > point.y())) continue;
-      // The edge crosses the point's height; it lies to the right of the point when the point is on the left
-      // of the edge walked upwards.
+      // The edge crosses the height of the point. It lies to the right of the point if the point is on the
+      // left of the upward edge.
       const double side = cross(b - a, point - a);
       inside ^= a_above ? side < 0 : side > 0;
     }

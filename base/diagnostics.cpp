@@ -33,8 +33,8 @@ std::string shortened(std::string message) {
   return message;
 }
 
-/// Insertions, deletions, changes of a letter and swaps of neighbours that lead from a to b.
-/// rows: room that many calls share
+/// The number of insertions, deletions, substitutions and swaps of adjacent letters that turn a into b.
+/// rows: scratch memory, reused between calls
 std::size_t edit_distance(std::string_view a, std::string_view b,
                           std::array<std::vector<std::size_t>, 3>& rows) {
   auto& [before_last, last, row] = rows;
@@ -134,9 +134,9 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   std::array<std::vector<std::size_t>, 3> rows;
   for (const std::string_view& name : known) {
     const auto [shorter, longer] = std::minmax({word.size(), name.size()});
-    // A third of the letters may be wrong; of one- and two-letter names, nothing can be guessed.
+    // A third of the letters may be wrong. Names of one or two letters get no suggestion.
     const std::size_t most = shorter / 3;
-    // The distance is never less than the difference in length: of a crowd's names most are out at once.
+    // The edit distance is at least the difference in length; this skips most names of a large world cheaply.
     if (longer - shorter > most || (best != nullptr && longer - shorter >= best_distance)) continue;
     const std::size_t distance = edit_distance(word, name, rows);
     if (distance > most) continue;

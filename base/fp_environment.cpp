@@ -2,8 +2,8 @@
 
 #include <cfenv>
 
-// Asks the arithmetic itself, not a control register: the same probe serves every processor. The volatile
-// variables keep the compiler from working the answers out in its own environment.
+// Tests the arithmetic, not a control register, so that one probe works on every processor. The volatile
+// variables keep the compiler from computing the results at compile time.
 
 namespace troupe {
 namespace {
@@ -23,7 +23,7 @@ bool keeps_denormal_results() {
   const volatile double smallest_normal = 0x1p-1022;
   const volatile double half = 0.5;
   const volatile double denormal = smallest_normal * half;
-  // Multiplied back, since a comparison with zero may itself read denormals as zero.
+  // Scaled back up, because a comparison with zero may itself read denormals as zero.
   const volatile double back = denormal * 0x1p100;
   return back == 0x1p-923;
 }

@@ -4,12 +4,13 @@
 
 namespace troupe {
 
-/// Whether the calling thread computes as IEEE 754 asks (round to nearest, denormals kept); else what is
-/// wrong. A library linked with -ffast-math by gcc switches flush-to-zero on for the thread that loads it.
+/// Checks that the calling thread rounds to nearest and keeps denormals, as IEEE 754 requires. The error says
+/// what is wrong. A library that gcc linked with -ffast-math enables flush-to-zero in the thread that loads
+/// it.
 Result<> check_fp_environment();
 
-/// Restores round-to-nearest and denormals for the calling thread, and with them the rest of the default
-/// environment: exceptions are masked and their flags cleared.
+/// Restores the default floating-point environment of the calling thread: round to nearest, denormals kept,
+/// exceptions masked and their flags cleared.
 void restore_fp_environment();
 
 }  // namespace troupe

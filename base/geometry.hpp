@@ -8,16 +8,16 @@
 
 namespace troupe {
 
-/// z component of the cross product a x b: positive when b lies counter-clockwise of a.
+/// The z component of the cross product a x b: positive if b lies counter-clockwise of a.
 inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// A closed interval of heights, metres.
 struct ZInterval {
   double min = 0;  ///< lower end
-  double max = 0;  ///< upper end; an interval with max < min holds nothing
+  double max = 0;  ///< upper end; an interval with max < min is empty
 
   bool contains(double z) const { return min <= z && z <= max; }  ///< ends included
-  /// Bodies that only touch do not overlap.
+  /// True if the open intervals meet: intervals that only touch do not overlap.
   bool overlaps(const ZInterval& other) const { return min < other.max && other.min < max; }
   ZInterval shifted(double dz) const { return {min + dz, max + dz}; }  ///< moved up by dz metres
   friend bool operator==(const ZInterval&, const ZInterval&) = default;
@@ -25,45 +25,45 @@ struct ZInterval {
 
 /// Axis-aligned box. Empty (min > max) until extended.
 struct Box {
-  /// The corner with the least x and y; metres, in the frame of what was put in.
+  /// The corner with the least x and y, metres, in the frame of the points that extend the box.
   Vec2 min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   Vec2 max{-std::numeric_limits<double>::infinity(),
-           -std::numeric_limits<double>::infinity()};  ///< the opposite corner
+           -std::numeric_limits<double>::infinity()};  ///< the corner with the greatest x and y
 
-  /// True until extended; a box around one point is not empty.
+  /// True until the box is extended; a box around a single point is not empty.
   bool empty() const { return min.x() > max.x() || min.y() > max.y(); }
-  // By coordinates, here and below: nearly every source includes this, and would instantiate Eigen's
-  // expressions.
-  /// Lengths along x and y; of an empty box meaningless.
+  // Written per coordinate, here and below: with Eigen's expressions nearly every source would instantiate
+  // their templates.
+  /// Lengths along x and y; meaningless for an empty box.
   Vec2 size() const { return {max.x() - min.x(), max.y() - min.y()}; }
-  /// Of an empty box NaN.
+  /// The centre; NaN for an empty box.
   Vec2 center() const { return {0.5 * (min.x() + max.x()), 0.5 * (min.y() + max.y())}; }
-  /// Grows the box to hold the point.
+  /// Grows the box to contain the point.
   void extend(const Vec2& p) {
     min = {std::min(min.x(), p.x()), std::min(min.y(), p.y())};
     max = {std::max(max.x(), p.x()), std::max(max.y(), p.y())};
   }
-  /// Grows the box to hold the other one; an empty one changes nothing.
+  /// Grows the box to contain the other one; an empty one changes nothing.
   void extend(const Box& b) {
     min = {std::min(min.x(), b.min.x()), std::min(min.y(), b.min.y())};
     max = {std::max(max.x(), b.max.x()), std::max(max.y(), b.max.y())};
   }
-  /// Grown by the margin on all four sides; a negative one shrinks it, perhaps to an empty box.
+  /// A copy grown by the margin on all four sides; a negative margin shrinks it and may leave it empty.
   Box expanded(double margin) const {
     Box b;
     b.min = {min.x() - margin, min.y() - margin};
     b.max = {max.x() + margin, max.y() + margin};
     return b;
   }
-  /// The border is inside.
+  /// True if the point is inside the box or on its border.
   bool contains(const Vec2& p) const {
     return min.x() <= p.x() && p.x() <= max.x() && min.y() <= p.y() && p.y() <= max.y();
   }
-  /// True when the closed boxes meet.
+  /// True if the boxes overlap or touch.
   bool touches(const Box& b) const {
     return min.x() <= b.max.x() && b.min.x() <= max.x() && min.y() <= b.max.y() && b.min.y() <= max.y();
   }
-  /// The square with this centre and half this side: the bounds of a circle.
+  /// The bounding box of a circle.
   static Box around(const Vec2& center, double radius) {
     Box b;
     b.min = {center.x() - radius, center.y() - radius};
@@ -72,48 +72,48 @@ struct Box {
   }
 };
 
-/// A closed chain of vertices; the last is joined to the first.
+/// A closed polygon, metres; the last vertex is joined to the first.
 using Ring = std::vector<Vec2>;
 
 /// A floor plan or a block: the even-odd region of its contours, extruded over a z interval.
-/// Edges of every contour are met by rays from both sides.
+/// Rays hit the edges of every contour from both sides.
 struct Solid {
-  std::vector<Ring> contours;  ///< outer and inner ones alike, in any order and direction
-  ZInterval z;                 ///< the heights it fills, in the frame of the contours
+  std::vector<Ring> contours;  ///< outer and inner contours, in any order and direction
+  ZInterval z;                 ///< the heights that the solid fills, in the frame of the contours
 
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 
-/// Of all contours.
+/// Number of vertices of all contours.
 std::size_t count_vertices(const std::vector<Solid>& solids);
-/// The solid of a body that stands at this pose, in the world's frame.
+/// The solid of a body at this pose, in the world frame.
 Solid placed(Solid solid, const Pose& pose_world_body);
 
 /// A convex polygon, counter-clockwise, extruded over a z interval.
 struct ConvexPrism {
   Ring outline;  ///< at least three corners, in the frame of the solid it was cut from
-  ZInterval z;   ///< that of the solid
+  ZInterval z;   ///< the heights of that solid
 };
 
-/// Square metres; positive for a counter-clockwise ring, 0 for fewer than three vertices.
+/// The area in square metres: positive for a counter-clockwise ring, 0 for fewer than three vertices.
 double signed_area(const Ring& ring);
-/// The smallest box that holds every vertex; empty for a ring without vertices.
+/// The smallest box that contains every vertex; empty for a ring without vertices.
 Box bounds(const Ring& ring);
-/// True when each vertex turns left or goes straight on (to 1e-9 rad, since corners on one line rarely stay
-/// on it in floating point), and the ring winds once. False for a clockwise ring and for one without area.
+/// True if the ring winds once and turns left or goes straight on at every vertex (tolerance 1e-9 rad, for
+/// collinear corners that floating point moves off their line). False for a clockwise ring and for one
+/// without area.
 bool is_convex(const Ring& ring);
-/// Smallest distance between two parallel lines that enclose the convex, counter-clockwise ring; 0 without
-/// area.
+/// The smallest distance between two parallel lines that enclose the convex, counter-clockwise ring, metres;
+/// 0 for a ring without area.
 double convex_width(const Ring& ring);
-/// True when an odd number of contours wind around the point; points on an edge may go either way.
+/// True if the point is inside by the even-odd rule. For points on an edge the result may be either.
 bool contains(const Solid& solid, const Vec2& point);
 
-/// Convex pieces that together cover the even-odd region of a solid and overlap in no area.
-/// A convex contour comes back whole; others are cut into trapezoids between horizontal lines and merged
-/// where the union stays convex. Contours may cross, touch and coincide; corners are moved by at most 1e-12
-/// of the largest coordinate. Empty when the region has no area. A fixed order: from the bottom up, then from
-/// left to right.
-/// Throws std::length_error where the contours cross so often that it would take more than seconds.
+/// Cuts the even-odd region of a solid into convex pieces that do not overlap. A convex contour is returned
+/// whole; others are cut into trapezoids between horizontal lines, and these are merged where the union stays
+/// convex. Contours may cross, touch and coincide; corners move by at most 1e-12 of the largest coordinate.
+/// The result is ordered from bottom to top, then from left to right, and is empty if the region has no area.
+/// Throws std::length_error if the contours cross so often that the cut would take more than seconds.
 std::vector<ConvexPrism> convex_pieces(const Solid& solid);
 
 }  // namespace troupe

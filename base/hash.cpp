@@ -13,20 +13,20 @@
 namespace troupe {
 namespace {
 
-// Rows that are gathered before the first of them is hashed. What was stored in pieces is not loaded in
-// others until it has reached the cache: hashed one by one, each row waits for its own stores, and takes 10
-// ns, not 4.
+// Rows that are gathered before the first one is hashed. Loads that span several recent stores must wait
+// until those reach the cache. Hashed one by one, each row would wait for its own stores and take 10 ns,
+// not 4.
 constexpr std::size_t k_gathered = 16;
 
-/// The sum of the hashes of at most k_gathered ids, each with its row behind it. Size: std::size_t, or a
-/// constant, with which copies are moves and the hash is straight on.
+/// The sum of the hashes of at most k_gathered rows, each preceded by its id. Size: std::size_t, or an
+/// integral constant, with which copies become moves and the hash has no branches.
 template <class Size>
 std::uint64_t hash_few(std::byte* room, std::span<const BodyId> ids, const std::byte* first,
                        std::size_t stride, Size bytes, std::uint64_t seed) {
   const std::size_t width = sizeof(BodyId) + bytes;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     std::memcpy(room + i * width, &ids[i], sizeof(BodyId));
-    if (bytes > 0)  // there may be no row at all
+    if (bytes > 0)  // rows may be empty
       std::memcpy(room + i * width + sizeof(BodyId), first + i * stride, bytes);
   }
   std::uint64_t sum = 0;
@@ -53,9 +53,9 @@ std::uint64_t hash_rows_of(std::span<const BodyId> ids, const std::byte* first, 
   return hash_all(room.data(), ids, first, stride, std::integral_constant<std::size_t, bytes>(), seed);
 }
 
-constexpr std::size_t k_widest = 64;  // a ring of sixteen readings
+constexpr std::size_t k_widest = 64;  // bytes: a ring of sixteen readings
 
-/// By the size in words of four bytes.
+/// Indexed by the size of a row in four-byte words.
 constexpr auto k_hash_rows = []<std::size_t... words>(std::index_sequence<words...>) {
   return std::array<HashRows, sizeof...(words)>{&hash_rows_of<4 * words>...};
 }

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <limits>
 
-// Everything here is IEEE + - x /, comparisons and bit operations; the sign of an odd function is taken off
-// at the start and put back at the end, so that f(-x) = -f(x) holds bit for bit, signed zeros included.
+// All functions use only IEEE + - x /, comparisons and bit operations. Odd functions remove the sign first
+// and restore it last, so that f(-x) = -f(x) holds bit for bit, signed zeros included.
 
 namespace troupe {
 namespace {
@@ -30,7 +30,7 @@ double with_sign(double x, std::uint64_t sign) { return from_bits(bits_of(x) ^ s
 /// 2^exponent, for exponents of normal numbers.
 double power_of_two(int exponent) { return from_bits(static_cast<std::uint64_t>(exponent + 1023) << 52); }
 
-/// An unevaluated sum: hi holds the leading bits, lo what they miss.
+/// An unevaluated sum: hi holds the leading bits, lo the remainder.
 struct Sum {
   double hi;
   double lo;
@@ -43,7 +43,7 @@ Sum exact_sum(double a, double b) {
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
-/// a x b without error, while nothing over- or underflows (Dekker 1971, with Veltkamp's splitting).
+/// a x b without error, unless something over- or underflows (Dekker 1971, with Veltkamp's splitting).
 Sum exact_product(double a, double b) {
   constexpr double k_split = 134217729.0;  // 2^27 + 1
   const double a_big = k_split * a;
@@ -56,8 +56,8 @@ Sum exact_product(double a, double b) {
   return {product, ((a_hi * b_hi - product) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo};
 }
 
-/// The whole number nearest to x, for |x| < 2^31, as a double and as an integer. Adding 1.5 x 2^52 leaves no
-/// room for a fraction, so the addition itself rounds.
+/// The integer nearest to x, for |x| < 2^31, as a double and as an integer. The sum with 1.5 x 2^52 has no
+/// bits for a fraction, so the addition itself rounds.
 struct Rounded {
   double value;
   std::int32_t integer;
@@ -68,14 +68,14 @@ Rounded nearest(double x) {
   return {shifted - k_shift, static_cast<std::int32_t>(static_cast<std::uint32_t>(bits_of(shifted)))};
 }
 
-// -- Angles
-// ---------------------------------------------------------------------------------------------------
+// -- Angles --
 
-/// Up to here multiples of pi/2 are below 2^20, which the short parts of pi/2 are made for.
+/// Up to this angle the multiples of pi/2 are below 2^20, so that their products with the short parts of pi/2
+/// are exact.
 constexpr double k_near = 0x1p20;
 
-/// angle - n * pi/2, where the difference is at most about pi: the first subtraction cancels without error,
-/// the next two keep theirs. Together the parts know pi/2 to 2^-157.
+/// angle - n * pi/2, for differences of at most about pi. The first subtraction is exact; the errors of the
+/// next two are kept. Together the parts represent pi/2 to 2^-157.
 Sum minus_half_pis(double angle, double n) {
   const double first = angle - n * k_half_pi_parts[0];
   const Sum second = exact_sum(first, -(n * k_half_pi_parts[1]));
@@ -85,21 +85,21 @@ Sum minus_half_pis(double angle, double n) {
   return {hi, (third.hi - hi) + tail};
 }
 
-/// An angle as quadrant * pi/2 + rest with |rest| <= pi/4; the quadrant counts modulo 4.
+/// An angle as quadrant * pi/2 + rest with |rest| <= pi/4; only the quadrant modulo 4 matters.
 struct Reduced {
   Sum rest;
   std::uint32_t quadrant;
 };
 
-/// For large angles, after Payne and Hanek (1983): of the product of the angle's 53 bits with the digits of
-/// 2/pi, only those from the bit worth 2 downwards matter. 192 bits of them leave 2^-137, where the closest
-/// any double comes to a multiple of pi/2 is about 2^-61.
+/// Reduces large angles, after Payne and Hanek (1983). The angle's 53 bits are multiplied by the digits of
+/// 2/pi; of the product only the bits worth 2 and less matter. 192 of them give an error of 2^-137, and the
+/// smallest distance of a double from a multiple of pi/2 is about 2^-61.
 [[gnu::noinline]] Reduced reduce_far(double angle) {
   const std::uint64_t bits = bits_of(angle);
   const std::uint64_t mantissa = (bits & ((1ull << 52) - 1)) | (1ull << 52);
   const int exponent = static_cast<int>(bits >> 52) - 1075;  // angle = mantissa x 2^exponent
 
-  // The 192 digits of 2/pi that begin with the one worth 2^(1 - exponent), the lowest word first.
+  // 192 digits of 2/pi, starting with the one worth 2^(1 - exponent), the lowest word first.
   const unsigned first = static_cast<unsigned>(exponent + 62);
   std::array<std::uint64_t, 6> digits;
   for (unsigned i = 0; i < 6; ++i) {
@@ -108,7 +108,7 @@ struct Reduced {
     digits[5 - i] = (pair << (first % 32)) >> 32;
   }
 
-  // Their product with the mantissa modulo 2^192, whose unit is 2^-190 quarter turns.
+  // The product of the digits and the mantissa modulo 2^192, in units of 2^-190 quarter turns.
   std::array<std::uint64_t, 6> product{};
   const std::array<std::uint64_t, 2> factor = {mantissa & 0xffffffffu, mantissa >> 32};
   for (std::size_t j = 0; j < 2; ++j) {
@@ -123,7 +123,7 @@ struct Reduced {
   std::uint64_t middle = (product[3] << 32) | product[2];
   std::uint64_t low = (product[1] << 32) | product[0];
 
-  // Two bits of quadrant; the rest is a fraction in two's complement, from -1/2 to 1/2.
+  // The top two bits are the quadrant; the others are a fraction in two's complement, from -1/2 to 1/2.
   std::uint32_t quadrant = static_cast<std::uint32_t>(high >> 62);
   high = (high << 2) | (middle >> 62);
   middle = (middle << 2) | (low >> 62);
@@ -152,8 +152,8 @@ struct Reduced {
   return {negative ? Sum{-hi, -lo} : Sum{hi, lo}, quadrant & 3};
 }
 
-/// Sine and cosine of rest + quadrant * pi/2. No branches: both polynomials are worked out and swapped by
-/// masks, since quadrants follow no pattern that a processor could predict.
+/// Sine and cosine of rest + quadrant * pi/2. Both polynomials are evaluated and swapped by masks: a
+/// processor could not predict branches on the quadrant.
 SinCos sincos_reduced(const Reduced& angle) {
   const double r = angle.rest.hi;
   const double z = r * r;
@@ -176,19 +176,18 @@ SinCos sincos_reduced(const Reduced& angle) {
   return {from_bits((bits_of(sine) ^ swap) ^ sin_sign), from_bits((bits_of(cosine) ^ swap) ^ cos_sign)};
 }
 
-// -- atan2
-// ----------------------------------------------------------------------------------------------------
+// -- atan2 --
 
-/// atan2 of magnitudes: numerator <= denominator, and the angle is base + or - atan(numerator / denominator).
-/// Exact products ask for denominators within 2^+-400 and numerators that are zero or above 2^-400.
+/// atan2 of magnitudes: base + or - atan(numerator / denominator), for numerator <= denominator.
+/// exact_product() requires a denominator within 2^+-400 and a numerator that is zero or at least 2^-400.
 double atan_of_ratio(double numerator, double denominator, const Sum& base, std::uint64_t minus) {
   const double inverse = 1.0 / denominator;
   const double t = numerator / denominator;
   const Sum back = exact_product(t, denominator);
   const double t_lo = ((numerator - back.hi) - back.lo) * inverse;
 
-  // atan(t) = atan(c) + atan((t - c) / (1 + c t)) with c = k/32, and c = 0 below 3.5/32, where only the
-  // polynomial without a table keeps the relative accuracy. t - c is exact.
+  // atan(t) = atan(c) + atan((t - c) / (1 + c t)) with c = k/32. Below 3.5/32 c is 0, because only the
+  // polynomial alone keeps the relative accuracy there. t - c is exact.
   const double* row = k_atan_table + 3 * nearest(32.0 * t).integer;
   const double shrink = 1.0 / (1.0 + row[0] * t);
   const double u = (t - row[0]) * shrink;
@@ -204,13 +203,14 @@ double atan_of_ratio(double numerator, double denominator, const Sum& base, std:
   return hi + (lo + with_sign(small, minus));
 }
 
-/// Brings what the exact products cannot take into their domain; the quotient keeps its value.
+/// Handles NaN, zeros and infinities, and scales the rest into the domain of atan_of_ratio(). The scale
+/// leaves the quotient unchanged.
 [[gnu::noinline]] double atan_of_extreme_ratio(double numerator, double denominator, const Sum& base,
                                                std::uint64_t minus) {
   if (numerator != numerator || denominator != denominator) return k_nan;
   if (denominator == 0) return atan_of_ratio(0.0, 1.0, base, minus);
   if (denominator == k_infinity) return atan_of_ratio(numerator == k_infinity ? 1.0 : 0.0, 1.0, base, minus);
-  // Below 2^-60 the arc tangent is its argument, and beside a base it is not seen at all.
+  // Below 2^-60 the arc tangent equals its argument, and the low part of a base no longer matters.
   const double ratio = numerator / denominator;
   if (ratio < 0x1p-60) return base.hi == 0 ? ratio : base.hi + with_sign(ratio, minus);
   const double scale = denominator < 1.0 ? 0x1p600 : 0x1p-600;
@@ -283,7 +283,7 @@ double atan2(double y, double x) {
   const double denominator = steep ? ay : ax;
   const std::uint64_t x_sign = sign_of(x);
 
-  // Right of the y axis the angle is 0 + a or pi/2 - a, left of it pi - a or pi/2 + a.
+  // Right of the y axis the angle is 0 + a or pi/2 - a; left of it, pi - a or pi/2 + a.
   const double quarters = steep ? 1.0 : (x_sign != 0 ? 2.0 : 0.0);
   const Sum base = {quarters * k_half_pi[0], quarters * k_half_pi[1]};
   const std::uint64_t minus = steep ? x_sign ^ k_sign_bit : x_sign;
@@ -307,7 +307,7 @@ double exp(double x) {
   const double poly = (k_exp[0] + k_exp[1] * r) + z * ((k_exp[2] + k_exp[3] * r) + z * k_exp[4]);
   const double* row = k_exp_table + 2 * (n.integer & 31);
   const double value = row[0] + (row[1] + row[0] * (r + z * poly));
-  // In two steps, since 2^1024 is no number and 2^-1075 none either.
+  // In two steps, because neither 2^1024 nor 2^-1075 is a double.
   const int exponent = n.integer >> 5;
   const int half = exponent >> 1;
   return value * power_of_two(half) * power_of_two(exponent - half);
@@ -325,7 +325,8 @@ double log(double x) {
     bits = bits_of(x * 0x1p54);
     exponent = -54;
   }
-  // x = 2^exponent m with m in [0.6875, 1.375), so that no logarithm near 0 comes from a difference.
+  // x = 2^exponent m with m in [0.6875, 1.375), so that logarithms near 0 are not the difference of two
+  // larger numbers.
   constexpr std::uint64_t k_start = 0x3fe6000000000000;  // 0.6875
   const std::uint64_t offset = bits - k_start;
   const std::int64_t whole = static_cast<std::int64_t>(offset) >> 52;
@@ -333,7 +334,7 @@ double log(double x) {
   const std::uint64_t m_bits = bits - (static_cast<std::uint64_t>(whole) << 52);
   const double* row = k_log_table + 3 * ((offset >> 45) & 127);
 
-  // r = m c - 1 without error: c has 9 bits behind the point, the upper part of m 32.
+  // r = m c - 1 without error: c has 9 bits after the binary point, the upper part of m has 32.
   const double m_hi = from_bits(m_bits & ~((1ull << 21) - 1));
   const double m_lo = from_bits(m_bits) - m_hi;
   const Sum r = exact_sum(m_hi * row[0] - 1.0, m_lo * row[0]);

@@ -8,11 +8,11 @@ namespace troupe {
 
 inline constexpr double k_pi = std::numbers::pi;  ///< the double nearest to pi
 
-/// Sine, cosine and the rest, computed from IEEE + - x / only, so that every processor, compiler and
-/// optimisation level gives the same bits; libm's do not.
+/// Elementary functions, computed from IEEE + - x / only. They give the same bits with every processor,
+/// compiler and optimisation level; those of libm do not.
 ///
-/// errors  below 1 ulp for every finite argument, below 0.9 in what tests/base/math_test.cpp measures against
-///         long double; large angles are reduced by pi itself, not by the nearest double
+/// errors  below 1 ulp for every finite argument; below 0.9 ulp where tests/base/math_test.cpp compares with
+///         long double. Large angles are reduced by pi itself, not by the nearest double
 /// edges   NaN gives NaN; sin, cos of +-inf give NaN; exp overflows to inf and underflows to 0;
 ///         log(+-0) = -inf, log(x < 0) = NaN; atan2 of zeros and infinities follows IEEE 754 9.2
 /// signs   sin and atan2 (in y) are odd bit for bit, zeros included, and cos is even
@@ -24,28 +24,29 @@ double exp(double x);
 double log(double x);
 ///@}
 
-/// What sincos() gives.
+/// The result of sincos().
 struct SinCos {
-  double sin;  ///< in -1 to 1
-  double cos;  ///< in -1 to 1
+  double sin;  ///< the sine, in [-1, 1]
+  double cos;  ///< the cosine, in [-1, 1]
 };
-/// Both at once: one argument reduction. The same bits as sin() and cos().
+/// Sine and cosine with one argument reduction: the same bits as sin() and cos().
 SinCos sincos(double radians);
 
-/// Of many angles: the same bits in half the time, because the compiler takes several at once. (Of atan2,
-/// with its three divisions, there is no such form: it gained nothing.) Sizes are equal.
+/// Sines and cosines of many angles: the same bits in half the time, because the compiler vectorises the
+/// loop. `out` must have the size of `radians`. (atan2 has no such form: with its three divisions it gained
+/// nothing.)
 void sincos(std::span<const double> radians, std::span<SinCos> out);
 
-/// The angle wrapped into [-pi, pi] (the doubles). Angles already inside come back unchanged, bit for bit;
-/// others lose the nearest multiple of 2 pi, to within 1 ulp of the result. NaN and +-inf give NaN.
+/// The angle wrapped into [-k_pi, k_pi]. Angles inside are returned unchanged, bit for bit; from others the
+/// nearest multiple of 2 pi is subtracted, to within 1 ulp of the result. NaN and +-inf give NaN.
 double wrap_angle(double radians);
 
-/// From degrees, as files and people write them; one rounding of the factor and one of the product.
+/// Converts degrees to radians; rounds twice, the factor and the product.
 constexpr double radians(double degrees) { return degrees * (k_pi / 180.0); }
-/// To degrees.
+/// Converts radians to degrees; rounds twice, the factor and the product.
 constexpr double degrees(double radians) { return radians * (180.0 / k_pi); }
 
-/// The square root is an IEEE basic operation and rounds the same everywhere.
+/// The square root. It is an IEEE basic operation, so that libm's rounds alike everywhere.
 inline double sqrt(double x) { return std::sqrt(x); }
 
 }  // namespace troupe

@@ -62,8 +62,8 @@ double Random::uniform(double low, double high) {
 
 std::uint32_t Random::below(std::uint32_t n) {
   TROUPE_ASSERT(n > 0);
-  // Lemire, Fast random integer generation in an interval, 2019: the upper half of bits * n is the result;
-  // the 2^32 mod n lowest of the lower halves are drawn again, so that each result stands for equally many.
+  // Lemire, Fast random integer generation in an interval, 2019: the upper half of bits * n is the result.
+  // Lower halves below 2^32 mod n are rejected, so that every result has the same number of preimages.
   std::uint64_t product = static_cast<std::uint64_t>(bits()) * n;
   if (static_cast<std::uint32_t>(product) < n) {
     const std::uint32_t surplus = (0u - n) % n;

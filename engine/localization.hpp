@@ -67,21 +67,22 @@ struct LocalizationParams {
     using namespace facts;
     using enum Unit;
     d.member<&LocalizationParams::localization>(
-        "localization", fixed, "how it knows where it is: its true pose, or what its wheels counted");
+        "localization", fixed, "source of the estimated pose: the true pose, or wheel odometry");
     d.member<&LocalizationParams::localization_origin>(
         "localization_origin", meters, fixed,
-        "[x, y] in the world of the frame it knows its pose in; [] is, with `gps`, the world's own, "
-        "with `odom` that in which it starts at 0");
+        "origin [x, y] of the frame of the estimated pose, world frame; [] is the world frame with `gps`, "
+        "the start pose of the robot with `odom`");
     d.member<&LocalizationParams::localization_origin_heading>(
-        "localization_origin_heading", radians, fixed, "of that frame, where `localization_origin` is given");
+        "localization_origin_heading", radians, fixed,
+        "heading of that frame, if `localization_origin` is given");
     d.member<&LocalizationParams::odom_error>(
         "odom_error", fixed,
-        "relative errors of `odom`, [forward, left, turn]; [] draws them for each robot, within "
-        "[0.015, 0.015, 0.025] to either side");
+        "relative errors of `odom`, [forward, left, turn]; [] draws them for each robot, uniform within "
+        "plus and minus [0.015, 0.015, 0.025]");
     d.member<&LocalizationParams::odom_heading>(
         "odom_heading", fixed,
-        "along which a tick's way is laid: the heading before its turn, as the robot moves, or after "
-        "it, as in Stage");
+        "heading along which odometry adds the motion of a tick: that before its turn, as the robot moves, "
+        "or that after it, as in Stage");
   }
 
   /// What they say, or why they do not fit together.

@@ -30,29 +30,30 @@ struct TransducerParams {
     constexpr double k_most_m = 10000;
     d.member<&TransducerParams::pose>("pose", "of the transducer in the sensor's frame");
     d.member<&TransducerParams::range_min>("range_min", meters, at_least(0),
-                                           "kept for the record unless apply_range_min");
+                                           "no effect unless apply_range_min is true");
     d.member<&TransducerParams::range_max>("range_max", meters, above(0), at_most(k_most_m),
-                                           "length of the beams, and the reading where nothing is met");
+                                           "length of the beams, and the reading if nothing is hit");
     d.member<&TransducerParams::fov>(
         "fov", radians, within(0, 2 * k_pi),
-        "angle between the first and the last beam; one sample looks straight ahead whatever it is");
+        "angle between the first and the last beam; a single sample always looks straight ahead");
     d.member<&TransducerParams::samples>("samples", within(1, 100000), counts_readings,
                                          "beams of the transducer");
     d.member<&TransducerParams::noise_stddev>(
         "noise_stddev", meters, within(0, k_most_m),
-        "standard deviation of a normal error of each reading of what is met");
+        "standard deviation of a normal error of each reading below range_max");
     d.member<&TransducerParams::noise_proportional>(
-        "noise_proportional", within(0, 1), "share of a reading by which it is off at most, uniformly");
+        "noise_proportional", within(0, 1), "largest uniform error of a reading, as a fraction of it");
     d.member<&TransducerParams::noise_angular>("noise_angular", radians, within(0, k_pi),
-                                               "angle by which each beam is off at most, uniformly");
+                                               "largest uniform error of the direction of each beam");
     d.member<&TransducerParams::apply_range_min>(
-        "apply_range_min", "readings below range_min are range_min; else they are reported as they are");
+        "apply_range_min",
+        "readings below range_min become range_min; if false, they are reported as they are");
     d.member<&TransducerParams::beam_width>(
         "beam_width", radians, within(0, k_pi),
-        "opening angle of each beam, as a sonar has: the nearest surface anywhere in it is read");
+        "opening angle of each beam, as of a sonar, which reads the nearest surface within it");
     d.member<&TransducerParams::noise_relative>(
         "noise_relative", within(0, 1),
-        "standard deviation of a normal error of each reading of what is met, as a share of it");
+        "standard deviation of a normal error of each reading below range_max, as a fraction of it");
   }
 
   /// Of beam i, from the transducer's heading, rad.
@@ -70,7 +71,7 @@ struct RangerParams {
     using namespace facts;
     d.member<&RangerParams::transducers>("transducers", required,
                                          "fans of beams, each with a pose of its own");
-    d.member<&RangerParams::intensity>("intensity", "also report the ranger_return of what each beam met");
+    d.member<&RangerParams::intensity>("intensity", "also report the ranger_return of what each beam hits");
   }
 };
 
@@ -99,7 +100,7 @@ struct BumperParams {
     using enum Unit;
     d.member<&BumperParams::bumpers>("bumpers", required, "contact strips, each with a pose of its own");
     d.member<&BumperParams::thickness>("thickness", meters, within(0, 10),
-                                       "how near to a strip a body is felt");
+                                       "distance from a strip within which a body touches it");
   }
 };
 

@@ -19,12 +19,12 @@ struct WatchSpec {
 
   static constexpr void describe(Description<WatchSpec>& d) {
     using namespace facts;
-    d.member<&WatchSpec::clock>("clock", "tell the time on the way");
-    d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks), "how often");
-    d.member<&WatchSpec::rate>(
-        "rate", within(0, k_most_rate),
-        "the world's own pace, times real time, for `--rate world`; 0: as fast as possible");
-    d.member<&WatchSpec::paused>("paused", "a window would begin at rest");
+    d.member<&WatchSpec::clock>("clock", "print the simulated time during the run");
+    d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks),
+                                      "ticks from one such line to the next");
+    d.member<&WatchSpec::rate>("rate", within(0, k_most_rate),
+                               "pace for `--rate world`, as a multiple of real time; 0: as fast as possible");
+    d.member<&WatchSpec::paused>("paused", "a window starts paused");
   }
 };
 

@@ -8,12 +8,12 @@ namespace {
 
 constexpr std::size_t k_least_part = 512;  // rows
 constexpr std::size_t k_most_parts = 64;
-constexpr std::size_t k_sorted = 1024;    // rows that a task sorts into cells, at least
-constexpr std::size_t k_empty = 32;       // a tile costs as much as so many rows
+constexpr std::size_t k_sorted = 1024;    // least rows that a task sorts into cells
+constexpr std::size_t k_empty = 32;       // a tile costs as much as this many rows
 constexpr std::size_t k_summed = 256;     // tiles that a task sums up
-constexpr std::size_t k_read_beyond = 3;  // circles that unpack() may read
+constexpr std::size_t k_read_beyond = 3;  // circles that unpack() may read beyond the end
 
-/// visit(first cell in its tile, one past the last), a line of a block's cells after another.
+/// Calls visit(first cell in tile, one past the last) for the rows of cells of each block of a tile.
 template <class Visit>
 void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
   const std::int32_t tile = 1 << grid.tile_bits;
@@ -26,7 +26,8 @@ void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
       }
 }
 
-/// How often wide bodies are listed goes up and down a little as they move: room for that is made at once.
+/// The number of entries of wide bodies varies slightly as they move: reserves a quarter more, so that it
+/// does not allocate again and again.
 template <typename T>
 void resize_with_room(std::vector<T>& list, std::size_t size) {
   if (size > list.capacity()) list.reserve(size + size / 4);
@@ -46,7 +47,8 @@ void BodyIndex::reserve(const Box& ground) {
   begins_.reserve(reserved_ * geometry_.cells_per_tile() + 1);
 }
 
-/// visit(tile): each tile that the row's body touches; the one of its origin alone where it is not wide.
+/// Calls visit(tile) for each tile that the row's body touches; only for the tile of its origin if the body
+/// is not wide.
 template <class Visit>
 void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
   if (!is_wide(row)) {
@@ -60,8 +62,7 @@ void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
     for (std::int32_t x = low.x; x <= high.x; ++x) visit(Cell{x, y});
 }
 
-/// visit(cell in tile, is it the one of its origin?): each cell within the tile that a row listed there is to
-/// be in.
+/// Calls visit(cell in tile, whether it contains the origin) for each cell of the tile that the row is in.
 template <class Visit>
 void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const {
   if (!is_wide(row)) {
@@ -80,7 +81,7 @@ void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit
       visit(geometry_.in_tile({x, y}), Cell{x, y} == home);
 }
 
-/// How many rows of the part each tile gets; tiles that are not known are noted.
+/// Counts the part's rows per tile. Collects unknown tiles in new_tiles.
 void BodyIndex::count(Part& part) {
   const std::size_t cells = geometry_.cells_per_tile();
   part.next.assign(directory_.size(), 0);
@@ -89,7 +90,7 @@ void BodyIndex::count(Part& part) {
   part.has_wide = false;
   Cell last_tile;
   std::uint32_t last_slot = TileDirectory::k_none;
-  const auto slot_of = [&](Cell tile) {  // neighbours in memory are often neighbours on the ground
+  const auto slot_of = [&](Cell tile) {  // consecutive rows are often in one tile: skips the search
     if (last_slot == TileDirectory::k_none || !(tile == last_tile)) {
       last_tile = tile;
       last_slot = directory_.find(tile);
@@ -117,7 +118,8 @@ void BodyIndex::count(Part& part) {
   }
 }
 
-/// Tiles are made where bodies enter new ground: seldom, so one thread does it, and those parts count again.
+/// Adds the tiles that bodies have newly entered. This is rare, so one thread adds them and the parts
+/// concerned count again.
 void BodyIndex::make_new_tiles(Parallel& parallel) {
   const auto has_new = [](const Part& part) { return !part.new_tiles.empty(); };
   if (std::ranges::none_of(parts_, has_new)) return;
@@ -137,11 +139,11 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   places_ = places;
   radii_ = radii;
   homes_.resize(rows);
-  // Room for all rows, also those whose bodies are not there now.
+  // Reserved for all rows, present or not, so that later ticks do not allocate.
   tile_rows_.reserve(rows);
   circles_.reserve(rows + k_read_beyond);
   order_.reserve(rows);
-  if (directory_.size() > 16 + 4 * rows) directory_.clear();  // tiles stay until few of them are in use
+  if (directory_.size() > 16 + 4 * rows) directory_.clear();  // tiles are kept until few of them are in use
 
   parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1, k_most_parts));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -153,7 +155,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   parallel.for_each(parts_.size(), [&](std::size_t p) { count(parts_[p]); });
   make_new_tiles(parallel);
 
-  // Where the rows of each part go in each tile.
+  // Compute where the rows of each part go in each tile.
   small_radius_ = 0;
   has_wide_ = false;
   for (const Part& part : parts_) {
@@ -201,7 +203,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   for_each_tile([&](std::size_t slot) { sort_tile(slot); });
 }
 
-/// From how much each tile holds to where it starts.
+/// Turns counts_, the sizes of the tiles, into tiles_, their starts, by a parallel prefix sum.
 void BodyIndex::place_tiles(Parallel& parallel) {
   const std::size_t slots = counts_.size();
   const std::size_t tasks = (slots + k_summed - 1) / k_summed;
@@ -231,7 +233,8 @@ void BodyIndex::place_tiles(Parallel& parallel) {
   });
 }
 
-/// Where bodies are wide a tile holds more circles than rows, and fewer homes.
+/// Counts the circles and homes of a tile. With wide bodies it may have more circles than rows, and fewer
+/// homes.
 void BodyIndex::weigh_tile(std::size_t slot) {
   const Cell tile = directory_.tile(static_cast<std::uint32_t>(slot));
   Tile& count = counts_[slot];
@@ -244,7 +247,7 @@ void BodyIndex::weigh_tile(std::size_t slot) {
   }
 }
 
-/// Counts, sums and hands out the rows of a tile, cell by cell.
+/// Sorts the rows of a tile by cell: a counting sort.
 void BodyIndex::sort_tile(std::size_t slot) {
   const std::size_t cells = geometry_.cells_per_tile();
   const Cell tile = directory_.tile(static_cast<std::uint32_t>(slot));
@@ -260,7 +263,7 @@ void BodyIndex::sort_tile(std::size_t slot) {
     if (has_wide_)
       for_each_cell_within(row, tile, visit);
     else
-      visit(homes_[row] & (cells - 1), true);  // a power of two
+      visit(homes_[row] & (cells - 1), true);  // cells is a power of two
   };
   std::ranges::fill(begins, 0);
   for (const BodyCircle& circle : rows)
@@ -268,7 +271,7 @@ void BodyIndex::sort_tile(std::size_t slot) {
   for (std::uint32_t& begin : begins) sum += std::exchange(begin, sum);
   for (const BodyCircle& circle : rows)
     for_each_cell(circle.row, [&](std::size_t cell, bool) { circles_[begins[cell]++] = circle; });
-  // Each has become the end of its cell, which is where the next one begins.
+  // Each begin has advanced to the end of its cell, which is where the next cell begins.
   std::shift_right(begins.begin(), begins.end(), 1);
   begins[0] = tiles_[slot].circles;
 

@@ -10,60 +10,61 @@
 
 namespace troupe::partition {
 
-/// Where a body is, for queries: a circle, in metres and the world's frame, that certainly contains the one
-/// about the body's origin that encloses it. Floats, so that four entries fill a cache line and kernels can
-/// load them as they are: code that needs the place itself finds it by the row.
+/// A circle that encloses a body, metres, world frame, for queries. It contains the body's own circle (about
+/// the body's origin) in spite of rounding to float. Floats, so that four entries fill a cache line and
+/// kernels load them directly; the exact position is found by the row.
 struct BodyCircle {
-  float x;            ///< of its centre, east
-  float y;            ///< of its centre, north
-  float radius;       ///< negative: nothing is there; queries give no such circle
-  std::uint32_t row;  ///< whose it is, or which piece
+  float x;            ///< centre, east
+  float y;            ///< centre, north
+  float radius;       ///< negative: absent; queries return no such circle
+  std::uint32_t row;  ///< row of the body, or number of the piece
 };
 
-/// Rounding moves a coordinate c by at most 2^-24 |c| (2^-150 below the normal numbers), and the centre by no
-/// more than both coordinates together; the radius grows by that, and a step of 2^-22 is left for the
-/// rounding of the radius itself. At 100 m from the origin that is 12 micrometres, at 100 km 12 millimetres.
+/// The circle about a position, enlarged for rounding. Rounding moves a coordinate c by at most 2^-24 |c|
+/// (2^-150 below the normal numbers), and the centre by at most the sum of both. The radius grows by that
+/// sum, and by a factor of 1 + 2^-22 for its own rounding: 12 micrometres at 100 m from the origin, 12
+/// millimetres at 100 km.
 inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uint32_t row) {
   const double shift = 0x1p-24 * (std::abs(position.x()) + std::abs(position.y())) + 0x1p-120;
   return {static_cast<float>(position.x()), static_cast<float>(position.y()),
           static_cast<float>((radius + shift) * (1 + 0x1p-22)), row};
 }
 
-/// The radius of a body that is not there.
+/// The radius of an absent body.
 inline constexpr double k_not_there = -1;
 
-/// The bodies that move, by the cell they are in: contiguous, in (cell, row) order, rebuilt in parallel each
-/// tick by a counting sort: first by tile, then, a tile each task, by cell. Both are stable, so that no rows
-/// need comparing, and no counter is shared between threads.
+/// An index of the mobile bodies by grid cell: contiguous, in (cell, row) order. Each tick a parallel
+/// counting sort rebuilds it: first by tile, then by cell with one task per tile. Both sorts are stable, so
+/// that rows need not be compared and threads share no counter.
 ///
-/// A body not wider than a cell lies in the cell of its origin alone, and queries reach out by the largest
-/// such radius. A wider one lies in every cell it touches, and a query gives it once, so that one truck does
-/// not widen every query.
+/// A body not wider than a cell is in the cell of its origin only, and queries are expanded by the largest
+/// such radius. A wider body is in every cell that it touches, so that one truck does not expand every query.
 ///
-/// A row of which the radius is negative (k_not_there) is not in the index: no query gives it.
+/// A row with a negative radius (k_not_there) is not in the index.
 class BodyIndex {
  public:
   BodyIndex() = default;
-  explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}  ///< of no bodies
+  explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}  ///< an empty index
 
-  /// Makes room for bodies all over this ground, within reason: rebuild() allocates where there are more rows
-  /// than ever before, and where bodies enter ground that no room was made for.
+  /// Reserves memory for bodies anywhere on this ground, for up to 2^14 tiles. Afterwards rebuild() allocates
+  /// only if there are more rows than ever before, or if bodies enter other tiles.
   void reserve(const Box& ground);
 
-  /// places and radii: one a row, m. The index looks at both again when it is queried, and keeps nothing
-  /// of its previous contents.
+  /// Replaces the contents. places, radii: one entry per row, metres, world frame. Queries read both, so they
+  /// must stay valid and unchanged until the next rebuild().
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
-  /// visit(span of circles) for the runs of cells, row of cells by row of cells, that hold every body whose
-  /// circle may touch the box, and some that do not. A wide body may come more than once, in one run and in
-  /// several; others come once.
+  /// Calls visit(span of circles) for runs of cells. The runs contain every body whose circle may touch the
+  /// box, and some that do not touch it. A wide body may come more than once, in one run or in several;
+  /// others come once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
     for_each_run(geometry_.cell(reach.min), geometry_.cell(reach.max), visit);
   }
-  /// The same for the cells from low to high: all that lie in them, but of those whose circle only reaches
-  /// in none. Bodies that are not wide reach largest_small_radius() beyond the cell of their origin at most.
+  /// Calls visit(span of circles) for the bodies in the cells from low to high, both included. Bodies that
+  /// only reach into these cells are omitted: a body that is not wide reaches at most largest_small_radius()
+  /// beyond the cell of its origin.
   template <class Visit>
   void for_each_run(Cell cell_low, Cell cell_high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, cell_low, cell_high,
@@ -75,7 +76,8 @@ class BodyIndex {
                             });
   }
 
-  /// visit(circle) for every body whose circle may touch the box, each once, and some that do not.
+  /// Calls visit(circle) once for every body whose circle may touch the box, and for some that do not touch
+  /// it.
   template <class Visit>
   void for_each_near(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
@@ -93,36 +95,37 @@ class BodyIndex {
                             });
   }
 
-  /// Every row that is there once, in (tile, block, cell, row) order: the order in which to work so that
-  /// neighbours share caches.
+  /// All rows in the index, each once, in (tile, block, cell, row) order. Work in this order keeps neighbours
+  /// in the caches.
   std::span<const std::uint32_t> order() const { return order_; }
-  /// A number for the cell that holds the row's origin: rows that follow one another in order() share the
-  /// cell where it is equal. Until the next rebuild.
+  /// A number that identifies the cell of the row's origin: equal for rows in one cell. Valid until the next
+  /// rebuild().
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
-  /// That it knows: those with bodies in them, and some that had lately.
+  /// Number of known tiles: those that contain bodies, and some that recently did.
   std::size_t tiles() const { return directory_.size(); }
-  const GridGeometry& geometry() const { return geometry_; }  ///< how the plane is cut
-  /// The largest radius of the bodies that lie in one cell alone, m.
+  const GridGeometry& geometry() const { return geometry_; }  ///< the grid
+  /// The largest radius of the bodies that are not wide, metres.
   double largest_small_radius() const { return small_radius_; }
-  /// Whether some bodies lie in several cells, and so may come more than once in runs.
+  /// Whether there are wide bodies, which may come more than once in runs.
   bool has_wide() const { return has_wide_; }
 
  private:
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
   Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
-  /// Of a wide body's entries within the query, the one at the lowest cell counts.
+  /// Whether entry i of a wide body is the one in the body's lowest cell within the query: only that one
+  /// counts.
   bool first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                      std::size_t first, std::size_t last, std::uint32_t i) const;
 
-  /// A part of the rows, counted and handed out by one task.
+  /// A part of the rows, counted and distributed by one task.
   struct alignas(64) Part {
     std::uint32_t first = 0;
     std::uint32_t last = 0;
     double small_radius = 0;
     bool has_wide = false;
     std::vector<Cell> new_tiles;
-    std::vector<std::uint32_t> next;  // per slot: how many of the part, then where the next one goes
+    std::vector<std::uint32_t> next;  // per slot: the number of the part's rows, then where the next one goes
   };
   void count(Part& part);
   void make_new_tiles(Parallel& parallel);
@@ -136,16 +139,16 @@ class BodyIndex {
 
   GridGeometry geometry_;
   TileDirectory directory_;
-  std::span<const Transform> places_;  // the caller's
-  std::span<const double> radii_;      // the caller's
-  double small_radius_ = 0;            // largest radius among those that lie in one cell
-  bool has_wide_ = false;              // some lie in more
-  std::size_t reserved_ = 0;           // tiles
+  std::span<const Transform> places_;  // owned by the caller
+  std::span<const double> radii_;      // owned by the caller
+  double small_radius_ = 0;            // largest radius of the bodies that are not wide
+  bool has_wide_ = false;
+  std::size_t reserved_ = 0;  // tiles
   std::vector<Part> parts_;
   struct Tile {
-    std::uint32_t rows = 0;     // that touch it: in tile_rows_
-    std::uint32_t circles = 0;  // in circles_
-    std::uint32_t homes = 0;    // rows whose origin it holds: in order_
+    std::uint32_t rows = 0;     // rows that touch it, in tile_rows_
+    std::uint32_t circles = 0;  // entries in circles_
+    std::uint32_t homes = 0;    // rows whose origin is in it, in order_
     Tile& operator+=(const Tile& other) {
       rows += other.rows;
       circles += other.circles;
@@ -154,10 +157,10 @@ class BodyIndex {
     }
   };
   std::vector<Tile> counts_;  // per slot
-  std::vector<Tile> tiles_;   // per slot, one closing entry: where it starts
+  std::vector<Tile> tiles_;   // per slot, and one past the end: where it starts
   std::vector<Tile> sums_;
   std::vector<BodyCircle> tile_rows_;  // by tile
-  std::vector<std::uint32_t> begins_;  // per slot and cell, one closing entry: into circles_
+  std::vector<std::uint32_t> begins_;  // per slot and cell, and one past the end: index into circles_
   std::vector<std::uint32_t> homes_;   // per row: slot * cells + cell of its origin
   std::vector<BodyCircle> circles_;    // by tile and cell
   std::vector<std::uint32_t> order_;

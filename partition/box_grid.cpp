@@ -10,7 +10,7 @@ std::size_t BoxGrid::place(double offset, double cell, std::size_t count) {
 }
 
 BoxGrid::BoxGrid(std::span<const Box> boxes) {
-  constexpr double k_most = 1024;  // cells an edge
+  constexpr double k_most = 1024;  // cells per edge of the grid
   constexpr std::size_t k_many = 64;
   double count = 0;
   for (const Box& box : boxes) {

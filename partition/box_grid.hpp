@@ -8,17 +8,17 @@
 
 namespace troupe::partition {
 
-/// Boxes that never move, by the cells of a square grid that they touch: about as many cells as boxes. A box
-/// that covers many cells is listed once, apart, so that a floor plan among a thousand crates costs no more
+/// An index of static boxes by the grid cells that they touch, with about as many cells as boxes. A box that
+/// covers many cells is kept in a separate list, so that a floor plan among a thousand crates costs no more
 /// than a crate.
 class BoxGrid {
  public:
   BoxGrid() = default;
-  /// Empty boxes are never found.
+  /// Queries never return empty boxes.
   explicit BoxGrid(std::span<const Box> boxes);
 
-  /// visit(index of the box) -> stop?, for those that may touch this one, each once or more, until one stops;
-  /// says whether one did.
+  /// Calls visit(index of a box), at least once for each box that may touch `box`, until a call returns true.
+  /// Returns whether one did.
   template <class Visit>
   bool any_near(const Box& box, Visit&& visit) const {
     for (const std::uint32_t i : wide_)
@@ -42,7 +42,7 @@ class BoxGrid {
   Vec2 cell_ = Vec2::Ones();
   std::size_t columns_ = 0;
   std::size_t lines_ = 0;
-  std::vector<std::uint32_t> begins_;  // per cell, one closing entry: into boxes_
+  std::vector<std::uint32_t> begins_;  // per cell, and one past the end: index into boxes_
   std::vector<std::uint32_t> boxes_;
   std::vector<std::uint32_t> wide_;
 };

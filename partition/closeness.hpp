@@ -4,8 +4,8 @@
 
 namespace troupe::partition {
 
-/// True when some piece of one shape overlaps, touches or comes within `distance` (m) of some piece of the
-/// other, seen from above: heights do not count. In double; a distance of exactly `distance` counts.
+/// True if some piece of one shape overlaps, touches or comes within `distance` (metres, inclusive) of some
+/// piece of the other, seen from above: heights are ignored. Computed in double.
 bool come_within(const PlacedShape& a, const PlacedShape& b, double distance);
 
 }  // namespace troupe::partition

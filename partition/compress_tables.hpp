@@ -6,8 +6,8 @@
 
 namespace troupe::partition {
 
-/// For each mask of kLanes lanes, the permutation that moves the lanes where it holds to the front, in their
-/// order: where each lane comes from, or each byte of it. What follows them comes from the first lane.
+/// For each mask of kLanes lanes, the permutation that moves the selected lanes to the front and keeps their
+/// order: the source of each lane, or of each of its bytes. The remaining lanes come from the first one.
 template <std::size_t kLanes, std::size_t kBytes>
 constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table() {
   std::array<std::uint8_t, (kLanes * kBytes) << kLanes> table{};
@@ -20,9 +20,10 @@ constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table()
   return table;
 }
 
-/// By lanes, of eight: 2 KiB. Four bits a lane would halve that, for two more instructions.
+/// Sources by lane, for eight lanes: 2 KiB. Four bits per lane would halve that but cost two more
+/// instructions.
 alignas(64) inline constexpr auto k_compress_lanes = compress_table<8, 1>();
-/// By bytes, of four lanes of four bytes.
+/// Sources by byte, for four lanes of four bytes.
 alignas(64) inline constexpr auto k_compress_bytes = compress_table<4, 4>();
 
 }  // namespace troupe::partition

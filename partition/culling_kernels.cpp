@@ -1,5 +1,5 @@
-// What the exact ray engine need not look at: circles are culled as vectors of them, once for each
-// instruction set that Highway knows.
+// Culls of the exact ray engine: kernels that discard, a vector of circles at a time, those that no beam can
+// reach. Compiled once for each instruction set that Highway supports.
 
 #include "partition/ranging.hpp"
 
@@ -21,7 +21,8 @@ namespace {
 constexpr Rebind<std::uint32_t, Full<float>> k_u;
 
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits) {
-  // An inverse of 0 makes infinity, and range_max the limit. The bits of a limit do not matter.
+  // For an inverse of 0 the quotient is infinite and the limit is range_max. The bits of a limit do not
+  // matter.
   Floats farthest = Zero(k_f);
   for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
     const Floats range = Min(Div(Set(k_f, 1.0f), LoadU(k_f, inverse + i)), LoadU(k_f, range_max + i));
@@ -33,20 +34,20 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
   return GetLane(MaxOfLanes(k_f, farthest));
 }
 
-/// Where the beams of a fan start, and whether the second half looks in the opposite directions of the first.
+/// The properties of a fan that a kernel is specialised for, see Fan.
 struct Shape {
   bool common_origin;
   bool mirrored;
 };
 
-/// The parts of beams that are still to be seen, as circles are held against them. Of a circle whose middle
-/// lies at p, relative to the reference: |p x d - aside| from the beam's line, and past the ends of the part
-/// by |p . d - middle| - half. A part ends where no circle is looked at any more, `high` away from the
-/// reference, so that rounding does not grow with a beam's length.
+/// The segments of the beams up to their limits. A circle with centre p, relative to the reference, is
+/// |p x d - aside| away from the beam's line and |p . d - middle| - half beyond the ends of the segment.
+/// Segments also end at distance `high` from the reference, where culls end, so that rounding does not grow
+/// with the length of a beam.
 struct Parts {
-  alignas(64) float aside[k_most_beams];   // of the origin
-  alignas(64) float middle[k_most_beams];  // of the part, along the beam
-  alignas(64) float half[k_most_beams];    // of its length
+  alignas(64) float aside[k_most_beams];   // offset of the beam's line from the reference
+  alignas(64) float middle[k_most_beams];  // middle of the segment, along the beam
+  alignas(64) float half[k_most_beams];    // half the length of the segment
 
   HWY_INLINE Parts(const Fan& fan, const float* limits, float high) {
     for (std::size_t i = 0; i < fan.count; i += Lanes(k_f)) {
@@ -63,11 +64,11 @@ struct Parts {
   }
 };
 
-/// For a vector of circles relative to the reference, a bit for each beam that may meet it.
+/// For each of a vector of circles, relative to the reference: a bit per beam that may hit it.
 template <Shape kShape>
 HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, const Floats& radius,
                                               const Fan& fan, const Parts& parts) {
-  // Bits enter from below, so that none needs a constant of its own; a mask is -1 as a number.
+  // Bits are shifted in from below, so that no bit needs its own constant; a true lane of a mask is -1.
   const auto note = [&](Vec<decltype(k_u)>& beams, const Floats& aside, const Floats& past) {
     const auto meets = RebindMask(k_u, Le(Max(aside, past), radius));
     beams = Sub(Add(beams, beams), VecFromMask(k_u, meets));
@@ -117,15 +118,16 @@ std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, flo
   return kept;
 }
 
-/// Circles whose nearest point lies from low to high away, relative to the reference and with their margins;
-/// padded with one vector that nothing meets. `kept` has room for them and two vectors more.
+/// Keeps the circles whose nearest point is from low to high away from the reference, with their margins:
+/// their coordinates become relative to the reference. Pads them with one vector of circles that nothing
+/// hits. `kept` needs room for two more vectors than there are circles.
 HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t begin, std::size_t end,
                                     const Vec2& reference, float low, float high, MetCircles& kept) {
   const Floats rx = Set(k_f, static_cast<float>(reference.x()));
   const Floats ry = Set(k_f, static_cast<float>(reference.y()));
   const auto shift = static_cast<float>(0x1p-23 * (std::abs(reference.x()) + std::abs(reference.y())));
-  // Float errors of sides grow with the distance, |x| + |y| of what is near enough: ten times their bound.
-  // The same at one distance, whether it is the higher or the lower: bands leave no gap.
+  // The rounding errors of sides grow with |x| + |y|; this slack is ten times their bound. It depends only on
+  // the distance, so that adjacent bands leave no gap.
   const auto slack = [&](float distance) { return k_cull_slack + shift + 3e-6f * distance; };
   const Floats margin = Set(k_f, slack(high));
   const Floats farthest = Set(k_f, high + slack(high));
@@ -154,7 +156,7 @@ HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t beg
 
 std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* limits, MetCircles& met) {
   const ScanAngles angles(*fan.scan, fan.count);
-  std::size_t spanning = 0;  // circles that span beams: the first and the last one come to lie in x and y
+  std::size_t spanning = 0;  // circles that span beams; x and y are overwritten by their first and last beam
   for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
     const Floats x = LoadU(k_f, &met.x[i]);
     const Floats y = LoadU(k_f, &met.y[i]);
@@ -169,7 +171,7 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
     const Floats to = Add(angle, width);
     Floats first, last;
     angles.beams(from, to, Ge(radius, distance), first, last);
-    const auto circle = Ge(radius, Zero(k_f));  // what fills up the last vector is none
+    const auto circle = Ge(radius, Zero(k_f));  // false for the padding of the last vector
     const auto spans = And(Le(first, last), circle);
     StoreU(compress(first, spans), k_f, &met.x[spanning]);
     StoreU(compress(last, spans), k_f, &met.y[spanning]);
@@ -184,13 +186,13 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
   for (std::size_t i = 0; i < spanning; ++i) {
     const Floats from = Set(k_f, met.x[i]);
     const Floats to = Set(k_f, met.y[i]);
-    // Without its neighbours in the vectors: some of these always see far.
+    // Masks the other beams of the vector: some of them always see far.
     const auto limits_at = [&](std::int32_t at) {
       const Floats beam = Add(lane, Set(k_f, static_cast<float>(at)));
       return IfThenElseZero(And(Ge(beam, from), Le(beam, to)), LoadU(k_f, limits + at));
     };
-    // Two vectors of beams, from the first one on and up to the last, are all that most circles span: they
-    // are looked at without an unpredictable branch.
+    // Most circles span at most two vectors of beams, one from the first beam on and one up to the last.
+    // These are tested without a branch, which would be unpredictable.
     const auto first = std::min(static_cast<std::int32_t>(met.x[i]), highest);
     const auto end = static_cast<std::int32_t>(met.y[i]) + 1 - lanes;
     Floats farthest = Max(limits_at(first), limits_at(std::max(first, end)));

@@ -36,7 +36,7 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
       return;
     }
     const auto parts = static_cast<std::uint32_t>(std::clamp(length / (2 * most) + 1, 1.0, 1e6));
-    // Whether a beam passes an edge is known to float rounding at its ends, so far ends count.
+    // At its ends an edge is hit or missed within float rounding, so that the end circles are enlarged by it.
     constexpr double k_ends = 8e-6;
     for (std::uint32_t i = 0; i < parts; ++i)
       circles.push_back(
@@ -62,7 +62,7 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
   if (first < edges.size()) close(box, first, static_cast<std::uint32_t>(edges.size()) - first);
 
   vertices_.resize(vertices_.size() + k_most_edges,
-                   Vec2::Zero());  // chains are copied with what lies behind them
+                   Vec2::Zero());  // EdgeBlock::add() reads beyond the end of a chain
 
   // A counting sort by cell.
   const std::size_t cells = geometry_.cells_per_tile();
@@ -77,7 +77,7 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
   };
   for (const ChainCircle& c : circles) ++begins_[place(c) + 1];
   for (std::size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
-  circles_.resize(circles.size() + 3);  // which unpack() may read
+  circles_.resize(circles.size() + 3);  // unpack() may read three more
   std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
   for (const ChainCircle& c : circles)
     circles_[next[place(c)]++] = enclosing_circle(c.center, c.radius, c.piece);

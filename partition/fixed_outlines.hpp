@@ -11,27 +11,27 @@ namespace troupe::partition {
 
 /// One edge of a fixed solid, world frame, metres.
 struct FixedEdge {
-  Vec2 a;               ///< from
-  Vec2 b;               ///< to
+  Vec2 a;               ///< start
+  Vec2 b;               ///< end
   std::uint32_t solid;  ///< index into StaticScene::solids()
 };
 
-/// The outlines of the static scene, for rangers: cut into short chains of a few edges, each with a circle
-/// that encloses it, and the circles by the cell of their centre. To a ranger a piece is like a body: a
-/// circle that it may leave out, and edges. An edge longer than a piece has several circles, and is never
-/// cut itself: that would change bits.
+/// The outlines of the static scene, for rangers. They are cut into pieces, short chains of a few edges, each
+/// with an enclosing circle; the circles are indexed by the cell of their centre. A ranger treats a piece
+/// like a body: it may skip the circle, else it projects the edges. An edge longer than a piece has several
+/// circles; it is not cut, because that would change the bits of readings.
 class FixedOutlines {
  public:
   FixedOutlines() = default;
-  /// edges: those of one outline one after another. Pieces are no wider than piece_m; how wide never changes
-  /// a reading.
+  /// edges: the edges of each outline must be consecutive. piece_m: largest width of a piece, metres; it
+  /// never changes a reading.
   FixedOutlines(std::span<const FixedEdge> edges, double piece_m);
 
-  /// How the plane is cut for the pieces' centres.
+  /// The grid of the circles' centres.
   const GridGeometry& geometry() const { return geometry_; }
 
-  /// visit(span of circles) for the runs of cells from low to high; a circle's row is the number of its
-  /// piece.
+  /// Calls visit(span of circles) for the runs of cells from low to high, both included. The row of a circle
+  /// is the number of its piece.
   template <class Visit>
   void for_each_run(Cell low, Cell high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, low, high,
@@ -42,14 +42,14 @@ class FixedOutlines {
                             });
   }
 
-  /// The edges of a piece, all of one solid: from each vertex to the next.
+  /// The vertices of a piece. Its edges, all of one solid, run from each vertex to the next.
   std::span<const Vec2> chain(std::uint32_t piece) const {
     return {&vertices_[pieces_[piece].first], pieces_[piece].vertices};
   }
-  /// Of a piece: index into StaticScene::solids().
+  /// The solid of a piece: index into StaticScene::solids().
   std::uint32_t solid(std::uint32_t piece) const { return pieces_[piece].solid; }
-  static constexpr std::uint32_t k_most_edges = 8;  ///< of a piece
-  /// No circle reaches farther than this beyond the cell of its centre, m.
+  static constexpr std::uint32_t k_most_edges = 8;  ///< most edges of a piece
+  /// The largest radius of the circles, metres.
   double largest_radius() const { return largest_radius_; }
 
  private:
@@ -62,7 +62,7 @@ class FixedOutlines {
   GridGeometry geometry_;
   TileDirectory directory_;
   double largest_radius_ = 0;
-  std::vector<std::uint32_t> begins_;  // per slot and cell, one closing entry: into circles_
+  std::vector<std::uint32_t> begins_;  // per slot and cell, and one past the end: index into circles_
   std::vector<BodyCircle> circles_;
   std::vector<Piece> pieces_;
   std::vector<Vec2> vertices_;

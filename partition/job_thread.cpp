@@ -30,7 +30,7 @@ struct JobThread::Impl {
       jobs.pop_front();
       is_busy = true;
       lock.unlock();
-      changed.notify_all();  // there is room
+      changed.notify_all();  // add() may continue
       std::exception_ptr thrown;
       try {
         job();
@@ -62,7 +62,7 @@ struct JobThread::Impl {
   bool is_busy = false;
   bool is_over = false;
   std::exception_ptr failure;
-  std::thread thread;  // the last: it uses all others
+  std::thread thread;  // last member, because it uses all others
 };
 
 JobThread::JobThread(std::size_t most_waiting) : impl_(std::make_unique<Impl>(most_waiting)) {}

@@ -6,25 +6,26 @@
 
 namespace troupe::partition {
 
-/// A thread that does one job after another, in the order in which they were added, while the thread that
-/// adds them goes on: drawing, writing files. The step itself runs on Parallel alone.
+/// A thread that runs jobs in the order in which they were added, while the adding thread continues: drawing,
+/// writing files. A step itself runs only on Parallel.
 ///
-/// After a job that throws no other job begins: rethrow(), add() and finish() throw its exception, each time.
+/// After a job throws, no other job starts, and every call of rethrow(), add() and finish() throws its
+/// exception.
 class JobThread {
  public:
-  /// most_waiting: jobs that have been added and have not begun, at least 1. What a job holds, the copy of a
-  /// tick, is large.
+  /// most_waiting: limit on the jobs that have not started, at least 1. A job may hold a large copy of a
+  /// tick.
   explicit JobThread(std::size_t most_waiting);
-  /// Drops the jobs that have not begun, and waits for the one that has.
+  /// Drops the jobs that have not started and waits for the running one.
   ~JobThread();
   JobThread(const JobThread&) = delete;
   JobThread& operator=(const JobThread&) = delete;
 
-  /// Waits while `most_waiting` jobs wait, then adds one.
+  /// Adds a job. Blocks while `most_waiting` jobs have not started.
   void add(std::function<void()> job);
-  /// Waits until every job is done.
+  /// Blocks until every job is done.
   void finish();
-  /// Does nothing unless a job has thrown.
+  /// Throws the exception of the job that threw, if one did.
   void rethrow();
 
  private:

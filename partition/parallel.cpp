@@ -10,7 +10,7 @@
 namespace troupe::partition {
 namespace {
 
-/// Tasks of a loop, with the exception of the lowest index that threw.
+/// The tasks of a loop, and the exception of the lowest index that threw.
 struct Guarded {
   void (*call)(void* task, std::size_t i);
   void* task;
@@ -43,9 +43,9 @@ struct Guarded {
 
 unsigned Parallel::checked(unsigned threads) {
   if (threads > k_most_threads)
-    throw std::invalid_argument(std::to_string(threads) + " threads: give 1 to " +
+    throw std::invalid_argument(std::to_string(threads) + " threads: must be 1 to " +
                                 std::to_string(k_most_threads) +
-                                ", or 0 for one for each processor that the process may use");
+                                ", or 0 for one per processor that the process may use");
   return threads > 0 ? threads : processors_allowed();
 }
 

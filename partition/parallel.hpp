@@ -6,41 +6,41 @@
 
 namespace troupe::partition {
 
-/// The one parallel loop. Everything that runs on several cores runs through it.
+/// Parallel loops. All parallel work of a step runs through this class.
 ///
-/// Two backends with the same meaning: oneTBB, and plain std::thread (TROUPE_STD_THREADS), which the thread
-/// sanitizer can see through. Each worker's floating-point environment is put right before its first task.
+/// There are two equivalent backends: oneTBB, and plain std::thread (TROUPE_STD_THREADS), which the thread
+/// sanitizer understands. Each worker's floating-point environment is restored before its first task.
 class Parallel {
  public:
-  static constexpr unsigned k_most_threads = 1024;  ///< that one loop may have
+  static constexpr unsigned k_most_threads = 1024;  ///< most threads of a loop
 
-  /// threads 0: one for each processor that the process may use (partition/processors.hpp). Throws
-  /// std::invalid_argument for more than k_most_threads.
+  /// threads: number of threads; 0 means one per processor that the process may use
+  /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads.
   explicit Parallel(unsigned threads);
   ~Parallel();
-  /// The moved-from one can only be destroyed or assigned to.
+  /// A moved-from object can only be destroyed or assigned to.
   ///@{
   Parallel(Parallel&&) noexcept;
   Parallel& operator=(Parallel&&) noexcept;
   ///@}
 
-  unsigned threads() const { return threads_; }  ///< at least 1
+  unsigned threads() const { return threads_; }  ///< number of threads, at least 1
 
-  /// Called on its worker as a task begins (true) and ends (false), with the task's index in its loop; on
-  /// several workers at once, so it must be thread-safe. For profiles: without one no task pays for it. Set
-  /// between loops.
+  /// Sets a callback for profiles: called as a task begins (true) and ends (false), with the task's index in
+  /// its loop. It runs on the task's worker, on several at once, so it must be thread-safe. Without one tasks
+  /// have no overhead. Call between loops only.
   void on_task(std::function<void(std::size_t task, bool begins)> callback) {
     on_task_ = std::move(callback);
   }
 
-  /// Called on the caller's thread as each loop begins (true) and ends (false); for timing. Set between
-  /// loops.
+  /// Sets a callback for timing: called on the caller's thread as each loop begins (true) and ends (false).
+  /// Call between loops only.
   void on_loop(std::function<void(bool begins)> callback) { on_loop_ = std::move(callback); }
 
-  /// Calls task(i) once for each i in 0 .. count-1, in any order, on any worker; returns when all are done.
-  /// Tasks must be coarse (some tens of microseconds), and must write only what no other task of the loop
-  /// reads or writes. Where tasks throw, the others still run, and then the exception of the lowest index
-  /// comes out. With more threads than oneTBB would make by itself its limit for the whole process is raised.
+  /// Calls task(i) once for each i from 0 to count - 1, in any order, on any worker, and returns when all are
+  /// done. Tasks should be coarse (some tens of microseconds) and must write only data that no other task of
+  /// the loop reads or writes. If tasks throw, the others still run; then the exception of the lowest index
+  /// is rethrown. If there are more threads than oneTBB allows by default, its process-wide limit is raised.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(
@@ -50,8 +50,8 @@ class Parallel {
  private:
   using Call = void (*)(void* task, std::size_t i);
   void run(std::size_t count, Call call, void* task);
-  void run_tasks(std::size_t count, Call call, void* task);  // of the backend; tasks do not throw
-  static unsigned checked(unsigned threads);                 // what the constructor makes of its argument
+  void run_tasks(std::size_t count, Call call, void* task);  // in the backend; tasks do not throw
+  static unsigned checked(unsigned threads);                 // replaces 0; throws for too many
 
   struct Workers;
   unsigned threads_;

@@ -12,8 +12,8 @@
 
 namespace troupe::partition {
 
-/// Workers wait for a loop's number to change, take indices from one counter, and report back. The caller
-/// works along. A loop's number is a predicate: a wake-up that comes before the wait is not lost.
+/// Workers wait until the loop number changes, take indices from one counter, and report when done. The
+/// caller works along. Because the loop number is the predicate of the wait, an early wake-up is not lost.
 struct Parallel::Workers {
   explicit Workers(unsigned helpers) {
     for (unsigned i = 0; i < helpers; ++i) threads.emplace_back([this] { serve(); });

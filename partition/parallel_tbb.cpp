@@ -22,9 +22,9 @@ constexpr std::size_t k_most_parts = 64;
 
 struct Parallel::Workers {
   explicit Workers(unsigned threads) : arena(static_cast<int>(threads)) {
-    // Left alone, oneTBB runs no more threads than the process had processors when oneTBB began, whatever an
-    // arena asks for, and complains on standard error. Of several such limits the least counts, so each asks
-    // for the same: the most that any loop may have.
+    // By default oneTBB runs no more threads than the process had processors when oneTBB started, whatever
+    // size an arena has, and warns on standard error. Of several limits the least counts, so each object
+    // requests the same one: the most that any loop may have.
     if (threads > static_cast<unsigned>(tbb::info::default_concurrency()))
       limit.emplace(tbb::global_control::max_allowed_parallelism, k_most_threads);
     arena.initialize();
@@ -48,10 +48,10 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     for (std::size_t i = 0; i < count; ++i) call(task, i);
     return;
   }
-  // A oneTBB task costs some 40 ns, and stealing one much more: there is one for each thread. It works
-  // through a part of the indices, always the same one, so that what a loop leaves in a core's caches is
-  // often there for the next loop, and then helps with the parts of the others.
-  struct alignas(64) Part {  // on cache lines of their own
+  // A oneTBB task costs about 40 ns, and stealing one much more, so there is one per thread. Each works
+  // through its own part of the indices, the same one in every loop, so that its data is often still in the
+  // core's caches; then it helps with the parts of the others.
+  struct alignas(64) Part {  // one cache line each
     std::atomic<std::size_t> next = 0;
     std::size_t end = 0;
   };
@@ -66,7 +66,7 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     tbb::parallel_for(
         std::size_t{0}, runners,
         [&](std::size_t own) {
-          // Not a task_scheduler_observer, which oneTBB leaks.
+          // Not in a task_scheduler_observer, because oneTBB leaks those.
           thread_local const bool ready = (restore_fp_environment(), true);
           static_cast<void>(ready);
           for (std::size_t p = 0; p < used; ++p) {

@@ -7,13 +7,13 @@
 
 namespace troupe::partition {
 
-/// A ring that stands somewhere, its vertices worked out as they are asked for.
+/// A transformed ring that computes its vertices on access.
 class PlacedRing {
  public:
-  /// Both must outlive it.
+  /// Both arguments must outlive the object.
   PlacedRing(const Ring& ring, const Transform& transform) : ring_(ring), transform_(transform) {}
-  std::size_t size() const { return ring_.size(); }  ///< vertices
-  /// The i-th, where the ring stands.
+  std::size_t size() const { return ring_.size(); }  ///< number of vertices
+  /// The i-th vertex, transformed.
   Vec2 operator[](std::size_t i) const { return transform_ * ring_[i]; }
 
  private:
@@ -21,33 +21,33 @@ class PlacedRing {
   const Transform& transform_;
 };
 
-/// True when two convex counter-clockwise polygons share area.
+/// True if two convex counter-clockwise polygons share area.
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
 
-/// True when the segment enters the interior of a convex counter-clockwise polygon.
+/// True if the segment enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon);
-/// The same of a ring whose vertices are worked out on the way.
+/// True if the segment enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 
-/// A shape at a place. The vertices of shapes of up to 128, nearly all, are worked out once, on the stack;
-/// those of larger ones each time they are looked at, so that no shape needs the heap.
+/// A shape at a pose. Shapes of up to 128 vertices, nearly all, are transformed once, on the stack. The
+/// vertices of larger ones are transformed at each access, so that no shape needs the heap.
 class PlacedShape {
  public:
-  /// The shape must outlive this. z: height of its frame, m.
+  /// The shape must outlive the object. z: height of its frame, metres, world frame.
   PlacedShape(const ObstacleShape& shape, const Transform& transform_world_body, double z);
-  /// The shape must outlive this.
+  /// The shape must outlive the object.
   PlacedShape(const ObstacleShape& shape, const Pose& pose_world_body)
       : PlacedShape(shape, Transform(pose_world_body), pose_world_body.z) {}
   PlacedShape(const PlacedShape&) = delete;
   PlacedShape& operator=(const PlacedShape&) = delete;
 
-  const ObstacleShape& shape() const { return shape_; }         ///< what stands there
-  const Transform& transform() const { return transform_; }     ///< of its frame in the world
-  const Vec2& position() const { return transform_.position; }  ///< of its frame's origin, m, world frame
-  double z() const { return z_; }                               ///< height of its frame, m
+  const ObstacleShape& shape() const { return shape_; }         ///< the shape, in its own frame
+  const Transform& transform() const { return transform_; }     ///< from its frame to the world frame
+  const Vec2& position() const { return transform_.position; }  ///< origin of its frame, m, world frame
+  double z() const { return z_; }                               ///< height of its frame, m, world frame
 
-  /// visit(piece, its polygon in the world's frame: a span of vertices or a PlacedRing) -> stop?, for each
-  /// piece until one stops; says whether one did.
+  /// Calls visit(piece, polygon) for each piece until a call returns true; returns whether one did. The
+  /// polygon is that of the piece in the world frame: a span of vertices or a PlacedRing.
   template <class Visit>
   bool any_piece(Visit&& visit) const {
     const Vec2* vertices = vertices_.data();
@@ -66,18 +66,19 @@ class PlacedShape {
   const ObstacleShape& shape_;
   Transform transform_;
   double z_;
-  std::array<Vec2, 128> vertices_;  // piece after piece, where they fit
+  std::array<Vec2, 128> vertices_;  // of all pieces, if they fit
 };
 
-/// overlap() of shapes that are placed already.
+/// True if the shapes share area at a common height, see overlap.hpp.
 bool overlap(const PlacedShape& a, const PlacedShape& b);
 
-/// False only when no piece of one shape comes within `distance` (m) of a piece of the other: a look at the
-/// circles about the pieces, whatever their heights.
+/// A fast test: false only if no piece of one shape comes within `distance` (metres) of a piece of the other.
+/// Compares the circles about the pieces and ignores heights.
 bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
                      const Transform& at_b, double distance);
 
-/// False only when shapes of these radii, at these places, do not overlap: the first thing overlap() asks.
+/// A fast test: false only if shapes of these radii at these positions do not overlap. overlap() calls it
+/// first.
 inline bool in_reach(const Vec2& a, double radius_a, const Vec2& b, double radius_b) {
   const double reach = radius_a + radius_b + k_rounding_m;
   const double dx = b.x() - a.x();

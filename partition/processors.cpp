@@ -16,10 +16,10 @@ namespace troupe::partition {
 namespace fs = std::filesystem;
 namespace {
 
-/// Processors of the affinity mask; the machine's where the system does not tell.
+/// The number of processors in the affinity mask; that of the machine if the system does not report the mask.
 unsigned affine_processors() {
   constexpr int k_most_processors = 1 << 20;
-  // The kernel refuses a mask that is smaller than its own, and does not say how large that is.
+  // The kernel rejects a mask that is smaller than its own, and does not say how large that one is.
   for (int bits = CPU_SETSIZE; bits <= k_most_processors; bits *= 2) {
     const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> mask(CPU_ALLOC(bits),
                                                                 [](cpu_set_t* m) { CPU_FREE(m); });
@@ -50,7 +50,7 @@ std::optional<double> ratio(std::string_view quota, std::string_view period) {
   return q && p ? std::optional(*q / *p) : std::nullopt;
 }
 
-/// Of one group: `200000 100000`, or `max 100000`.
+/// The quota of one group; its file holds `200000 100000`, or `max 100000`.
 std::optional<double> quota_v2(const fs::path& group) {
   const std::string line = first_line(group / "cpu.max");
   const std::size_t space = std::min(line.find(' '), line.size());
@@ -65,8 +65,8 @@ std::optional<double> lesser(const std::optional<double>& a, const std::optional
   return a && b ? std::min(*a, *b) : a ? a : b;
 }
 
-/// The least quota of a group and of those above, up to the mount point. In a container the path is often
-/// that of the machine outside, and only the mount point itself is there: what does not exist has no quota.
+/// The least quota of a group and its ancestors, up to the mount point. In a container the path is often that
+/// on the host, and only the mount point exists: a group that does not exist has no quota.
 std::optional<double> least_quota(const fs::path& mount, std::string_view path,
                                   std::optional<double> (*quota)(const fs::path& group)) {
   std::optional<double> least = quota(mount);
@@ -93,7 +93,7 @@ std::optional<double> processor_quota(const fs::path& root) {
   const fs::path mounts = root / "sys/fs/cgroup";
   std::optional<double> least;
   std::ifstream groups(root / "proc/self/cgroup");
-  // `0::/path` of version 2, `4:cpu,cpuacct:/path` of version 1; a machine may have both.
+  // Lines are `0::/path` for version 2 and `4:cpu,cpuacct:/path` for version 1; a machine may have both.
   for (std::string line; std::getline(groups, line);) {
     const std::size_t first = line.find(':');
     const std::size_t second = first == line.npos ? line.npos : line.find(':', first + 1);

@@ -5,15 +5,15 @@
 
 namespace troupe::partition {
 
-/// The number of processors that the calling thread may use, at least 1: those of its affinity mask (taskset,
-/// SLURM, cpusets), but no more than processor_quota(), rounded up. It may be far below the number of
-/// processors that the machine has. Costs a few reads of small files.
+/// The number of processors that the calling thread may use, at least 1: those in its affinity mask (taskset,
+/// SLURM, cpusets), but at most processor_quota(), rounded up. May be far below the number of processors of
+/// the machine. Reads a few small files.
 unsigned processors_allowed();
 
-/// The processor time that Linux control groups grant this process, in processors: 1.5 is 150 ms of processor
-/// time in every 100 ms. The least quota among its group and the groups above, in version 1 and version 2.
-/// Nothing where no quota is set or none can be read. `root` stands for `/`: proc/self/cgroup and
-/// sys/fs/cgroup are looked up below it.
+/// The processor time that Linux control groups grant this process, in processors: 1.5 means 150 ms of
+/// processor time per 100 ms. It is the least quota of the process's group and its ancestors, in cgroup
+/// versions 1 and 2. Empty if no quota is set or none can be read. root: the folder that contains
+/// proc/self/cgroup and sys/fs/cgroup
 std::optional<double> processor_quota(const std::filesystem::path& root = "/");
 
 }  // namespace troupe::partition

@@ -12,86 +12,88 @@
 
 namespace troupe::partition {
 
-/// The exact ray engine's arithmetic: edges are projected on all beams of a fan at once. docs/sensing.md
-/// derives it and its bounds.
+/// The arithmetic of the exact ray engine: edges are projected on all beams of a fan at once. docs/sensing.md
+/// derives it and its error bounds.
 ///
-/// Positions are taken relative to the fan's reference point in double and rounded once to float, so two
-/// edges that share a vertex share its value. For a beam of direction d whose origin lies at o, and a vertex
-/// v, let c = (v - o) x d: its sign is the side of the beam that v lies on. The beam meets edge (a, b) where
-/// c_a and c_b lie on different sides, zero counting for both, so that no beam slips between two edges at
-/// their vertex. The inverse range is (d x e) / A, with the edge vector e = b - a and A = (a - o) x (b - o);
-/// where it is negative, the edge lies behind.
+/// Positions relative to the fan's reference point are computed in double and rounded once to float, so that
+/// two edges with a common vertex use the same value. For a beam with direction d and origin o, and a vertex
+/// v, the sign of c = (v - o) x d tells on which side of the beam v is. The beam hits edge (a, b) if c_a and
+/// c_b are on different sides; zero counts as both, so that no beam passes between two edges at their vertex.
+/// The inverse range is (d x e) / A, with the edge vector e = b - a and A = (a - o) x (b - o); it is negative
+/// if the edge is behind the origin.
 ///
-/// e and a x b are worked out in double before they are rounded: c_a - c_b and the product of the rounded
-/// ends give the same numbers in principle, but lose all digits of an edge that is short for its distance
-/// (0.3 mm of error for 5 mm of edge at 5 m).
+/// e and a x b are computed in double before they are rounded. c_a - c_b and the product of the rounded ends
+/// are equal in exact arithmetic, but lose all digits for an edge that is short for its distance (0.3 mm of
+/// error for an edge of 5 mm at 5 m).
 ///
-/// Edges met at a grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny, and edges that pass
-/// very near the origin (|A| <= 2^-20 m^2, m the sum of all coordinates' magnitudes) would divide noise by
-/// noise. For them sides are decided as above, so that nothing leaks, and the range is worked out in double
-/// and clamped to where the edge can be. A beam that starts on an edge meets it, whichever way it looks.
+/// Edges hit at a grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny, and edges that pass
+/// very near the origin (|A| <= 2^-20 m^2, where m is the sum of the magnitudes of all coordinates) would
+/// divide noise by noise. For these the sides are decided as above, so that no beam leaks through, and the
+/// range is computed in double and clamped to the distances that the edge can have. A beam that starts on an
+/// edge hits it, whatever its direction.
 ///
-/// units  metres; inverse ranges 1/m
+/// units  metres; inverse ranges in 1/m
 
-/// Beams are taken this many at a time, or fewer: arrays of beams have room for more than there are.
+/// Arrays of beams are padded to a multiple of this, the most beams that a kernel processes at a time.
 inline constexpr std::size_t k_beam_padding = 16;
-/// The room that an array of so many beams needs.
+/// The size of an array for this many beams.
 constexpr std::size_t padded_beams(std::size_t count) {
   return (count + k_beam_padding - 1) / k_beam_padding * k_beam_padding;
 }
 
-/// Beams from one origin at equal angles, counter-clockwise: a scanner's, of which there are many.
+/// The beams of a scanner: one origin, equal angular steps, counter-clockwise. Usually there are many.
 struct Scan {
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, world frame
-  float fov = 0;                ///< between the first and the last beam, rad
-  float step = 0;               ///< between neighbours, rad
+  float fov = 0;                ///< angle between the first and the last beam, rad
+  float step = 0;               ///< angle between neighbouring beams, rad
 };
 
-/// Most beams of a fan that is no scan.
+/// Most beams of a fan that is not a scan.
 inline constexpr std::size_t k_most_beams = 32;
 
-/// A fan of beams at one height. Beam i starts at (ox, oy) and
-/// runs along the unit vector (dx, dy), both in the world's orientation, relative to the reference point.
-/// Each array has padded_beams(count) entries, of which those beyond count repeat the last.
+/// A fan of beams at one height. Beam i starts at (ox, oy), relative to the reference point, and has the unit
+/// direction (dx, dy); both have the orientation of the world frame. Each array has padded_beams(count)
+/// entries; those beyond count repeat the last beam.
 struct Fan {
-  const float* dx = nullptr;   ///< direction
-  const float* dy = nullptr;   ///< direction
-  const float* ox = nullptr;   ///< origin, m
-  const float* oy = nullptr;   ///< origin, m
-  std::size_t count = 0;       ///< beams
+  const float* dx = nullptr;   ///< directions
+  const float* dy = nullptr;   ///< directions
+  const float* ox = nullptr;   ///< origins, m
+  const float* oy = nullptr;   ///< origins, m
+  std::size_t count = 0;       ///< number of beams
   bool common_origin = false;  ///< all origins are 0
-  bool mirrored = false;  ///< the second half looks in the opposite directions of the first, in their order
-  const Scan* scan = nullptr;  ///< what is known of the beams where they are a scan
+  bool mirrored = false;       ///< beam i + count / 2 has the opposite direction of beam i
+  const Scan* scan = nullptr;  ///< the scan that the beams are, or null
 
-  std::size_t padded() const { return padded_beams(count); }  ///< room that each array has
+  std::size_t padded() const { return padded_beams(count); }  ///< size of each array
 };
 
-/// An edge relative to the reference point.
+/// An edge relative to the reference point, metres.
 struct RayEdge {
-  float ax;             ///< from
-  float ay;             ///< from
-  float bx;             ///< to
-  float by;             ///< to
-  float ex;             ///< b - a, rounded once
-  float ey;             ///< b - a, rounded once
-  float area;           ///< a x b, rounded once; exactly 0 where the edge's line meets the reference point
+  float ax;    ///< start
+  float ay;    ///< start
+  float bx;    ///< end
+  float by;    ///< end
+  float ex;    ///< b - a, rounded once
+  float ey;    ///< b - a, rounded once
+  float area;  ///< a x b, rounded once; exactly 0 if the edge's line passes through the reference point
   float ranger_return;  ///< intensity that a beam reads
 };
 
-/// The share of its distance by which an edge may be met short of its nearest point: at most 2^-14 by
-/// rounding at the least angle that counts as no grazing, and 2^-14 of an origin's offset. Culls by distance
-/// leave twice that.
+/// The relative slack of culls by distance. Rounding lets an edge be hit before its nearest point: by at most
+/// 2^-14 of the distance at the smallest angle that is not grazing, and by 2^-14 of an origin's offset. The
+/// slack is twice the sum.
 constexpr double k_range_slack = 1.0 / 4096;
 
-/// What culls leave beside, m: float noise close to an origin.
+/// The absolute slack of culls, metres, for float rounding close to an origin.
 constexpr float k_cull_slack = 1e-6f;
 
-/// Below this sine of the angle to the beam, over the edge's |ex| + |ey|, an edge is met at a grazing angle.
+/// An edge is hit at a grazing angle if |d x e| is less than this times |ex| + |ey|.
 constexpr float k_grazing = 1.0f / 256;
-/// Below this area over m^2, noise could decide on which side of an edge's line the origin lies.
+/// An edge looks tiny if |A| is at most this times m^2: rounding could then decide on which side of its line
+/// the origin is.
 constexpr float k_tiny = 1.0f / (1 << 20);
 
-/// An edge, given in the world's frame.
+/// Converts an edge from the world frame to coordinates relative to the reference point.
 inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference, float ranger_return) {
   constexpr double k_noise = 0x1p-50;
   const Vec2 from = a - reference;
@@ -111,44 +113,44 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
   return edge;
 }
 
-/// Some beams of a fan, a bit for each. Of a scan it says nothing: its beams are found by their angles.
+/// A set of beams of a fan, one bit per beam. Not used for scans, whose beams are found by their angles.
 using BeamSet = std::uint32_t;
-/// Every beam of the fan; of a scan all bits.
+/// The set of all beams of a fan; for a scan all bits.
 inline BeamSet all_beams(const Fan& fan) {
   return fan.scan != nullptr ? ~0u : ~0u >> (k_most_beams - fan.count);
 }
 
-/// Outlines in the world's frame on their way to a fan: chains of vertices, so that edges share what is
-/// worked out of a vertex. Edge j runs from vertex j to vertex j + 1, if it belongs to a piece; between two
-/// chains there is no edge.
+/// A buffer of outlines to project on a fan, world frame, metres. Chains of vertices, so that the work per
+/// vertex is done once for both of its edges. Edge j runs from vertex j to vertex j + 1 if it belongs to a
+/// piece; between two chains there is no edge.
 class EdgeBlock {
  public:
-  static constexpr std::size_t k_capacity = 128;  ///< vertices
-  static constexpr std::size_t k_piece = 8;  ///< most edges of a piece: as many as kernels take at a time
-  /// Consecutive edges of a chain that one circle encloses.
+  static constexpr std::size_t k_capacity = 128;  ///< most vertices
+  static constexpr std::size_t k_piece = 8;  ///< most edges of a piece: kernels process this many at a time
+  /// Consecutive edges of a chain that are in the same circle.
   struct Piece {
-    std::uint32_t first;  ///< vertex with which its first edge begins
-    std::uint32_t edges;  ///< their number, at most k_piece
-    BeamSet met_by;       ///< the beams that may meet one of its edges
-    float ranger_return;  ///< of its edges
+    std::uint32_t first;  ///< first vertex of its first edge
+    std::uint32_t edges;  ///< number of edges, at most k_piece
+    BeamSet met_by;       ///< the beams that may hit one of its edges
+    float ranger_return;  ///< intensity that beams read from its edges
   };
 
   /// Removes all vertices.
   void clear() { vertices_ = pieces_count_ = 0; }
-  bool empty() const { return vertices_ == 0; }       ///< whether there are none
-  std::size_t vertices() const { return vertices_; }  ///< of all chains together
-  /// How many edges a chain may have.
+  bool empty() const { return vertices_ == 0; }       ///< whether there are no vertices
+  std::size_t vertices() const { return vertices_; }  ///< number of vertices of all chains
+  /// The most edges that the next chain may have.
   std::size_t room() const { return std::max(vertices_, k_capacity - 1) - vertices_; }
 
-  /// A chain of so many edges that one circle encloses: from `first` to rest[0], to rest[1] and so on.
-  /// rest  is copied by whole pieces: k_piece - 1 more vertices can be read behind it
+  /// Adds a chain of `edges` edges that are in the same circle: from `first` to rest[0], to rest[1] ...
+  /// rest: copied in whole pieces, so that k_piece - 1 vertices beyond the chain must be readable
   void add(const Vec2& first, const Vec2* rest, std::size_t edges, float ranger_return, BeamSet met_by) {
     double* out = &xy_[2 * vertices_];
     out[0] = first.x();
     out[1] = first.y();
     std::size_t done = 0;
     do {
-      // The number of edges is unpredictable, so a whole piece is copied: the next one overwrites the excess.
+      // A copy of the exact number would cost an unpredictable branch. The next piece overwrites the excess.
       const std::size_t left = edges - done;
       std::memcpy(out + 2 + 2 * done, rest[done].data(), 2 * k_piece * sizeof(double));
       pieces_[pieces_count_++] = {static_cast<std::uint32_t>(vertices_ + done),
@@ -158,11 +160,11 @@ class EdgeBlock {
     vertices_ += edges + 1;
   }
 
-  // Kernels read whole vectors, beyond the last vertex too.
+  // Kernels read whole vectors, also beyond the last vertex.
   const double* xy() const { return xy_.data(); }  ///< x and y of each vertex, aligned to 64 bytes
-  /// In the order in which they were added.
+  /// The pieces in the order in which they were added.
   std::span<const Piece> pieces() const { return {pieces_.data(), pieces_count_}; }
-  /// Edge j as kernels see it; must belong to a piece, which has this ranger_return.
+  /// Edge j relative to the reference point; it must belong to a piece, which has this ranger_return.
   RayEdge relative(std::size_t j, const Vec2& reference, float ranger_return) const {
     const double* e = &xy_[2 * j];
     return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, ranger_return);
@@ -175,49 +177,49 @@ class EdgeBlock {
   std::size_t pieces_count_ = 0;
 };
 
-/// Turns unit vectors (x, y) and rounds them once to float. All arrays have padded_beams(count) entries.
+/// Rotates unit vectors (x, y) and rounds them once to float. All arrays have padded_beams(count) entries.
 void turn(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
           float* out_y);
 
-/// Raises inverse[i] to the inverse range at which beam i meets one of the edges, where that is larger.
+/// Raises inverse[i] to the largest inverse range at which beam i hits one of the edges, if that is larger.
 /// inverse  fan.padded() entries
-/// returns  as many, or null: becomes the ranger_return of the edge that is met; of two at one range, the
-///          larger
+/// returns  fan.padded() entries, or null: set to the ranger_return of the edge that is hit; of two edges at
+///          one range, to the larger
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
 
-/// How far each beam can still go, m: its range so far or range_max, with the slack that culls leave. Returns
-/// the farthest.
+/// Computes the distance that each beam can still reach, metres: the smaller of its range so far and
+/// range_max, plus the slack of culls. Returns the largest.
 /// inverse, range_max, limits  fan.padded() entries
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits);
 
-/// The readings: range_of() of each beam. All arrays but ranges are padded.
+/// Computes the readings: range_of() for each beam. ranges: fan.count entries; the other arrays fan.padded()
 void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
-/// What beams may meet: circles that were not culled.
+/// Circles that were not culled, and the beams that may hit them.
 struct MetCircles : CircleArrays {
-  std::vector<BeamSet> beams;  ///< of each circle: those that may meet it
+  std::vector<BeamSet> beams;  ///< per circle: the beams that may hit it
 
-  /// Makes room for so many circles.
+  /// Ensures room for this many circles; keeps the contents.
   void make_room(std::size_t size) {
     CircleArrays::make_room(size);
     beams.resize(row.size());
   }
 };
 
-/// What CircleArrays are padded to for may_meet(), in circles.
+/// may_meet() requires CircleArrays that are padded to a multiple of this many circles.
 inline constexpr std::size_t k_circle_padding = 16;
-/// Culls circles: leaves in `met` the rows and the beams of those of [begin, end) that some beam may meet
-/// before its limit and whose nearest point lies from `low` to `high` away from the reference, and returns
-/// their number. Margins are far above rounding: it leaves out none that counts.
-/// begin, end  multiples of k_circle_padding; circles with negative infinite radius are never met
+/// Culls circles. Of the circles [begin, end) it writes to `met` the rows and beams of those that some beam
+/// may hit before its limit and whose nearest point is from `low` to `high` away from the reference, metres.
+/// Returns their number. Margins far above rounding ensure that no circle that matters is culled.
+/// begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never hit
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 
-/// The inverse range of one beam and one edge: the formula itself, 0 where they do not meet. Infinity when
-/// the beam starts on the edge.
+/// The inverse range of one beam and one edge, by the scalar formula: 0 if the beam misses the edge, infinity
+/// if it starts on the edge.
 float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy);
 
-/// The range of an inverse range: range_max exactly unless inverse > 1 / range_max.
+/// The range for an inverse range, metres: exactly range_max unless inverse > 1 / range_max.
 inline float range_of(float inverse, float range_max) {
   if (!(inverse > 1.0f / range_max)) return range_max;
   const float range = 1.0f / inverse;

@@ -1,7 +1,7 @@
-// The vector form of the exact ray engine, compiled once for each instruction set that Highway knows and
-// chosen as the program starts. Of a fan a few edges are taken at a time, and the beams that may meet them
-// one by one; of a scan an edge, and a few of the beams that it spans. The bits of an inverse range are those
-// of inverse_range(), on every target.
+// The vector kernels of the exact ray engine, compiled once for each instruction set that Highway supports
+// and chosen when the program starts. For a fan they process a few edges at a time on one beam after another;
+// for a scan one edge at a time on a few of the beams that it spans. On every target an inverse range has the
+// bits of inverse_range().
 
 #include "partition/ranging.hpp"
 
@@ -27,28 +27,29 @@ constexpr Rebind<float, Full<double>> k_half;  // as many floats as doubles in a
 using Few = Capped<float, 8>;
 constexpr Few k_few;
 
-/// A block's edges relative to the reference, each number an array: what relative_edge() makes. Edge j runs
-/// from vertex j to vertex j + 1.
+/// A block's edges relative to the reference, as relative_edge() computes them, in one array per component.
+/// Edge j runs from vertex j to vertex j + 1.
 struct Relative {
   static constexpr std::size_t k_size = EdgeBlock::k_capacity + 3 * EdgeBlock::k_piece;
-  alignas(64) float x[k_size], y[k_size];    // of vertices
-  alignas(64) float ex[k_size], ey[k_size];  // of edges, as all that follows
+  alignas(64) float x[k_size], y[k_size];    // per vertex
+  alignas(64) float ex[k_size], ey[k_size];  // per edge, like all below
   alignas(64) float area[k_size], magnitude[k_size];
-  alignas(64) float grazing[k_size];  // NaN of edges that look tiny: nothing is larger
+  alignas(64) float grazing[k_size];  // NaN for edges that look tiny: no comparison with it is true
 };
 
-/// Edges relative to the reference, and numbers without meaning between chains. For a common origin `area`
-/// becomes its inverse, and no beam meets the fast way what looks tiny from there.
+/// Computes the edges relative to the reference; entries between chains are meaningless. For a common origin
+/// `area` becomes its inverse, and edges that look tiny from there get a NaN, which makes the fast path miss
+/// them.
 ///
-/// relative_edge() makes an area exactly 0 where it is noise, 2^-50 of its two terms. That is left out here:
-/// such an area is tiny for every beam, whether it is 0 or noise, and the careful way works it out again.
-/// (With an origin apart from the reference by o, and t = o x e: where |t| is so small that noise could shift
-/// A - t, both are below k_tiny; where it is larger, noise is less than half a step of A - t.)
+/// relative_edge() sets an area to exactly 0 if it is only noise, 2^-50 of its two terms. This is omitted
+/// here: such an area is tiny for every beam, whether it is 0 or noise, and the careful path computes it
+/// again. (Let the origin be at o from the reference, and t = o x e. If |t| is so small that noise could
+/// change A - t, both are below k_tiny. If |t| is larger, the noise is less than half a float step of A - t.)
 template <bool kCommon>
 HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& out) {
   const auto rx = Set(k_d, reference.x());
   const auto ry = Set(k_d, reference.y());
-  // The last piece is read whole, and so are the vertices of all its lanes.
+  // Kernels read all lanes of the last piece, and the vertices of all of them.
   const std::size_t end = edges.pieces().back().first + EdgeBlock::k_piece + 1;
   for (std::size_t i = 0; i < end; i += Lanes(k_d)) {
     Vec<Full<double>> from_x, from_y, to_x, to_y;
@@ -82,20 +83,20 @@ HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& 
   }
 }
 
-/// Edges and beams, one of each in a lane: the numbers of Relative, directions, and origins less the
-/// reference. References, because a vector of SVE's cannot be a member; what they are made from in braces
-/// lives as long as they do.
+/// An edge and a beam per lane: the components of Relative; directions, and origins relative to the
+/// reference. Members are references because an SVE vector cannot be a member. Temporaries that initialise
+/// them in braces live as long as the struct.
 template <class V>
 struct EdgeVector {
   const V &ax, &ay, &bx, &by, &ex, &ey, &area, &magnitude, &grazing;
 };
 template <class V>
 struct BeamVector {
-  const V &dx, &dy, &ox, &oy, &offset;  // the last: |ox| + |oy|
+  const V &dx, &dy, &ox, &oy, &offset;  // offset: |ox| + |oy|
 };
 
-/// inverse_range(), lane by lane, but below 0 where the edge lies behind, and 0 where the beam wants care:
-/// those are added to `unsure`.
+/// inverse_range() per lane, for beams from the reference. Differs in that it is negative if the edge is
+/// behind, and 0 if the edge needs the careful path: such lanes are added to `unsure`.
 template <class Tag>
 HWY_INLINE Vec<Tag> inverse_common(Tag tag, const EdgeVector<Vec<Tag>>& e, const BeamVector<Vec<Tag>>& beam,
                                    Mask<Tag>& unsure) {
@@ -109,7 +110,7 @@ HWY_INLINE Vec<Tag> inverse_common(Tag tag, const EdgeVector<Vec<Tag>>& e, const
   return IfThenElseZero(met, Mul(across, e.area));
 }
 
-/// The same for beams whose origins lie apart.
+/// inverse_common() for beams with different origins.
 template <class Tag>
 HWY_INLINE Vec<Tag> inverse_apart(Tag tag, const EdgeVector<Vec<Tag>>& e, const BeamVector<Vec<Tag>>& beam,
                                   Mask<Tag>& unsure) {
@@ -126,10 +127,10 @@ HWY_INLINE Vec<Tag> inverse_apart(Tag tag, const EdgeVector<Vec<Tag>>& e, const 
   return IfThenElseZero(met, Mul(across, Div(Set(tag, 1.0f), area)));
 }
 
-/// Where the beams of a fan start.
+/// Whether the beams of a fan start at the reference or at different points.
 enum class Origin { common, apart };
 
-/// Edges on one beam.
+/// The inverse ranges of a vector of edges on one beam.
 template <Origin kOrigin>
 HWY_INLINE Vec<Few> on_beam(const EdgeVector<Vec<Few>>& edges, const Fan& fan, const float* offsets,
                             std::size_t i, Mask<Few>& unsure) {
@@ -141,7 +142,7 @@ HWY_INLINE Vec<Few> on_beam(const EdgeVector<Vec<Few>>& edges, const Fan& fan, c
       k_few, edges, {dx, dy, Set(k_few, fan.ox[i]), Set(k_few, fan.oy[i]), Set(k_few, offsets[i])}, unsure);
 }
 
-/// Raises one beam's reading.
+/// Raises the inverse range of one beam to `value`, and updates what it returns.
 HWY_INLINE void raise_beam(float value, float ranger_return, float& inverse, float* returns) {
   if (returns != nullptr) {
     if (value > inverse)
@@ -152,7 +153,7 @@ HWY_INLINE void raise_beam(float value, float ranger_return, float& inverse, flo
   inverse = std::max(inverse, value);
 }
 
-/// One edge on beams first .. past - 1, by the formula itself.
+/// Projects one edge on beams first to past - 1 by inverse_range().
 HWY_NOINLINE void project_carefully(const RayEdge& edge, const Fan& fan, std::size_t first, std::size_t past,
                                     float* inverse, float* returns) {
   for (std::size_t i = first; i < past; ++i)
@@ -160,21 +161,21 @@ HWY_NOINLINE void project_carefully(const RayEdge& edge, const Fan& fan, std::si
                inverse[i], returns == nullptr ? nullptr : returns + i);
 }
 
-/// For a piece of n edges, from k_piece - n on: 0 for its edges, NaN for the lanes behind them.
+/// For a piece of n edges, read from k_piece - n on: 0 for its edges, NaN for the lanes after them.
 constexpr float k_no_edge = std::numeric_limits<float>::quiet_NaN();
 alignas(64) constexpr float k_edges_then_none[2 * EdgeBlock::k_piece] = {
     0,         0,         0,         0,         0,         0,         0,         0,
     k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge};
 
-/// The nearest that each beam of a fan has met so far, by the edge's place in its piece: so that no beam
-/// waits for the lanes of a vector to be compared.
+/// The largest inverse range of each beam of a fan so far, one per lane of a piece: lanes are compared only
+/// once, at the end, instead of after each piece.
 template <bool kReturns>
 struct Nearest {
   static constexpr std::size_t k_lanes = EdgeBlock::k_piece;
   alignas(64) float inverse[k_most_beams * k_lanes];
   alignas(64) float returns[kReturns ? k_most_beams * k_lanes : 1];
 
-  /// Of all beams, by whole vectors of what fold_into() makes of them.
+  /// The number of lanes of all beams, rounded up to the whole vectors that fold_into() processes.
   static HWY_INLINE std::size_t lanes_of(const Fan& fan) {
     const std::size_t whole = 4 * Lanes(k_f);
     return (fan.count * k_lanes + whole - 1) / whole * whole;
@@ -239,7 +240,7 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
           LoadU(k_few, e.x + j),     LoadU(k_few, e.y + j),         LoadU(k_few, e.x + j + 1),
           LoadU(k_few, e.y + j + 1), LoadU(k_few, e.ex + j),        LoadU(k_few, e.ey + j),
           LoadU(k_few, e.area + j),  LoadU(k_few, e.magnitude + j), Add(LoadU(k_few, e.grazing + j), none)};
-      auto unsure = AndNot(Ge(few.grazing, Zero(k_few)), is_edge);  // tiny: of a common origin alone
+      auto unsure = AndNot(Ge(few.grazing, Zero(k_few)), is_edge);  // NaN: tiny, for a common origin only
       for (BeamSet rest = piece.met_by; rest != 0; rest &= rest - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(rest));
         nearest.raise(i * EdgeBlock::k_piece + lane, on_beam<kOrigin>(few, fan, offsets, i, unsure),
@@ -259,7 +260,7 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
   std::fill(inverse + fan.count, inverse + fan.padded(), inverse[fan.count - 1]);
 }
 
-/// Raises the readings of a vector of beams.
+/// Raises the inverse ranges of a vector of beams to those of `candidate`, and updates what they return.
 template <bool kReturns>
 HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, float* inverse, float* returns) {
   const auto before = LoadU(k_few, inverse);
@@ -272,7 +273,7 @@ HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, floa
   StoreU(Max(before, candidate), k_few, inverse);
 }
 
-/// A step: an edge of a scan, and a vector of beams by its first.
+/// A step packs an edge and the first beam of a vector of beams of a scan into one integer.
 constexpr int k_edge_bits = 8;
 static_assert(Relative::k_size <= 1 << k_edge_bits);
 HWY_INLINE std::size_t edge_of(std::int32_t step) {
@@ -280,26 +281,27 @@ HWY_INLINE std::size_t edge_of(std::int32_t step) {
 }
 HWY_INLINE std::size_t beam_of(std::int32_t step) { return static_cast<std::size_t>(step) >> k_edge_bits; }
 
-/// Writes the steps at `where`, and returns their number.
+/// Writes the steps of the lanes where the mask holds, and returns their number.
 HWY_INLINE std::size_t note(const Vec<decltype(k_i)>& beams, const Vec<decltype(k_i)>& edges,
                             const Mask<decltype(k_i)>& where, std::int32_t* steps) {
   StoreU(compress(Or(ShiftLeft<k_edge_bits>(beams), edges), where), k_i, steps);
   return count_true(k_i, where);
 }
 
-/// The beams of a scan that edges span. Most span few, one vector of them or two. Vectors begin at multiples
-/// of their length, so that edges side by side write the same ones.
+/// The beams of a scan that edges span, as steps. Most edges span one or two vectors of beams. Vectors start
+/// at multiples of their length, so that neighbouring edges update the same ones.
 struct Spans {
-  alignas(64) std::int32_t ends[2 * Relative::k_size];  // steps: the first vector, and the last if another
+  alignas(64) std::int32_t ends[2 * Relative::k_size];  // the first vector, and the last if it is another one
   std::size_t ends_count = 0;
-  // Where others lie between those two: the first of them, and the last of all.
+  // For edges with more vectors between those two: the first of them, and the end (the last vector of the
+  // edge).
   alignas(64) std::int32_t between[Relative::k_size];
   alignas(64) std::int32_t past[Relative::k_size];
   std::size_t between_count = 0;
 };
 
-/// Notes the beams that edges span, without a branch, which would be unpredictable. Edges that look tiny are
-/// left out.
+/// Collects the beams that edges span, without branches, which would be unpredictable. Omits edges that look
+/// tiny.
 HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fan& fan, Spans& out) {
   const ScanAngles angles(*fan.scan, fan.count);
   alignas(64) float angle[Relative::k_size];
@@ -310,13 +312,13 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
   std::size_t ends = 0;
   std::size_t between = 0;
   const auto end_of_edges = Set(k_i, static_cast<std::int32_t>(count - 1));
-  auto edge = Iota(k_i, 0);  // counted up: made again it would go through memory, on some targets
+  auto edge = Iota(k_i, 0);  // incremented, because on some targets another Iota would go through memory
   for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
     const Floats a = Load(k_f, angle + i);
     const Floats b = LoadU(k_f, angle + i + 1);
     const Floats from = Min(a, b);
     const Floats to = Max(a, b);
-    // Seen under nearly half a turn or more, it passes the origin closely or behind.
+    // An edge that subtends nearly half a turn or more passes close to the origin or behind it.
     const auto all = Gt(Sub(to, from), Set(k_f, 3.0f));
     Floats first, last;
     angles.beams(from, to, all, first, last);
@@ -336,12 +338,12 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
   out.between_count = between;
 }
 
-/// Marks where there is no edge: `grazing` is below 0 between chains. Sets what each edge returns. Returns
-/// the number of vertices.
+/// Marks the gaps between chains, where there is no edge, by a negative `grazing`. Sets the ranger_return of
+/// each edge. Returns the number of vertices.
 template <bool kReturns>
 HWY_INLINE std::size_t part_chains(const EdgeBlock& edges, Relative& relative, float* returns_of) {
   const std::size_t count = edges.vertices();
-  std::size_t end = 0;  // of the piece before
+  std::size_t end = 0;  // of the previous piece
   for (const EdgeBlock::Piece& piece : edges.pieces()) {
     if (piece.first != end) relative.grazing[end] = -1;
     end = piece.first + piece.edges;
@@ -382,7 +384,7 @@ void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& f
   for (std::size_t k = 0; k < spans.between_count; ++k)
     for (std::int32_t step = spans.between[k]; step < spans.past[k]; step += next) take(step);
 
-  // What looks tiny may be met in any direction.
+  // Edges that look tiny may be hit in any direction.
   for (std::size_t j = 0; j < count; j += Lanes(k_f)) {
     const Floats grazing = Load(k_f, relative.grazing + j);
     const auto tiny =

@@ -14,27 +14,28 @@
 namespace troupe::partition {
 namespace {
 
-constexpr unsigned k_region_bits = 6;  // 64 cells an edge
+constexpr unsigned k_region_bits = 6;  // 64 cells per edge
 constexpr std::int32_t k_region = 1 << k_region_bits;
 constexpr std::int32_t k_block = 8;
 constexpr std::uint32_t k_link = 1u << 31;  // a mark that is a link to several surfaces
 constexpr std::uint32_t k_unmarked = ~0u;
-constexpr std::uint32_t k_share = 128;        // outlines a task
-constexpr std::size_t k_batch = 8;            // regions a task
-constexpr std::int64_t k_farthest = 1 << 29;  // cells: twice that still counts in 32 bits
+constexpr std::uint32_t k_share = 128;        // outlines per task
+constexpr std::size_t k_batch = 8;            // regions per task
+constexpr std::int64_t k_farthest = 1 << 29;  // cells: twice that still fits in 32 bits
 
 std::uint32_t take(std::uint32_t& counter, std::uint32_t n) {
   return std::atomic_ref(counter).fetch_add(n, std::memory_order_relaxed);
 }
 
-/// Bits that are set: without the instruction, which not every x86-64 has, std::popcount is a call.
+/// The number of set bits. Not std::popcount, which is a function call unless the compiler may use the
+/// instruction, and not every x86-64 has that.
 std::uint32_t count(std::uint64_t word) {
   word -= word >> 1 & 0x5555555555555555;
   word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
   return static_cast<std::uint32_t>(((word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F) * 0x0101010101010101 >> 56);
 }
 
-/// How many bits of the word lie below this one.
+/// The number of set bits of the word below this one.
 std::uint32_t rank(std::uint64_t word, std::uint32_t bit) {
   return count(word & ((std::uint64_t{1} << bit) - 1));
 }
@@ -44,21 +45,22 @@ void for_each_bit(std::uint64_t word, Visit&& visit) {
   for (; word != 0; word &= word - 1) visit(static_cast<std::uint32_t>(std::countr_zero(word)));
 }
 
-/// The most cells that an edge of this length can draw, however it lies.
+/// The most cells that an edge of this length can draw, at any angle.
 double most_cells(const Vec2& a, const Vec2& b, double resolution) {
   return 1.41422 * (b - a).norm() / resolution + 3;
 }
 
 std::string too_fine(double resolution, double bytes, double most_bytes) {
-  // Cells along an outline: half the resolution, half the memory.
+  // Only outlines are drawn, so that cells of twice the size take half the memory.
   return fmt::format(
-      "cells of {:g} m would take {:.3g} GB, and {:.3g} GB is the most; {:.2g} m or more would do",
+      "cells of {:g} m would take {:.3g} GB, more than the limit of {:.3g} GB; use {:.2g} m or more",
       resolution, bytes / 1e9, most_bytes / 1e9, 1.1 * resolution * bytes / most_bytes);
 }
 
 }  // namespace
 
-/// Draws outlines into a Drawing from a place on. file(region, run) is told of each run as it is closed.
+/// Draws outlines into a Drawing, starting at a given cell and run. Calls file(region, run) as each run is
+/// closed.
 class RayGrid::Pen {
  public:
   Pen(const GridGeometry& geometry, Drawing& drawing, std::uint32_t cell, std::uint32_t run)
@@ -122,14 +124,14 @@ class RayGrid::Pen {
   Drawing& drawing_;
   std::uint32_t cell_;
   std::uint32_t run_;
-  std::uint32_t begin_ = 0;  // of the run
+  std::uint32_t begin_ = 0;  // first cell of the current run
   std::uint32_t surface_ = 0;
   Cell region_;
 };
 
-/// A ray's way through cells, in steps from the one where it starts: i along x, j along y, both counted in
-/// the ray's direction. Step i crosses the i-th border along x, and so for y; the line from the middle of the
-/// first cell crosses them in the order of (2 i - 1) / across and (2 j - 1) / up.
+/// The path of a ray through the cells, in steps from its first cell: i along x, j along y, both counted in
+/// the direction of the ray. Step i crosses the i-th border along x, step j the j-th along y. The line from
+/// the middle of the first cell crosses them in the order of (2 i - 1) / across and (2 j - 1) / up.
 class RayGrid::Line {
  public:
   explicit Line(const Vec2& direction)
@@ -138,9 +140,9 @@ class RayGrid::Line {
         across(units(direction.x())),
         up(units(direction.y())) {}
 
-  /// Below 0: border i along x comes before border j along y.
+  /// Negative if border i along x comes before border j along y.
   std::int64_t order(std::int64_t i, std::int64_t j) const { return up * (2 * i - 1) - across * (2 * j - 1); }
-  /// Borders along y that are crossed before border i along x; and the other way round.
+  /// y_steps: the borders along y that are crossed before border i along x. x_steps: the converse.
   std::int64_t y_steps(std::int64_t i) const { return (up * (2 * i - 1) + across) / (2 * across); }
   std::int64_t x_steps(std::int64_t j) const { return (across * (2 * j - 1) + up - 1) / (2 * up); }
 
@@ -156,7 +158,7 @@ class RayGrid::Line {
   const std::int64_t across, up;
 
  private:
-  /// In 2^-20, to the nearest: a millionth of a radian, and 51 bits suffice for order().
+  /// Rounds to multiples of 2^-20: accurate to a millionth of a radian, and order() fits in 51 bits.
   static std::int64_t units(double component) {
     return (static_cast<std::int64_t>(std::abs(component) * (2 << 20)) + 1) / 2;
   }
@@ -171,7 +173,7 @@ RayGrid::RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> 
   draw_fixed(solids);
 }
 
-/// Sets memory aside for the moving bodies, by the most that they can draw.
+/// Allocates memory for the most that the mobile bodies can draw.
 void RayGrid::share_out(std::span<const Vec2> vertices) {
   double cells = 0;
   double runs = 0;
@@ -214,7 +216,7 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
       runs += std::min(most, most / k_region + 2);
       if (const double away = ring[i].cwiseAbs().maxCoeff(); !(away <= limit)) {
         constexpr auto k_text =
-            "cells of {:g} m reach {:g} m from the origin, but something stands {:g} m away";
+            "cells of {:g} m reach {:g} m from the origin, but the static scene reaches {:g} m";
         throw std::length_error(fmt::format(k_text, cells_.cell_m, limit, away));
       }
     }
@@ -225,15 +227,15 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
     const double bytes =
         cells * k_cell_bytes + runs * sizeof(Run) + static_cast<double>(regions) * k_region_bytes;
     if (bytes <= static_cast<double>(k_most_bytes)) return;
-    // Regions that are not counted yet: a straight wall draws some 64 cells in each.
+    // Also estimates the regions that are not counted yet: a straight wall draws about 64 cells in each.
     const double with_regions = cells * (k_cell_bytes + k_region_bytes / k_region);
     throw std::length_error(
         too_fine(cells_.cell_m, std::max(bytes, with_regions), static_cast<double>(k_most_bytes)));
   };
   check(0);
 
-  // Marks and links: those of the fixed cells; for the live ones those again, as they may all be copied, and
-  // one for each cell drawn.
+  // Marks and links are needed for the fixed cells, for copies of them in live regions, and for each cell
+  // that the bodies draw.
   const auto fixed = static_cast<std::size_t>(cells);
   marks_.reset(new std::uint32_t[2 * fixed + shares_.back().cell]);
   links_.reset(new Link[fixed + shares_.back().cell]);
@@ -270,7 +272,7 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
   }
 }
 
-/// The slot of a region, made where there is none.
+/// Returns the slot of a region; adds it if there is none.
 RayGrid::Slot& RayGrid::settle(Cell region) {
   const std::uint32_t slot = directory_.insert(region);
   if (slot == slots_.size()) {
@@ -284,7 +286,7 @@ RayGrid::Slot& RayGrid::settle(Cell region) {
 void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
                      const Linked& linked) {
   groups_ = linked.groups;
-  // Runs are pushed on a list for each region, in whatever order: nothing depends on it.
+  // Runs are pushed on a list per region. Their order depends on the threads, but no result depends on it.
   std::vector<Homeless> homeless;
   std::mutex homeless_mutex;
   const auto file = [this](Slot& slot, std::uint32_t run) {
@@ -311,7 +313,7 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
                });
     }
   });
-  // Bodies seldom enter new ground, so one thread makes it.
+  // Bodies rarely enter new regions, so one thread adds them.
   for (const Homeless& run : homeless) {
     Slot& slot = settle(run.region);
     if (!slot.live) {
@@ -340,7 +342,8 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
   forget_empty_regions(used.load());
 }
 
-/// Draws the slot's runs into a region that was the base, but for the blocks that the last ones redrew.
+/// Draws the slot's runs into a region. The region must equal the base except in the blocks that were redrawn
+/// last time: these are restored first.
 void RayGrid::assemble(Region& region, const Region& base, const Drawing& drawing, Slot& slot) {
   for_each_bit(slot.redrawn, [&](std::uint32_t b) {
     region.cells[b] = base.cells[b];
@@ -399,7 +402,7 @@ void RayGrid::mark(std::uint32_t& mark, std::uint32_t surface) {
   }
 }
 
-/// Gives back regions that bodies have left long ago, when they are many more than those in use.
+/// Frees regions that bodies have left, once they far outnumber those in use.
 void RayGrid::forget_empty_regions(std::size_t used) {
   if (slots_.size() <= 64 + 4 * (fixed_regions_ + used)) return;
   std::vector<Slot> slots = std::exchange(slots_, std::vector<Slot>());
@@ -435,9 +438,9 @@ float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
   return std::max(most, return_of(mark));
 }
 
-/// Steps without branches through 8 x 8 cells of a block, or blocks of a region: which border comes next is
-/// as good as random, and a wrong guess costs more than a dozen steps. x in the low half of a byte and y in
-/// the high one move by one addition, and show in their fourth bits when they leave.
+/// Steps without branches through the 8 x 8 cells of a block, or the blocks of a region. Which border comes
+/// next is unpredictable, and a mispredicted branch costs more than a dozen steps. x is in the low half of a
+/// byte and y in the high one: one addition moves both, and their fourth bits show when they leave.
 struct RayGrid::Spot {
   Spot(std::int32_t x, std::int32_t y) : at(x | y << 4) {}
   bool inside() const { return (at & 0x88) == 0; }
@@ -456,7 +459,7 @@ GridHit RayGrid::cast(const GridRay& ray) const {
   const Line line(ray.direction);
   const Cell start = cells_.cell(ray.origin);
   const GridHit nothing{ray.range_max, 0};
-  // After so many steps all is out of reach.
+  // After this many steps everything is out of range.
   const double reach =
       (std::abs(ray.direction.x()) + std::abs(ray.direction.y())) * ray.range_max / cells_.cell_m;
   const auto most_steps = static_cast<std::int64_t>(std::min(reach + 4, static_cast<double>(k_farthest)));
@@ -488,7 +491,7 @@ GridHit RayGrid::cast(const GridRay& ray) const {
       Spot block(at.x >> 3 & 7, at.y >> 3 & 7);
       for (bool first = true;; first = false) {
         if (region->blocks >> block.bit() & 1 && region->owners[block.bit()] != ray.body) {
-          if (!first) {  // where it was entered is worked out only here
+          if (!first) {  // computes where the ray entered the block, only if needed
             border_j = borders - border_i;
             i = along_x ? border_i - k_block : line.x_steps(border_j - k_block);
             j = along_x ? line.y_steps(i) : border_j - k_block;
@@ -511,7 +514,7 @@ GridHit RayGrid::cast(const GridRay& ray) const {
   }
 }
 
-/// Walks one block from a cell on; true when the ray ends in it.
+/// Walks one block, starting at a cell. True if the ray ends in the block.
 bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const GridRay& ray, const Line& line,
                            Cell at, std::int64_t i, std::int64_t j, GridHit& hit) const {
   const std::uint64_t drawn = region.cells[block];
@@ -524,7 +527,7 @@ bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const Grid
   for (Spot cell = entry; cell.inside();) {
     if (drawn >> cell.bit() & 1) {
       if (const float most = met(marks_[region.marks[block] + rank(drawn, cell.bit())], ray); most >= 0) {
-        // The distance between the middles of the cells, less a quarter of a cell.
+        // The distance between the middles of the cells minus a quarter of a cell.
         const std::int64_t steps =
             line.across >= line.up ? i + std::abs(cell.x() - entry.x()) : j + std::abs(cell.y() - entry.y());
         const double step_m =

@@ -1,4 +1,4 @@
-// The beams of a scan by their angles, once a target as partition/simd.inl.
+// Finds the beams of a scan by their angles. Included once per target, like partition/simd.inl.
 #if defined(TROUPE_PARTITION_SCAN_ANGLES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TROUPE_PARTITION_SCAN_ANGLES_INL
 #undef TROUPE_PARTITION_SCAN_ANGLES_INL
@@ -20,7 +20,7 @@ using Floats = Vec<Full<float>>;
 
 constexpr float k_quarter = 1.57079633f;  // of a turn, rad
 
-/// The angle of (x, y), rad in [-pi, pi], to 1e-4: for culls. Any angle for (0, 0).
+/// The angle of (x, y) in [-pi, pi], rad, accurate to 1e-4: for culls. Arbitrary for (0, 0).
 /// source  Abramowitz and Stegun, Handbook of mathematical functions, 4.4.47
 HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
   const Floats across = Min(Abs(x), Abs(y));
@@ -36,7 +36,8 @@ HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
   return CopySign(angle, y);
 }
 
-/// Angles from the middle of a scan and numbers of beams, each with a margin above what angle_of() is off.
+/// Angles relative to the middle of a scan, and the beams between them with a margin above the error of
+/// angle_of().
 class ScanAngles {
  public:
   ScanAngles(const Scan& scan, std::size_t count)
@@ -51,8 +52,8 @@ class ScanAngles {
     const Floats my = Set(k_f, my_);
     return angle_of(Add(Mul(x, mx), Mul(y, my)), Sub(Mul(y, mx), Mul(x, my)));
   }
-  /// The first and the last beam between two angles, as floats; first > last where there is none. All beams
-  /// where `all` holds or the angles come to the back, where they jump.
+  /// Computes the first and the last beam between two angles, as floats; first > last if there is none. Gives
+  /// all beams where `all` holds, or where the angles come close to +-pi, where they jump.
   template <class Mask>
   HWY_INLINE void beams(const Floats& from, const Floats& to, const Mask& all, Floats& first,
                         Floats& last) const {
@@ -69,7 +70,7 @@ class ScanAngles {
   }
 
  private:
-  float mx_, my_, half_fov_, per_step_, last_;  // numbers: a vector of SVE's cannot be a member
+  float mx_, my_, half_fov_, per_step_, last_;  // scalars, because an SVE vector cannot be a member
 };
 
 }  // namespace

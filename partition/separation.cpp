@@ -10,8 +10,8 @@ struct Way {
   double depth = std::numeric_limits<double>::infinity();
 };
 
-/// Looks among the outward normals of a polygon for a shorter way by which another one leaves it. Edges too
-/// short to have a direction are left out. sign: -1 where it is the polygon that leaves.
+/// Searches the outward normals of `polygon` for a shorter displacement that moves `other` out of it. Skips
+/// edges that are too short to have a direction. sign: -1 if it is `polygon` that moves.
 template <class P, class Q>
 void shorten(const P& polygon, const Q& other, double sign, Way& way) {
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {

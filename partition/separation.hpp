@@ -6,11 +6,11 @@
 
 namespace troupe::partition {
 
-/// The shortest way, m, on which `b` must be shifted so that it only touches `a`. Of shapes of several pieces
-/// that of the two pieces that reach farthest into one another, so that the shapes may still overlap then:
-/// ask again. Nothing where the shapes do not overlap. ties    the first pair of pieces; of a pair the edges
-/// of a before those of b, each in their order source  separating axes: the way out of two convex polygons
-/// runs along the normal of one of their edges
+/// The shortest displacement of `b`, metres, world frame, after which it only touches `a`. For shapes of
+/// several pieces it is that of the pair with the deepest penetration; the shapes may then still overlap, so
+/// call again. Empty if the shapes do not overlap. Separating axes: the shortest displacement of two convex
+/// polygons is along the normal of one of their edges. Ties: the first pair of pieces; within a pair the
+/// edges of a before those of b, each in their order.
 std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b);
 
 }  // namespace troupe::partition

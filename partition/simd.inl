@@ -1,5 +1,5 @@
-// Highway's vectors for the kernels of this folder, once a target (hwy/foreach_target.h includes it again and
-// again): so there is a guard that Highway toggles instead of a #pragma once.
+// Highway's vectors for the kernels of this folder. hwy/foreach_target.h includes this file once per target,
+// so it has a guard that Highway toggles instead of a #pragma once.
 #if defined(TROUPE_PARTITION_SIMD_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TROUPE_PARTITION_SIMD_INL
 #undef TROUPE_PARTITION_SIMD_INL
@@ -14,13 +14,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace troupe::partition::HWY_NAMESPACE {
 
-/// The operations that kernels may use: those that give the same bits on every target. Left out on purpose
-/// are MulAdd and its kin, which round once where a target has them and twice where it has not, and the
-/// Approximate ones. A test holds kernels to this list.
+/// The operations that kernels may use: those that give the same bits on every target. MulAdd and its
+/// relatives are excluded because they round once on targets that have them and twice on others; the
+/// Approximate ones are excluded as well. A test checks that kernels use only this list.
 namespace simd {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A whole vector, of 512 bits at most: that is what arrays are padded for, and SVE's may have 2048.
+// A whole vector of at most 512 bits, because arrays are padded for that; SVE vectors may have 2048.
 template <class T>
 using Full = hn::CappedTag<T, 64 / sizeof(T)>;
 template <class T, std::size_t N>
@@ -78,12 +78,13 @@ using hn::Xor;
 
 using hn::MaxOfLanes;
 
-// Highway 1.0.3 holds the permutations of its Compress in an array inside the function, where the target has no
-// instruction for it, and gcc 12 copies that array to the stack at every call: up to a kilobyte, which took
-// three quarters of the time of a cull. Highway's CountTrue is a call on the one target without popcnt.
+// On targets without an instruction for it, Highway 1.0.3 keeps the permutations of its Compress in an array
+// inside the function. gcc 12 copies this array, up to a kilobyte, to the stack at every call, which took
+// three quarters of the time of a cull. Highway's CountTrue is a function call on SSSE3, the one target
+// without popcnt.
 #if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_NEON
 
-/// A bit for each lane of a mask of at most eight lanes.
+/// The bits of a mask of at most eight lanes.
 template <class Tag>
 HWY_INLINE std::uint8_t bits_of(Tag tag, const Mask<Tag>& mask) {
   std::uint8_t bits = 0;
@@ -91,7 +92,8 @@ HWY_INLINE std::uint8_t bits_of(Tag tag, const Mask<Tag>& mask) {
   return bits;
 }
 
-/// The lanes where the mask holds, in their order, then others. Lanes of 32 bits, a whole vector of them.
+/// Moves the lanes where the mask holds to the front, in their order; the others are arbitrary. For whole
+/// vectors of 32-bit lanes.
 template <class V>
 HWY_INLINE V compress(const V& v, const Mask<hn::DFromV<V>>& mask) {
   constexpr hn::DFromV<V> k_tag;
@@ -117,11 +119,11 @@ HWY_INLINE V compress(const V& v, const Mask<hn::DFromV<V>>& mask) {
 
 #endif
 
-/// In how many lanes the mask holds.
+/// The number of lanes where the mask holds.
 template <class Tag>
 HWY_INLINE std::size_t count_true(Tag tag, const Mask<Tag>& mask) {
 #if HWY_TARGET == HWY_SSSE3
-  constexpr std::uint64_t k_counts = 0x4332'3221'3221'2110;  // a digit for each mask of four lanes
+  constexpr std::uint64_t k_counts = 0x4332'3221'3221'2110;  // one digit per mask of four lanes
   return k_counts >> (4 * bits_of(tag, mask)) & 0xF;
 #else
   return hn::CountTrue(tag, mask);

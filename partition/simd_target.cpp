@@ -1,5 +1,5 @@
-// The instruction sets of the kernels by their names. This file is compiled for each of them, too, so that
-// what it says of the dispatch is what the dispatch does.
+// The instruction sets of the kernels, by name. This file is compiled for each of them as well, so that
+// simd_target() reports what the dispatch really chooses.
 
 #include "partition/simd_target.hpp"
 
@@ -31,7 +31,7 @@ namespace {
 
 HWY_EXPORT(compiled_for);
 
-/// What Highway calls AVX3 is AVX-512, and its two portable targets never meet in one program.
+/// Highway calls AVX-512 AVX3. Its two portable targets share a name: a program has only one of them.
 std::string name_of(std::int64_t target) {
   if (target == HWY_SCALAR || target == HWY_EMU128) return "scalar";
   std::string name = hwy::TargetName(target);
@@ -40,15 +40,15 @@ std::string name_of(std::int64_t target) {
   return name.starts_with("avx3") ? "avx512" + name.substr(4) : name;
 }
 
-/// The bits of a set of targets; the lowest is the best.
+/// The targets of a set of bits, the lowest bit first: the best target.
 std::vector<std::int64_t> each_of(std::int64_t targets) {
   std::vector<std::int64_t> list;
   for (; targets != 0; targets &= targets - 1) list.push_back(targets & -targets);
   return list;
 }
 
-/// Highway finds out what the processor has by dispatching to it, before it leaves out what is not to be
-/// used: so it is asked once, and what it dispatched to is put right.
+/// The usable targets. hwy::SupportedTargets() also sets the dispatch, before it removes the targets that may
+/// not be used; therefore it is called once, and the dispatch is then corrected.
 std::int64_t usable() {
   static const std::int64_t targets = [] {
     const std::int64_t found = hwy::SupportedTargets() & HWY_TARGETS;

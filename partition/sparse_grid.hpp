@@ -9,29 +9,29 @@
 
 namespace troupe::partition {
 
-/// A cell of the plane, counted from the origin.
+/// A cell of the plane, counted from the origin of the world frame.
 struct Cell {
-  std::int32_t x = 0;  ///< column; rises with x of the world
-  std::int32_t y = 0;  ///< row; rises with y of the world
+  std::int32_t x = 0;  ///< column; increases with x
+  std::int32_t y = 0;  ///< row; increases with y
   friend bool operator==(Cell, Cell) = default;
 };
 
-/// How the plane is cut: square cells, and square tiles of 2^tile_bits cells an edge.
+/// A grid on the plane: square cells, and square tiles of 2^tile_bits cells per edge.
 struct GridGeometry {
-  double cell_m = 1;       ///< edge of a cell
+  double cell_m = 1;       ///< edge of a cell, metres
   unsigned tile_bits = 3;  ///< a tile is 2^tile_bits cells wide
 
-  std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< of each tile
-  double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }   ///< edge of a tile
+  std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< cells of a tile
+  double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }  ///< edge of a tile, metres
 
-  /// The cell of a point. Points beyond +-2^30 cells count as lying in the outermost one.
+  /// The cell of a point. Coordinates beyond +-2^30 cells are clamped.
   Cell cell(const Vec2& p) const { return {index(p.x()), index(p.y())}; }
-  /// That holds the cell; tiles are counted as cells are.
+  /// The tile of a cell. Tiles are counted from the origin, like cells.
   Cell tile(Cell c) const { return {c.x >> tile_bits, c.y >> tile_bits}; }
-  /// Blocks of cells: bodies of one block are worked on one after another, and what they look up serves all.
+  /// A block is 2^block_bits() cells wide. Bodies of one block are processed together and share look-ups.
   unsigned block_bits() const { return tile_bits < 2 ? tile_bits : 2; }
-  Cell block(Cell c) const { return {c.x >> block_bits(), c.y >> block_bits()}; }  ///< that holds the cell
-  /// World frame, m.
+  Cell block(Cell c) const { return {c.x >> block_bits(), c.y >> block_bits()}; }  ///< the block of a cell
+  /// The bounds of a block, metres, world frame.
   Box box_of_block(Cell block) const {
     const double edge = cell_m * static_cast<double>(1u << block_bits());
     Box box;
@@ -39,7 +39,7 @@ struct GridGeometry {
     box.max = Vec2((block.x + 1.0) * edge, (block.y + 1.0) * edge);
     return box;
   }
-  /// Row-major within the tile, so that a run of cells along x lies contiguous.
+  /// The index of a cell in its tile: row-major, so that a run of cells along x is contiguous.
   std::size_t in_tile(Cell c) const {
     const std::int32_t mask = (1 << tile_bits) - 1;
     return (static_cast<std::size_t>(c.y & mask) << tile_bits) | static_cast<std::size_t>(c.x & mask);
@@ -56,26 +56,26 @@ struct GridGeometry {
   }
 };
 
-/// Finds the slot of a tile: open addressing over tile coordinates. Empty tiles cost nothing.
+/// Maps tiles to slots: a hash table with open addressing. Tiles that are not in it take no memory.
 class TileDirectory {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no slot
 
-  TileDirectory() : keys_(16), slots_(16, k_none) {}  ///< of no tiles
-  /// Removes all tiles; slots are given from 0 again.
+  TileDirectory() : keys_(16), slots_(16, k_none) {}  ///< an empty directory
+  /// Removes all tiles; slots start at 0 again.
   void clear() {
     std::ranges::fill(slots_, k_none);
     tiles_.clear();
   }
-  /// Makes room for so many tiles.
+  /// Reserves memory for this many tiles.
   void reserve(std::size_t tiles) {
     while (tiles * 2 > keys_.size()) grow();
     tiles_.reserve(tiles);
   }
-  std::size_t size() const { return tiles_.size(); }            ///< tiles; slots are 0 to size() - 1
-  Cell tile(std::uint32_t slot) const { return tiles_[slot]; }  ///< that has the slot
+  std::size_t size() const { return tiles_.size(); }  ///< number of tiles; slots are 0 to size() - 1
+  Cell tile(std::uint32_t slot) const { return tiles_[slot]; }  ///< the tile of a slot
 
-  /// The slot of a tile; k_none where it has none.
+  /// The slot of a tile; k_none if it has none.
   std::uint32_t find(Cell tile) const {
     for (std::size_t i = start(tile);; i = (i + 1) & (keys_.size() - 1)) {
       if (slots_[i] == k_none) return k_none;
@@ -83,7 +83,7 @@ class TileDirectory {
     }
   }
 
-  /// The slot of a tile, the next free one where it had none.
+  /// Returns the slot of a tile; gives it the next free slot if it has none.
   std::uint32_t insert(Cell tile) {
     if ((tiles_.size() + 1) * 2 > keys_.size()) grow();
     std::size_t i = start(tile);
@@ -114,8 +114,8 @@ class TileDirectory {
   std::vector<Cell> tiles_;
 };
 
-/// Visits the runs of cells from low to high, both included: visit(slot, first cell in tile, one past the
-/// last, cell of the first), a run for each row of each tile that exists.
+/// Visits the cells from low to high, both included, in runs: one run per row of cells of each tile in the
+/// directory. Calls visit(slot, index of the first cell in the tile, one past the last, first cell).
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell low, Cell high,
                   Visit&& visit) {
@@ -131,7 +131,7 @@ void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell
   };
   const auto wide = static_cast<std::int64_t>(tile_high.x) - tile_low.x + 1;
   const auto tall = static_cast<std::int64_t>(tile_high.y) - tile_low.y + 1;
-  if (wide * tall > static_cast<std::int64_t>(directory.size())) {  // more ground than tiles: ask the tiles
+  if (wide * tall > static_cast<std::int64_t>(directory.size())) {  // fewer tiles exist: test each of them
     for (std::uint32_t slot = 0; slot < directory.size(); ++slot) {
       const Cell tile = directory.tile(slot);
       if (tile_low.x <= tile.x && tile.x <= tile_high.x && tile_low.y <= tile.y && tile.y <= tile_high.y)
@@ -147,7 +147,7 @@ void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell
   }
 }
 
-/// The same for the cells that a box touches.
+/// Visits the cells that a box touches, in runs.
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
   for_each_run(grid, directory, grid.cell(box.min), grid.cell(box.max), visit);

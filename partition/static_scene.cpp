@@ -5,10 +5,10 @@
 namespace troupe::partition {
 namespace {
 
-constexpr double k_least_cover_m = 0.25;  // finer cells would tell of few points more
+constexpr double k_least_cover_m = 0.25;  // finer cells would classify few more points
 
-/// Cells that an edge may cross: those of its box, less those that lie on one side of its line by more than
-/// the cell's half diagonal. A few too many do no harm.
+/// Visits the cells that an edge may cross: those of its box, except those farther from its line than half
+/// the diagonal of a cell. A few too many do no harm.
 template <class Visit>
 void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visit) {
   const Cell low = grid.cell(edge.a.cwiseMin(edge.b));
@@ -18,7 +18,7 @@ void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visi
   for (std::int32_t y = low.y; y <= high.y; ++y) {
     Cell from = low;
     Cell to = high;
-    if (along.y() != 0) {  // where the edge passes this row of cells, and a cell to either side
+    if (along.y() != 0) {  // only where the edge passes this row of cells, and one cell on either side
       const double t0 = std::clamp((y * grid.cell_m - edge.a.y()) / along.y(), 0.0, 1.0);
       const double t1 = std::clamp(((y + 1) * grid.cell_m - edge.a.y()) / along.y(), 0.0, 1.0);
       const Vec2 p = edge.a + t0 * along;
@@ -63,8 +63,8 @@ EdgeGrid::EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometr
   }
 }
 
-/// Which cells of a solid's box lie wholly in or out of it: all points of a cell that no edge crosses are
-/// alike, and alike with those of such a cell beside it.
+/// Classifies the cells of a solid's box as inside or outside. This holds for all points of a cell that no
+/// edge crosses, and is the same for two such cells side by side.
 void StaticScene::cover_cells(const Solid& solid, Strips& strips) const {
   constexpr double k_most_cells = 1 << 20;
   const Cell low = cover_grid_.cell(strips.box.min);
@@ -141,14 +141,14 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
       for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i)
         strips.edges[next[i]++] = {a, b, s};
     });
-    for (std::size_t i = 0; i < count; ++i)  // from left to right: a search ends where they lie right of it
+    for (std::size_t i = 0; i < count; ++i)  // from left to right, so that count_crossings() can stop early
       std::sort(strips.edges.begin() + strips.begins[i], strips.edges.begin() + strips.begins[i + 1],
                 [](const FixedEdge& e, const FixedEdge& f) {
                   return std::min(e.a.x(), e.b.x()) < std::min(f.a.x(), f.b.x());
                 });
     cover_cells(fixed.solid, strips);
   }
-  constexpr double k_piece = 4;  // width of the pieces that rangers look up, over a cell
+  constexpr double k_piece = 4;  // width of the pieces of outlines, in cells
   outlines_ = FixedOutlines(seen, k_piece * cell_m);
   hidden_outlines_ = FixedOutlines(hidden, k_piece * cell_m);
   std::vector<Box> boxes;

@@ -14,24 +14,24 @@
 
 namespace troupe::partition {
 
-/// A solid that never moves, already in the world's frame.
+/// A static solid in the world frame.
 struct FixedSolid {
-  Solid solid;              ///< world frame
-  BodyId body;              ///< whose it is
-  bool obstacle = true;     ///< blocks motions
-  float ranger_return = 1;  ///< intensity that rangers read; below 0: they pass it
-  std::uint32_t part = 0;   ///< of the body
+  Solid solid;              ///< the solid, world frame
+  BodyId body;              ///< the body it belongs to
+  bool obstacle = true;     ///< whether it blocks motions
+  float ranger_return = 1;  ///< intensity that rangers read; negative: rangers do not see it
+  std::uint32_t part = 0;   ///< the part of the body it belongs to
 };
 
-/// Edges by the cells they cross. An edge lies whole in each of its cells: clipping would change bits, and
-/// meeting one twice is harmless.
+/// An index of edges by the cells that they cross. Each of its cells lists the whole edge: clipping would
+/// change bits, and visiting an edge twice is harmless.
 class EdgeGrid {
  public:
   EdgeGrid() = default;
-  /// How the cells are cut changes no answer.
+  /// The grid does not affect the results of queries.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
-  /// visit(span of edges) for each run of cells that touches the box; an edge may come more than once.
+  /// Calls visit(span of edges) for the runs of cells that the box touches; an edge may come more than once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     if (edges_.empty()) return;
@@ -47,51 +47,53 @@ class EdgeGrid {
  private:
   GridGeometry geometry_;
   TileDirectory directory_;
-  std::vector<std::uint32_t> begins_;  // per slot and cell, one closing entry: into edges_
+  std::vector<std::uint32_t> begins_;  // per slot and cell, and one past the end: index into edges_
   std::vector<FixedEdge> edges_;       // in (tile, cell) order
 };
 
-/// The static geometry. Answers rays, overlap and point-in-solid.
+/// The static scene: the solids that never move. Provides outlines for rays, overlap tests and clearances.
 class StaticScene {
  public:
   StaticScene() = default;
-  /// cell_m never changes an answer.
+  /// solids: in the world frame. cell_m: edge of the cells of the indices, metres; does not affect results
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
-  std::span<const FixedSolid> solids() const { return solids_; }  ///< in the order in which they were given
-  const Box& bounds() const { return bounds_; }                   ///< of all of them; empty without any
-  std::size_t edge_count() const { return edge_count_; }          ///< edges of all solids
+  std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given
+  const Box& bounds() const { return bounds_; }                   ///< bounds of all solids, world frame
+  std::size_t edge_count() const { return edge_count_; }          ///< number of edges of all solids
 
-  /// What rangers see.
+  /// The outlines that rangers see.
   const FixedOutlines& outlines() const { return outlines_; }
-  /// What rangers do not see, and other sensors do.
+  /// The outlines that rangers do not see, but other sensors do.
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
-  bool has_obstacles() const { return has_obstacles_; }  ///< whether any of them blocks motions
+  bool has_obstacles() const { return has_obstacles_; }  ///< whether any solid blocks motions
 
-  /// The first obstacle solid an edge of which crosses the shape and that `ignored` does not name; -1: none.
-  /// A shape wholly inside a solid crosses no edge: see blocked().
+  /// The index of the first obstacle solid with an edge that enters the shape, or -1. Solids for which
+  /// ignored(index) is true are skipped. A shape wholly inside a solid crosses no edge: see blocked().
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
 
-  /// Distance from a point to the nearest edge of an obstacle, m, whatever its height; at most `most`.
+  /// The distance from a point to the nearest edge of an obstacle, metres, at most `most`. Heights are
+  /// ignored.
   double clearance(const Vec2& point, double most) const;
-  /// True when the shape shares area with this obstacle solid.
+  /// True if the shape shares area with this obstacle solid at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
-  /// True when the shape shares area with an obstacle: an edge crosses it, or it lies wholly inside one.
+  /// True if the shape shares area with an obstacle at a common height: an edge enters it, or it is wholly
+  /// inside.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
-  /// Bodies whose obstacle solids overlap the shape at this pose, ascending, without repeats.
+  /// The bodies whose obstacle solids overlap the shape at this pose, ascending, without repeats.
   std::vector<BodyId> overlapping(const ObstacleShape& shape, const Pose& pose_world_body) const;
 
  private:
-  /// Edges of one solid by horizontal strips, for counting crossings of a ray towards -x; and what is known
-  /// of the cells of its box beforehand, so that few points have their crossings counted.
+  /// The edges of one solid by horizontal strips, to count the crossings of a ray towards -x. Also a grid of
+  /// cells known to be inside or outside, so that crossings are counted for few points.
   struct Strips {
     enum Cover : std::uint8_t { unknown, outside, inside };  // unknown: an edge may cross the cell
 
     Box box;
-    Cell low;                   // of the cells
-    std::size_t width = 0;      // cells a row
-    std::vector<Cover> covers;  // of the cells, row by row; none where they would be too many
+    Cell low;                   // lowest cell
+    std::size_t width = 0;      // cells per row
+    std::vector<Cover> covers;  // per cell, row by row; empty if there would be too many
     double y0 = 0;
     double height = 1;
     std::vector<std::uint32_t> begins;
@@ -100,21 +102,23 @@ class StaticScene {
   bool inside(std::size_t solid, const Vec2& point) const;
   bool count_crossings(const Strips& strips, const Vec2& point) const;
   void cover_cells(const Solid& solid, Strips& strips) const;
-  /// Whether one of the pieces lies wholly inside the solid, where no edge of the solid crosses the shape.
+  /// Whether one of the pieces is wholly inside the solid. Requires that no edge of the solid crosses the
+  /// shape.
   bool swallows(std::size_t solid, const PlacedShape& shape) const;
-  /// visit(solid) -> stop? for those that swallow a piece of the shape, more than once perhaps.
+  /// Calls visit(solid) for those that swallow a piece of the shape, perhaps more than once, until it returns
+  /// true.
   template <class Visit>
   bool find_swallowing(const PlacedShape& shape, Visit&& visit) const {
     return boxes_.any_near(Box::around(shape.position(), shape.shape().radius),
                            [&](std::uint32_t solid) { return swallows(solid, shape) && visit(solid); });
   }
-  /// visit(edge) -> stop? for obstacle edges that cross the shape.
+  /// Calls visit(edge) for obstacle edges that enter the shape until it returns true. Returns whether it did.
   template <class Visit>
   bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 
   std::vector<FixedSolid> solids_;
-  std::vector<Strips> strips_;  // beside solids_; empty where the solid is no obstacle
-  BoxGrid boxes_;               // of the strips
+  std::vector<Strips> strips_;  // per solid; empty if the solid is not an obstacle
+  BoxGrid boxes_;               // boxes of the strips
   Box bounds_;
   std::size_t edge_count_ = 0;
   bool has_obstacles_ = false;

@@ -11,8 +11,8 @@
 namespace troupe::partition {
 namespace {
 
-/// visit(low, high) for the up to four rectangles of cells that make [low, high] without [inner_low,
-/// inner_high], which lies within.
+/// Calls visit(low, high) for the up to four rectangles of cells that remain of [low, high] without
+/// [inner_low, inner_high], which must be inside it.
 template <class Visit>
 void for_each_rectangle(Cell low, Cell high, Cell inner_low, Cell inner_high, Visit&& visit) {
   if (low.y < inner_low.y) visit(low, Cell{high.x, inner_low.y - 1});
@@ -31,7 +31,7 @@ void Surroundings::begin(const BodyIndex& bodies, const FixedOutlines& fixed, co
   reach_ = reach;
   home_.reset();
   radii_.clear();
-  // Such that a band of bodies ends at the border of a cell.
+  // Radii are chosen such that the bands of bodies end at cell borders.
   for (double cells = 2;; cells *= 2) {
     const double radius = cells * geometry.cell_m - bodies.largest_small_radius();
     if (radius >= reach) break;
@@ -64,7 +64,7 @@ void Surroundings::gather(std::size_t band) {
       runs_[runs++] = run;
       size += run.size();
     };
-    // Slightly less, so that a band that ends at the border of a cell does not touch the next.
+    // Slightly less, so that a band that ends at a cell border does not touch the next cell.
     const auto around = [&](double radius) {
       const Box box = block.expanded((radius + largest_radius) * (1 - 1e-12));
       return std::pair(grid.geometry().cell(box.min), grid.geometry().cell(box.max));

@@ -11,14 +11,14 @@
 
 namespace troupe::partition {
 
-/// Circles, each number an array, in metres and the world's frame. The arrays only ever grow.
+/// Circles in one array per component, metres, world frame. The arrays never shrink.
 struct CircleArrays {
-  std::vector<float> x;            ///< of the centres
-  std::vector<float> y;            ///< of the centres
-  std::vector<float> radius;       ///< negative infinite: nothing meets it
-  std::vector<std::uint32_t> row;  ///< of a body, or a piece of the static scene
+  std::vector<float> x;            ///< centres
+  std::vector<float> y;            ///< centres
+  std::vector<float> radius;       ///< minus infinity: nothing hits the circle
+  std::vector<std::uint32_t> row;  ///< row of a body, or number of a piece of the static scene
 
-  /// Makes room for so many circles, what lies in it kept.
+  /// Ensures room for this many circles; keeps the contents.
   void make_room(std::size_t size) {
     if (size <= x.size()) return;
     const std::size_t room = 2 * size;
@@ -36,46 +36,48 @@ struct CircleArrays {
   }
 };
 
-/// Circles that lie side by side; behind them three more can be read.
+/// Contiguous circles; three more must be readable beyond the end.
 using CircleRun = std::span<const BodyCircle>;
-/// Sets out[size], out[size + 1] ... to the circles of the runs, their rows with the bits of `mark`. There is
-/// room for them and three more.
+/// Writes the circles of the runs to out[size], out[size + 1] and so on, with the bits of `mark` set in their
+/// rows. `out` needs room for three more.
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
-/// What sensors in one block of cells may meet: the circles of bodies and of pieces of fixed outlines, in
-/// bands from near to far. A band is looked up when the first sensor asks for it and serves all that follow
-/// from the same block: in a crowd most see no farther than the first.
+/// The circles that sensors in one block of cells may hit: those of bodies and of pieces of fixed outlines,
+/// in bands from near to far. A band is gathered on first use and then serves all sensors in the block: in a
+/// crowd most sensors need only the first band.
 class Surroundings {
  public:
-  /// Circles of bodies carry their row, those of fixed pieces the piece with this bit.
+  /// The row of a circle is that of the body, or the number of the fixed piece with this bit set.
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
-  /// reach: how far to look at all, m.
+  /// Sets the indices to search; they must stay valid during the queries. reach: largest distance, metres
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
-  /// Looks from the block of this point from now on.
+  /// Makes the block of this point (world frame) the current block.
   void look_from(const Vec2& point);
 
-  /// Bands 0 .. bands()-1 hold every circle that comes within the reach of any point of the block, and more.
+  /// Number of bands. Together they contain every circle within the reach of any point of the block, and
+  /// more.
   std::size_t bands() const { return radii_.size(); }
-  /// Every circle that comes nearer than this to any point of the block lies in this band or one before, m.
+  /// Every circle closer than this to any point of the block is in this band or an earlier one, metres.
   double radius(std::size_t band) const { return radii_[band]; }
-  /// A band's place in circles(). Padded to a multiple of k_circle_padding with circles that nothing meets.
+  /// The range of a band in circles(). Padded to a multiple of k_circle_padding with circles that nothing
+  /// hits.
   struct Band {
-    std::size_t begin;  ///< of its first circle
-    std::size_t end;    ///< behind its last
+    std::size_t begin;  ///< its first circle
+    std::size_t end;    ///< one past its last circle
   };
-  /// Where a band below bands() lies: looked up, if need be.
+  /// The range of a band, which must be below bands(). Gathers the band on first use.
   Band band(std::size_t band) {
     while (ends_.size() <= band) gather(ends_.size());
     return {band == 0 ? 0 : ends_[band - 1], ends_[band]};
   }
-  /// Those of all bands looked up so far; grows when the next is.
+  /// The circles of all bands gathered so far; grows when the next band is gathered.
   const CircleArrays& circles() const { return circles_; }
-  /// What to look at first in the first band, m: a distance within which some k_at_hand circles lie on
-  /// average, but no more than radius(0). Infinite where there are so few that one look is best.
+  /// The distance to search first in the first band, metres: about k_at_hand circles are within it on
+  /// average. At most radius(0), or infinite if there are so few circles that a single search is faster.
   double at_hand() const { return at_hand_; }
   static constexpr double k_at_hand = 20;  ///< see at_hand()
-  /// Where no more circles than these are near, one look is best: at_hand() is infinite.
+  /// at_hand() is infinite if the first band has at most this many circles.
   static constexpr double k_few = 48;
 
  private:
@@ -87,10 +89,10 @@ class Surroundings {
   double reach_ = 0;
   double at_hand_ = 0;
   std::vector<double> radii_;
-  std::optional<Cell> home_;        // in blocks
+  std::optional<Cell> home_;        // the current block
   std::array<CircleRun, 64> runs_;  // found, not yet unpacked
   CircleArrays circles_;
-  std::vector<std::size_t> ends_;  // of the bands looked up so far
+  std::vector<std::size_t> ends_;  // ends of the bands gathered so far
 };
 
 }  // namespace troupe::partition

@@ -30,26 +30,27 @@ struct Finder {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      constexpr double k_most_pixels = 10000;  // an edge
-      d.member<&Params::image_width>("image_width", within(1, k_most_pixels), "columns: a ray each");
+      constexpr double k_most_pixels = 10000;  // per edge
+      d.member<&Params::image_width>("image_width", within(1, k_most_pixels),
+                                     "columns of the image, one ray each");
       d.member<&Params::image_height>("image_height", within(1, k_most_pixels),
-                                      "rows, in which the blobs' heights are told");
-      d.member<&Params::range>("range", meters, above(0), at_most(10000), "how far it sees");
+                                      "rows of the image, in which the heights of blobs are reported");
+      d.member<&Params::range>("range", meters, above(0), at_most(10000), "length of the rays");
       d.member<&Params::fov>("fov", radians, above(0), at_most(2 * k_pi),
                              "angle between the first column and the last");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "by which it looks to the left of its heading");
-      d.member<&Params::colors>("colors", "only blobs of these colours are reported; none given: all");
+                             "pan angle to the left of its heading");
+      d.member<&Params::colors>("colors", "only blobs of these colours are reported; []: all blobs");
       d.member<&Params::use_blob_return>(
-          "use_blob_return", "models whose blob_return is false hide what is behind them and are no blobs");
+          "use_blob_return", "models whose blob_return is false are not blobs, but hide what is behind them");
       d.member<&Params::most_blobs>("most_blobs", within(1, 1000),
-                                    "entries of the readings, from right to left; all blobs are counted");
+                                    "entries of the readings, from right to left; `count` counts all blobs");
     }
   };
 
   Params params;
   Pose pose_body_sensor;           // pan included
-  std::vector<Rotation> bearings;  // of the columns' rays, from right to left
+  std::vector<Rotation> bearings;  // of the rays, one per column, from right to left
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   std::uint64_t sense(const DeviceBatch& batch) const;
@@ -60,17 +61,17 @@ struct Finder {
 
 struct Blob {
   Color color;
-  std::size_t first = 0;  ///< ray
-  std::size_t last = 0;   ///< ray
-  double sum = 0;         ///< of its rays' ranges, m
+  std::size_t first = 0;  ///< first ray
+  std::size_t last = 0;   ///< last ray
+  double sum = 0;         ///< sum of the ranges of its rays, m
 };
 
 bool is_same(const Color& a, const Color& b) {
-  constexpr float k_near = 1e-5f;  // Stage's; opacity does not count
+  constexpr float k_near = 1e-5f;  // as in Stage; opacity is ignored
   return std::abs(a.r - b.r) < k_near && std::abs(a.g - b.g) < k_near && std::abs(a.b - b.b) < k_near;
 }
 
-/// The rows of one blob: Stage takes all bodies to be this tall, and its pixels to be as high as fov / rows.
+/// Computes the rows of a blob. As in Stage, all bodies have the same height, and a pixel is fov / rows high.
 void write_rows(const Finder::Params& params, double range, std::int32_t& top, std::int32_t& bottom) {
   constexpr double k_half_height = 0.3;  // m
   const std::int32_t height = params.image_height;
@@ -109,7 +110,7 @@ class Writer {
     };
     const double range = blob.sum / static_cast<double>(blob.last - blob.first + 1);
     cell(k_blob_left) =
-        static_cast<std::int32_t>(params_.image_width - 1 - blob.last);  // the image's left is ours
+        static_cast<std::int32_t>(params_.image_width - 1 - blob.last);  // columns count from the left
     cell(k_blob_right) = static_cast<std::int32_t>(params_.image_width - 1 - blob.first);
     write_rows(params_, range, cell(k_blob_top), cell(k_blob_bottom));
     state_.cell<float>(slot_, k_blob_range)[i] = static_cast<float>(range);
@@ -124,7 +125,7 @@ class Writer {
   std::size_t count_ = 0;
 };
 
-/// `body`: the frame that the finder's pose is given in.
+/// Finds the blobs of one row. body: the frame in which the finder's pose is given
 void find_blobs(const World& world, const Finder& finder, Row own, const Transform& body, Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();
   std::optional<Blob> blob;
@@ -159,12 +160,12 @@ DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body
   const std::uint32_t n = params.most_blobs;
   return {.data = std::move(finder),
           .percepts = {{"count", Element::u32, 1, "", "blobs in sight"},
-                       {"left", Element::i32, n, "", "column of each"},
-                       {"right", Element::i32, n, "", "last column of each"},
-                       {"top", Element::i32, n, "", "row of each"},
-                       {"bottom", Element::i32, n, "", "last row of each"},
-                       {"range", Element::f32, n, "m", "mean distance of each"},
-                       {"color", Element::u8, 4 * n, "", "of each: red, green, blue, opacity"}},
+                       {"left", Element::i32, n, "", "first column of each blob"},
+                       {"right", Element::i32, n, "", "last column of each blob"},
+                       {"top", Element::i32, n, "", "first row of each blob"},
+                       {"bottom", Element::i32, n, "", "last row of each blob"},
+                       {"range", Element::f32, n, "m", "mean distance of each blob"},
+                       {"color", Element::u8, 4 * n, "", "colour of each blob: red, green, blue, opacity"}},
           .reach_m = pose_body_sensor.position().norm() + params.range,
           .watts = 2};  // as in Stage
 }
@@ -186,7 +187,7 @@ void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
   const std::span<const std::uint8_t> colors = view.state.cell<std::uint8_t>(view.slot, k_blob_color);
   const std::size_t count =
       std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_blob_count)[0], ranges.size());
-  // The image's columns count from the left, each as wide as the angle from one ray to the next.
+  // Columns count from the left of the image; each is as wide as the angle between two rays.
   const auto end = [&](double column, double range) {
     const double bearing = columns > 1 ? params.fov * (0.5 - column / columns) : 0;
     const Vec2 way = Rotation(params.pan + bearing) * Vec2(range, 0);
@@ -205,7 +206,8 @@ void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind blobfinder_kind() {
-  return engine::make_device_kind<Finder>("blobfinder", "finds stretches of one colour in what is in sight");
+  return engine::make_device_kind<Finder>("blobfinder",
+                                          "finds blobs: stretches of one colour in its field of view");
 }
 
 }  // namespace troupe::sensors

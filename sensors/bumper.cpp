@@ -30,13 +30,13 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
   return differ(cross(b - a, c - a), cross(b - a, d - a)) && differ(cross(d - c, a - c), cross(d - c, b - c));
 }
 
-/// Between two straight lines; 0 where they cross.
+/// The distance between two segments; 0 if they cross.
 double distance(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   if (cross_each_other(a, b, c, d)) return 0;
   return std::min({distance(a, c, d), distance(b, c, d), distance(c, a, b), distance(d, a, b)});
 }
 
-/// The body that a strip, in the world's frame, feels; not valid: none.
+/// The body that a strip (world frame) touches; not valid if there is none.
 BodyId felt(const engine::World& world, Row own, const Strip& strip, double thickness) {
   Box box;
   box.extend(strip.right);
@@ -74,8 +74,8 @@ struct Bumper {
     }
     const auto n = static_cast<std::uint32_t>(bumper.strips.size());
     return {.data = std::move(bumper),
-            .percepts = {{"hit", Element::u8, n, "", "1: something touches that bumper"},
-                         {"body", Element::u32, n, "", "id of the body that does; 0: none"}},
+            .percepts = {{"hit", Element::u8, n, "", "1: a body touches the strip"},
+                         {"body", Element::u32, n, "", "id of that body; 0: none"}},
             .reach_m = reach + params.thickness,
             .watts = 0.1};  // as in Stage
   }
@@ -100,7 +100,7 @@ struct Bumper {
 }  // namespace
 
 DeviceKind bumper_kind() {
-  return engine::make_device_kind<Bumper>("bumper", "feels what touches its strips");
+  return engine::make_device_kind<Bumper>("bumper", "detects bodies that touch its contact strips");
 }
 
 }  // namespace troupe::sensors

@@ -6,17 +6,17 @@
 
 namespace troupe::sensors {
 
-/// Fields of a bumper's percepts, in their order.
+/// The fields of a bumper's percepts, in order.
 enum BumperField : std::size_t {
-  k_bumper_hit,   ///< u8 each: 1 where something touches that bumper
-  k_bumper_body,  ///< u32 each: BodyId of what does, 0 (the ground) where nothing does
+  k_bumper_hit,   ///< u8 per strip: 1 if a body touches it
+  k_bumper_body,  ///< u32 per strip: BodyId of that body, 0 (the ground) if none touches it
 };
 
-/// Contact strips: each is a straight line across its pose's heading, and feels any body of another robot or
-/// of the scene whose outline comes as near as its thickness, whatever the heights.
-/// ties    of several the nearest, then the lower body
+/// Contact strips. Each is a line segment across the heading of its pose. It detects any body of another
+/// robot or of the scene whose outline comes within the thickness, whatever the heights.
+/// ties    of several bodies the nearest is reported, then the lower id
 /// source  Stage's bumper model, whose strips are as thick as its cells, 0.02 m: a strip without thickness
-///         would cross no wall that it meets flat
+///         would not cross a wall that it touches in parallel
 engine::DeviceKind bumper_kind();
 
 }  // namespace troupe::sensors

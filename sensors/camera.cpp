@@ -37,42 +37,42 @@ struct Lens {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      constexpr double k_most_pixels = 4096;  // an edge
+      constexpr double k_most_pixels = 4096;  // per edge
       constexpr double k_farthest = 1000;     // m
       constexpr double k_widest = troupe::radians(170);
       d.member<&Params::width>("width", within(1, k_most_pixels), "pixels");
       d.member<&Params::height>("height", within(1, k_most_pixels), "pixels");
       d.member<&Params::range_near>("range_near", meters, above(0), at_most(k_farthest),
-                                    "what is nearer is cut away");
+                                    "nearer surfaces are not drawn");
       d.member<&Params::range_far>("range_far", meters, above(0), at_most(k_farthest),
-                                   "what is farther is sky; above range_near");
+                                   "farther surfaces are drawn as sky; must be above range_near");
       d.member<&Params::fov_horizontal>("fov_horizontal", radians, above(0), at_most(k_widest),
-                                        "from the left to the right edge of the picture");
+                                        "angle from the left to the right edge of the picture");
       d.member<&Params::fov_vertical>("fov_vertical", radians, above(0), at_most(k_widest),
-                                      "from the lower to the upper edge of the picture");
+                                      "angle from the lower to the upper edge of the picture");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "by which it looks to the right of its heading");
-      d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2), "by which it looks upwards");
+                             "pan angle to the right of its heading");
+      d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2), "tilt angle upwards");
     }
   };
 
   Params params;
   Pose pose_body_camera;   ///< pan included
-  double half_width = 0;   ///< of the image at depth 1
-  double half_height = 0;  ///< of the image at depth 1
+  double half_width = 0;   ///< half the width of the image at depth 1
+  double half_height = 0;  ///< half the height of the image at depth 1
   SinCos tilt;
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   Result<> mount(const engine::TypeSpec& type, std::uint32_t part);
   std::uint64_t sense(const DeviceBatch& batch) const;
 
-  /// The place of a column or row within the image, at depth 1: to the right, or upwards.
+  /// The position of a column (to the right) or a row (upwards) in the image, at depth 1.
   double right(double column) const { return half_width * ((column + 0.5) / params.width * 2 - 1); }
   double up(double row) const { return half_height * (1 - (row + 0.5) / params.height * 2); }
   bool is_level() const { return tilt.sin == 0; }
 };
 
-/// A ray through a pixel: at depth t it is at origin + t * across, and t * rise above the camera.
+/// A ray through a pixel: at depth t its point is origin + t * across, at height t * rise above the camera.
 struct PixelRay {
   Vec2 across;  ///< world frame
   double rise = 0;
@@ -83,23 +83,23 @@ struct Region {
   BodyId body;
   std::uint32_t solid = 0;
   std::uint32_t part = 0;
-  ZInterval z;          ///< above the camera
-  bool around = false;  ///< the camera stands above or below it
+  ZInterval z;          ///< heights relative to the camera
+  bool around = false;  ///< the camera is above or below it
 };
 
-/// Where a ray crosses an outline.
+/// A crossing of a ray and an outline.
 struct Crossing {
   std::uint32_t region = 0;
   double depth = 0;
   bool is_change =
-      false;  ///< between inside and outside: of two edges at a corner that it passes only one is
+      false;  ///< the ray passes between inside and outside here: true for one of the two edges at a corner
   friend auto operator<=>(const Crossing&, const Crossing&) = default;
 };
 
-/// Draws what one camera after another sees. A thread keeps one, so that a warm step allocates nothing.
+/// Renders the images of cameras. Each thread reuses one, so that a warm step allocates nothing.
 class Painter {
  public:
-  /// `mount`: the frame that the lens's pose is given in.
+  /// Renders the image of one camera. mount: the frame in which the lens's pose is given
   void paint(const World& world, const Lens& lens, Row own, const engine::Mount& mount,
              engine::StateTable& state, std::size_t slot) {
     lens_ = &lens;
@@ -125,7 +125,7 @@ class Painter {
             lens_->tilt.sin + up * lens_->tilt.cos};
   }
 
-  /// All that may be in the field of view: the outlines, and the regions that they bound.
+  /// Collects the outlines that may be in the field of view, and the regions that they bound.
   void gather(Row own) {
     Box box;
     box.extend(origin_);
@@ -137,7 +137,7 @@ class Painter {
     const auto keep = [this](const OutlineChain& chain) { chains_.push_back(chain); };
     engine::for_each_fixed_chain(*world_, box, any, keep);
     engine::for_each_body_chain(*world_, box, own, any, keep);
-    // A long edge comes once for each of its circles.
+    // Removes duplicates: a long edge is visited once for each of its circles.
     const auto key = [](const OutlineChain& c) {
       return std::tuple(c.body, c.solid, c.ranger_return < 0, c.piece);
     };
@@ -156,10 +156,10 @@ class Painter {
     for (std::size_t i = 0; i < chains_.size(); ++i) find_around(chains_[i], regions_[region_of_[i]]);
   }
 
-  /// Whether the camera stands above or below the region: of a body from its chains, which are all here; of
-  /// the static scene from the solid itself.
+  /// Determines whether the camera is above or below the region: for a body from its chains, which have all
+  /// been collected, for static geometry from the solid itself.
   void find_around(const OutlineChain& chain, Region& region) {
-    if (region.z.contains(0)) return;  // its top and underside cannot be seen
+    if (region.z.contains(0)) return;  // its top and underside are not visible
     if (chain.closed) {
       engine::for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
         if (changes(a - origin_, b - origin_, forward_) && depth_of(a - origin_, b - origin_, forward_) > 0)
@@ -172,11 +172,12 @@ class Painter {
     region.around = contains(world_->scene().solids()[chain.solid].solid, origin_);
   }
 
-  /// Whether an edge's ends, relative to the camera, lie on different sides of a ray's line.
+  /// Whether the ends of an edge, relative to the camera, are on different sides of the line of a ray.
   static bool changes(const Vec2& a, const Vec2& b, const Vec2& across) {
     return (cross(a, across) < 0) != (cross(b, across) < 0);
   }
-  /// How far along a ray, as a multiple of `across`, it meets the edge's line; the ends lie to either side.
+  /// The depth at which a ray crosses an edge, as a multiple of `across`; the ends must be on different
+  /// sides.
   static double depth_of(const Vec2& a, const Vec2& b, const Vec2& across) {
     const double side_a = cross(a, across);
     const double side_b = cross(b, across);
@@ -186,7 +187,7 @@ class Painter {
     return (along_a + t * (along_b - along_a)) / across.squaredNorm();
   }
 
-  /// Adds the crossing of a ray and an edge, if there is one in the camera's range.
+  /// Adds the crossing of a ray and an edge, if there is one within range_far.
   void meet(std::uint32_t region, const Vec2& a, const Vec2& b, const Vec2& across) {
     const double side_a = cross(a, across);
     const double side_b = cross(b, across);
@@ -196,8 +197,8 @@ class Painter {
     crossings_.push_back({region, depth, (side_a < 0) != (side_b < 0)});
   }
 
-  /// Whether an edge, relative to the camera, may show in a column of a level camera: a pixel is left to each
-  /// side.
+  /// Whether an edge, relative to the camera, may be visible in a column of a level camera, with a margin of
+  /// one pixel on each side.
   bool spans(const Vec2& a, const Vec2& b, double column) const {
     const double ahead_a = a.dot(forward_);
     const double ahead_b = b.dot(forward_);
@@ -252,7 +253,7 @@ class Painter {
     for (std::uint32_t r = 0; r < regions_.size(); ++r) {
       const Region& region = regions_[r];
       const double level = region.z.max < 0 ? region.z.max : region.z.min > 0 ? region.z.min : 0;
-      const double depth = level * ray.rise > 0 ? level / ray.rise : -1;  // of its top or underside
+      const double depth = level * ray.rise > 0 ? level / ray.rise : -1;  // depth of its top or underside
       bool is_over = region.around;
       for (; crossing != end && crossing->region == r; ++crossing) {
         if (region.z.contains(crossing->depth * ray.rise)) offer(crossing->depth, &region);
@@ -275,12 +276,12 @@ class Painter {
   Vec2 origin_ = Vec2::Zero();     // world frame, m
   double height_ = 0;              // world frame, m
   Vec2 forward_ = Vec2::UnitX();   // world frame
-  std::span<std::uint8_t> color_;  // of the camera that is drawn
+  std::span<std::uint8_t> color_;  // image of the current camera
   std::span<float> depth_;
   std::vector<OutlineChain> chains_;
-  std::vector<std::uint32_t> region_of_;  // beside chains_
-  std::vector<Region> regions_;           // by body and solid
-  std::vector<Crossing> crossings_;       // of one ray, by region and depth
+  std::vector<std::uint32_t> region_of_;  // per chain
+  std::vector<Region> regions_;           // sorted by body and solid
+  std::vector<Crossing> crossings_;       // of one ray, sorted by region and depth
   const Region* last_asked_ = nullptr;
 };
 
@@ -292,13 +293,13 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
                   .half_width = across.sin / across.cos,
                   .half_height = upright.sin / upright.cos,
                   .tilt = sincos(params.tilt)};
-  // To the corners of what is seen, or wherever a tilted camera's corners fall on the ground.
+  // The distance to the corners of the image at range_far. An upper bound for a tilted camera as well.
   const double farthest =
       params.range_far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
   const std::uint32_t pixels = params.width * params.height;
   return {.data = lens,
           .percepts = {{"color", Element::u8, 4 * pixels, "", "red, green, blue, opacity of each pixel"},
-                       {"depth", Element::f32, pixels, "m", "of each pixel, along the axis of view"}},
+                       {"depth", Element::f32, pixels, "m", "depth of each pixel along the axis of view"}},
           .reach_m = pose_body_sensor.position().norm() + farthest,
           .watts = 100,  // as Stage's manual says
           .camera = engine::Camera{.width = params.width,
@@ -308,10 +309,10 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
                                    .depth = k_camera_depth}};
 }
 
-/// What its limits cannot say: that it sees something.
+/// Checks the limit that involves two parameters.
 Result<> Lens::mount(const engine::TypeSpec&, std::uint32_t) {
   if (params.range_near < params.range_far) return {};
-  return Error{fmt::format("needs a range_near below its range_far; here are {} m and {} m",
+  return Error{fmt::format("has a range_near of {} m, which must be below its range_far of {} m",
                            params.range_near, params.range_far)};
 }
 
@@ -325,7 +326,7 @@ std::uint64_t Lens::sense(const DeviceBatch& batch) const {
 }  // namespace
 
 DeviceKind camera_kind() {
-  return engine::make_device_kind<Lens>("camera", "colour and depth of what is in its field of view");
+  return engine::make_device_kind<Lens>("camera", "colour and depth images of its field of view");
 }
 
 }  // namespace troupe::sensors

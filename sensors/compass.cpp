@@ -10,7 +10,7 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 
-/// In (-pi, pi]: wrap_angle() leaves -pi as it is.
+/// Wraps an angle into (-pi, pi]; wrap_angle() alone leaves -pi unchanged.
 double wrapped(double heading) {
   const double inside = wrap_angle(heading);
   return inside == -k_pi ? k_pi : inside + 0.0;  // never -0
@@ -36,7 +36,7 @@ struct Compass {
     static constexpr void describe(engine::Description<State>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&State::heading>("heading", radians, "of its x axis in the world frame, in (-pi, pi]");
+      d.member<&State::heading>("heading", radians, "heading of its x axis in the world frame, in (-pi, pi]");
     }
   };
 

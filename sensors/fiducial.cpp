@@ -19,7 +19,7 @@ using engine::PartSpec;
 using engine::TypeSpec;
 using engine::World;
 
-constexpr double k_rounding = 1e-9;  // of sines and cosines, and more
+constexpr double k_rounding = 1e-9;  // above the rounding of sines and cosines
 
 struct Finder {
   struct Params {
@@ -37,25 +37,26 @@ struct Finder {
       using enum engine::Unit;
       constexpr double k_farthest = 10000;  // m
       d.member<&Params::range_min>("range_min", meters, within(0, k_farthest),
-                                   "kept for the record unless apply_range_min");
+                                   "no effect unless apply_range_min is true");
       d.member<&Params::apply_range_min>("apply_range_min", "targets nearer than range_min are not found");
       d.member<&Params::range_max>("range_max", meters, above(0), at_most(k_farthest),
-                                   "targets are found whose origin is nearer");
+                                   "targets with an origin nearer than this are found");
       d.member<&Params::range_max_id>("range_max_id", meters, within(0, k_farthest),
-                                      "the ids of those that are nearer than this are read, others are 0");
+                                      "ids of targets nearer than this are read, those of others are 0");
       d.member<&Params::fov>("fov", radians, within(0, 2 * k_pi), "field of view, half of it to each side");
       d.member<&Params::key>("key", "only targets of this fiducial_key are found");
-      d.member<&Params::ignore_zloc>("ignore_zloc", "also targets above or below the height of the finder");
+      d.member<&Params::ignore_zloc>("ignore_zloc",
+                                     "also find targets above or below the height of the finder");
       d.member<&Params::most_targets>("most_targets", within(1, 1000),
-                                      "entries of the readings: the nearest targets; all are counted");
+                                      "entries of the readings, for the nearest targets; `count` counts all");
     }
   };
 
   Params params;
   Pose pose_body_sensor;
-  Vec2 ahead = Vec2::UnitX();  // where it looks, body frame
+  Vec2 ahead = Vec2::UnitX();  // axis of view, body frame
   double range_min = 0;        // nearer targets are not found
-  double least_cos = 0;        // of the bearing of what it finds
+  double least_cos = 0;        // least cosine of the bearing of a target
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   std::uint64_t sense(const DeviceBatch& batch) const;
@@ -74,11 +75,11 @@ struct Target {
   Pose pose_world_part;
 };
 
-/// Finds targets for one robot after another. A thread keeps one, so that a warm step allocates nothing.
+/// Finds the targets of finders. Each thread reuses one, so that a warm step allocates nothing.
 class Search {
  public:
-  /// The targets in sight of a row, whose finder stands on `mount`, the nearest first. Counts the rays it
-  /// casts.
+  /// Returns the targets in sight of a row, the nearest first. Counts the rays that it casts. mount: the
+  /// frame in which the finder's pose is given
   std::span<const Target> look(const World& world, const Finder& finder, Row own,
                                const engine::Mount& mount) {
     world_ = &world;
@@ -88,7 +89,7 @@ class Search {
     found_.clear();
     lines_.clear();
     const std::size_t room =
-        std::min<std::size_t>(world.rows(), 1024);  // a crowd of that size takes it at once
+        std::min<std::size_t>(world.rows(), 1024);  // reserved up front for crowds of this size
     found_.reserve(room);
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));
@@ -120,14 +121,15 @@ class Search {
   }
 
  private:
-  /// extent: no surface of the target is farther than this from its origin, m; 0: not known.
+  /// Adds a candidate if range and bearing allow. extent: bound on the distance of the target's surfaces from
+  /// its origin, m; 0: unknown
   void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
                 double extent) {
     if (spec.returns.fiducial_key != finder_->params.key) return;
     const Vec2 way = pose_world_part.position() - sensor_.position();
     const double range = way.norm();
     if (!(range < finder_->params.range_max) || range < finder_->range_min) return;
-    if (way.dot(ahead_) < (finder_->least_cos - k_rounding) * range) return;  // most are sure to lie beside
+    if (way.dot(ahead_) < (finder_->least_cos - k_rounding) * range) return;  // saves most calls of atan2()
     const double bearing = range > 0 ? wrap_angle(atan2(way.y(), way.x()) - sensor_.heading) : 0;
     if (std::abs(bearing) > finder_->params.fov / 2) return;
     const Vec2 direction = range > 0 ? Vec2(way / range) : Rotation(sensor_.heading) * Vec2::UnitX();
@@ -137,7 +139,7 @@ class Search {
     found_.push_back({range, body, part, bearing, &spec, pose_world_part});
   }
 
-  /// Keeps of what was considered what no other surface hides.
+  /// Removes the candidates that another surface hides.
   void keep_seen() {
     rays_ += lines_.size();
     first_.resize(std::max(first_.size(), lines_.size()));
@@ -158,16 +160,16 @@ class Search {
   Pose sensor_;  // world frame
   Vec2 ahead_ = Vec2::UnitX();
   engine::Lookout lookout_;
-  std::vector<Target> found_;             // beside them, while they are only considered:
-  std::vector<engine::SightLine> lines_;  // the rays towards them
-  std::vector<engine::Sighting> first_;   // and what those meet
+  std::vector<Target> found_;             // candidates, until keep_seen()
+  std::vector<engine::SightLine> lines_;  // per candidate: the ray towards it
+  std::vector<engine::Sighting> first_;   // per candidate: the first surface along that ray
   std::uint64_t rays_ = 0;
 };
 
 void write(const Search& search, const Finder& finder, std::span<const Target> targets,
            engine::StateTable& state, std::size_t slot) {
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_fiducial_count)[0];
-  // Behind those of the last time all entries are 0.
+  // Entries after those of the previous tick are 0 already.
   const std::size_t last =
       std::min<std::size_t>(finder.params.most_targets, std::max<std::size_t>(targets.size(), count));
   count = static_cast<std::uint32_t>(targets.size());
@@ -204,28 +206,30 @@ void write(const Search& search, const Finder& finder, std::span<const Target> t
 
 DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body_sensor) {
   const std::uint32_t n = params.most_targets;
-  return {.data = Finder{.params = params,
-                         .pose_body_sensor = pose_body_sensor,
-                         .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
-                         .range_min = params.apply_range_min ? params.range_min : 0,
-                         .least_cos = cos(params.fov / 2)},
-          .percepts = {{"count", Element::u32, 1, "", "targets in sight"},
-                       {"id", Element::i32, n, "", "fiducial_return of each; 0: too far to read"},
-                       {"body", Element::u32, n, "", "id of the body that each belongs to"},
-                       {"range", Element::f32, n, "m", "to the origin of each, on the ground"},
-                       {"bearing", Element::f32, n, "rad", "of the origin of each, sensor frame"},
-                       {"heading", Element::f32, n, "rad", "of each, sensor frame"},
-                       {"size", Element::f32, 3 * n, "m", "of each: x, y, z"},
-                       {"pose", Element::f64, 4 * n, "m, rad", "of each: x, y, z, heading, world frame"}},
-          .reach_m = pose_body_sensor.position().norm() + params.range_max,
-          .seeks = engine::SoughtMarks{params.key, params.ignore_zloc}};
+  return {
+      .data = Finder{.params = params,
+                     .pose_body_sensor = pose_body_sensor,
+                     .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
+                     .range_min = params.apply_range_min ? params.range_min : 0,
+                     .least_cos = cos(params.fov / 2)},
+      .percepts = {{"count", Element::u32, 1, "", "targets in sight"},
+                   {"id", Element::i32, n, "", "fiducial_return of each target; 0: too far to read"},
+                   {"body", Element::u32, n, "", "id of the body of each target"},
+                   {"range", Element::f32, n, "m", "distance to the origin of each target, on the ground"},
+                   {"bearing", Element::f32, n, "rad", "bearing of the origin of each target, sensor frame"},
+                   {"heading", Element::f32, n, "rad", "heading of each target, sensor frame"},
+                   {"size", Element::f32, 3 * n, "m", "size of each target: x, y, z"},
+                   {"pose", Element::f64, 4 * n, "m, rad",
+                    "pose of each target: x, y, z, heading, world frame"}},
+      .reach_m = pose_body_sensor.position().norm() + params.range_max,
+      .seeks = engine::SoughtMarks{params.key, params.ignore_zloc}};
 }
 
 std::uint64_t Finder::sense(const DeviceBatch& batch) const {
   thread_local const auto search = std::make_unique<Search>();
   const std::uint64_t rays_before = search->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    // Readings take a kilobyte a robot: they come from memory while it looks.
+    // The readings of a robot take a kilobyte: they are prefetched while it searches.
     __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
     write(*search, *this, search->look(batch.world, *this, batch.rows[i], batch.mount(i)), batch.state,
           batch.slot(i));
@@ -244,7 +248,7 @@ void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind fiducial_kind() {
-  return engine::make_device_kind<Finder>("fiducial", "finds marked models: which are in sight, and where");
+  return engine::make_device_kind<Finder>("fiducial", "finds marked models in sight: their ids and poses");
 }
 
 }  // namespace troupe::sensors

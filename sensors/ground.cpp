@@ -22,7 +22,8 @@ using engine::PartSpec;
 using engine::World;
 using engine::WorldSpec;
 
-/// Even-odd; of two regions that share an edge a point on it lies in one.
+/// Whether the point is inside, by the even-odd rule. A point on the common edge of two regions is in exactly
+/// one.
 bool holds(const std::vector<Ring>& contours, const Vec2& point) {
   bool inside = false;
   for (const Ring& ring : contours)
@@ -49,7 +50,7 @@ bool Ground::Zone::is_above(const Zone& other) const {
   return std::tuple(body, part) < std::tuple(other.body, other.part);
 }
 
-/// The flat parts of bodies that never move.
+/// The flat parts of static bodies.
 struct Ground::Fixed {
   struct Part {
     Zone zone;
@@ -123,17 +124,15 @@ struct GroundSensor {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::points>(
-          "points", engine::Unit::meters, within(-100, 100),
-          "where it looks down, in its own frame: x, y of each point, one after another");
+      d.member<&Params::points>("points", engine::Unit::meters, within(-100, 100),
+                                "points below which it reads, sensor frame: x, y of each, one after another");
       d.part<&Params::ground>();
-      d.member<&Params::floor>("floor", within(0, 1),
-                               "the colour of the floor, where nothing lies on it: red, green, blue");
+      d.member<&Params::floor>("floor", within(0, 1), "colour of the bare floor: red, green, blue");
     }
   };
 
   Ground ground;
-  std::vector<Vec2> points;  // body frame, or that of their joint
+  std::vector<Vec2> points;  // frame of the body, or of the joint that carries the sensor
   bool is_odd = false;       // the last point has no y
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor) {
@@ -147,16 +146,16 @@ struct GroundSensor {
       reach = std::max(reach, sensor.points.back().norm());
     }
     const auto n = static_cast<std::uint32_t>(sensor.points.size());
-    return {
-        .data = std::move(sensor),
-        .percepts = {{"color", Element::f32, 3 * n, "", "below each point: red, green, blue, from 0 to 1"},
-                     {"body", Element::u32, n, "", "id of the body that has it; 0: the floor"}},
-        .reach_m = reach};
+    return {.data = std::move(sensor),
+            .percepts = {{"color", Element::f32, 3 * n, "",
+                          "colour below each point: red, green, blue, from 0 to 1"},
+                         {"body", Element::u32, n, "", "id of the body of that colour; 0: the floor"}},
+            .reach_m = reach};
   }
 
   Result<> mount(const engine::TypeSpec&, std::uint32_t) {
     if (!points.empty() && !is_odd) return {};
-    return Error{"needs \"points\": x and y of each, one after another"};
+    return Error{"needs an even number of values in \"points\", at least 2: x and y of each point"};
   }
 
   Result<> look(const WorldSpec& world) {
@@ -184,8 +183,8 @@ struct GroundSensor {
 }  // namespace
 
 DeviceKind ground_kind() {
-  return engine::make_device_kind<GroundSensor>(
-      "ground", "sees the colour of the ground below some points of its robot");
+  return engine::make_device_kind<GroundSensor>("ground",
+                                                "reads the colour of the ground below points of its robot");
 }
 
 }  // namespace troupe::sensors

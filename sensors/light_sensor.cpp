@@ -31,7 +31,7 @@ struct LightSensor {
       using namespace engine::facts;
       d.member<&Params::directions>(
           "directions", within(1, 360),
-          "readings: the first looks ahead, the others follow counter-clockwise at equal angles");
+          "number of readings: the first looks ahead, the others follow counter-clockwise at equal angles");
       d.member<&Params::range_max>("range_max", engine::Unit::meters, above(0), at_most(10000),
                                    "lights farther away are not seen");
       d.member<&Params::occlusion>("occlusion", "lights behind walls and bodies are not seen");
@@ -50,17 +50,17 @@ struct LightSensor {
 struct Seen {
   BodyId body;
   std::size_t device = 0;
-  Vec2 way = Vec2::Zero();  // on the ground, sensor frame, m
+  Vec2 way = Vec2::Zero();  // displacement to it on the ground, sensor frame, m
   double distance = 0;
   double intensity = 0;
 };
 
-/// A thread keeps one, so that a warm step allocates nothing.
+/// Finds the lights in sight. Each thread reuses one, so that a warm step allocates nothing.
 class Eyes {
  public:
   Eyes() { seen_.reserve(256); }
 
-  /// What a row sees, by (body, device). Counts the rays it casts.
+  /// Returns the lights that a row sees, sorted by (body, device). Counts the rays that it casts.
   std::span<const Seen> look(const World& world, const LightSensor& sensor, Row own,
                              const engine::Mount& mount) {
     seen_.clear();
@@ -110,7 +110,7 @@ DeviceKind::Prepared LightSensor::prepare(const Params& params, const Pose& pose
   const std::uint32_t n = params.directions;
   for (std::uint32_t k = 0; k < n; ++k) sensor.directions.push_back(sincos(2 * k_pi * k / n));
   return {.data = std::move(sensor),
-          .percepts = {{"brightness", Element::f32, n, "", "by direction"},
+          .percepts = {{"brightness", Element::f32, n, "", "brightness by direction"},
                        {"sources", Element::u32, 1, "", "lights in sight"}}};
 }
 
@@ -139,7 +139,7 @@ std::uint64_t LightSensor::sense(const DeviceBatch& batch) const {
 }  // namespace
 
 DeviceKind light_sensor_kind() {
-  return engine::make_device_kind<LightSensor>("light_sensor", "reads how bright it is, by direction");
+  return engine::make_device_kind<LightSensor>("light_sensor", "reads brightness by direction");
 }
 
 }  // namespace troupe::sensors

@@ -6,23 +6,22 @@
 
 namespace troupe::sensors {
 
-/// Fields of a light sensor's percepts, in their order.
+/// The fields of a light sensor's percepts, in order.
 enum LightSensorField : std::size_t {
-  k_light_brightness,  ///< f32 for each direction
-  k_light_sources,     ///< u32: lights that it sees
+  k_light_brightness,  ///< f32 per direction
+  k_light_sources,     ///< u32: number of lights in sight
 };
 
-/// A ring of light sensors: how bright it is, by direction.
+/// A ring of light sensors: reads brightness by direction.
 ///
-/// reads  of direction k, which looks along heading 2 pi k / directions in the sensor's frame: the sum over
-///        all lights in sight of intensity * max(0, cos a) / d^2, with d (m) the distance, also in height,
-///        and a the angle between the direction and the way to the light
-/// sight  lights (`blinkenlight`, `lightindicator`, sensors/light_source.hpp) of other bodies that are lit,
-/// no
-///        farther than range_max on the ground; with `occlusion` those alone that nothing stands before, at
-///        the sensor's height. A light's own body never does
-/// order  sums are made in the order of (body, device), in double
-/// edges  a light straight above adds nothing to any direction, nor does one in the same place
+/// reads  Direction k looks along heading 2 pi k / directions in the sensor frame. It reads the sum over all
+///        lights in sight of intensity * max(0, cos a) / d^2, where d (m) is the distance, including height,
+///        and a the angle between the direction and the line to the light
+/// sight  Lit lights (`blinkenlight`, `lightindicator`, sensors/light_source.hpp) of other bodies within
+///        range_max on the ground; with `occlusion` only those that no body hides at the height of the
+///        sensor. A light's own body never hides it
+/// order  sums are computed in the order of (body, device), in double
+/// edges  a light straight above, or at the same place, adds nothing to any direction
 engine::DeviceKind light_sensor_kind();
 
 }  // namespace troupe::sensors

@@ -26,10 +26,11 @@ using engine::RayOutline;
 using engine::World;
 using partition::BodyCircle;
 
-constexpr double k_slack = 1e-9;     // m, of culls: far above the rounding of doubles within a world
-constexpr double k_together_m = 12;  // links up to this long share what may hide them
-constexpr double k_stride_m = 4;     // of longer ones: what may hide them is looked up piece by piece
-// Listeners on ground of so many times their reach look for speakers together.
+constexpr double k_slack = 1e-9;  // m, margin of culls: far above the rounding of doubles within a world
+constexpr double k_together_m =
+    12;  // links up to this length share the search for walls and bodies that hide them
+constexpr double k_stride_m = 4;  // longer links are searched in pieces of this length
+// Listeners within a square of this many times their reach search for speakers together.
 constexpr double k_group_reaches = 2.25;
 
 enum class Walls : std::uint8_t { block, weaken, pass };
@@ -66,34 +67,35 @@ struct Radio {
       constexpr double k_farthest = 10000;  // m
       constexpr double k_most_power = 200;  // dBm
       d.member<&Params::range>("range", meters, above(0), at_most(k_farthest),
-                               "how far it is heard, whatever the law");
+                               "largest distance at which it is heard, with every law");
       d.member<&Params::hears>("hears", meters, within(0, k_farthest),
-                               "how far it hears; 0: as far as `range`");
-      d.member<&Params::channel>("channel", "radios hear those of their own channel");
+                               "largest distance from which it hears; 0: equal to `range`");
+      d.member<&Params::channel>("channel", "radios hear only radios of their own channel");
       d.member<&Params::payload>("payload", within(1, 255), "bytes of a message, at most");
       d.member<&Params::most_heard>(
           "most_heard", within(1, 1000),
-          "messages a tick: of more the nearest are heard, the others are counted as lost");
+          "most messages per tick: of more the nearest are heard, the others count as lost");
       d.member<&Params::drop_rate>("drop_rate", within(0, 1),
-                                   "the share of messages to it that get lost by chance");
-      d.member<&Params::walls>(
-          "walls",
-          "what becomes of messages on whose way something stands that never moves and that rangers see");
-      d.member<&Params::bodies>("bodies", "the same of other bodies");
+                                   "fraction of the messages to it that are dropped at random");
+      d.member<&Params::walls>("walls",
+                               "effect on messages of static geometry between the radios, if rangers see it");
+      d.member<&Params::bodies>("bodies",
+                                "effect on messages of other bodies between the radios, if rangers see them");
       d.member<&Params::law>("law",
                              "how messages weaken with the distance, see docs/radio.md; `disc`: not at all");
-      d.member<&Params::power>("power_dBm", within(-k_most_power, k_most_power), "with which it sends");
+      d.member<&Params::power>("power_dBm", within(-k_most_power, k_most_power), "transmission power");
       d.member<&Params::sensitivity>("sensitivity_dBm", within(-k_most_power, k_most_power),
-                                     "it hears nothing weaker than this");
-      d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000), "of friis and the others");
+                                     "weaker messages are not heard");
+      d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000),
+                                   "carrier frequency, for every law but `disc`");
       d.member<&Params::power_loss_coefficient>("power_loss_coefficient", within(0, 100),
-                                                "of `itu_indoor`: N, dB for ten times the distance");
+                                                "N of `itu_indoor`: dB for ten times the distance");
       d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10),
-                                            "of `log_distance`: n, 2 in free space");
+                                            "n of `log_distance`: 2 in free space");
       d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000),
-                                   "for each wall on the way, where walls weaken");
-      d.member<&Params::beacon>("beacon",
-                                "says an empty message in each tick until a controller has it say another");
+                                   "loss for each wall on the way, if `walls` is weaken");
+      d.member<&Params::beacon>(
+          "beacon", "sends an empty message in each tick until a controller sets another message");
     }
   };
 
@@ -101,7 +103,7 @@ struct Radio {
   Pose pose_body_radio;
   double hears = 0;        // m
   double loss_at_1m = 0;   // dB
-  double loss_a_fold = 0;  // dB, for e times the distance
+  double loss_a_fold = 0;  // dB per factor e of distance
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_radio);
   Result<> mount(const engine::TypeSpec& type, std::uint32_t part);
@@ -116,23 +118,23 @@ struct Radio {
   }
 };
 
-/// A radio of a type that the listener may hear.
+/// A radio of a body type that the listener may hear.
 struct Sender {
   const Radio* radio;
   const BodyType::Device* device;
   const engine::StateTable* commands;
   bool always_runs;
-  Vec2 position;  // body frame, or that of its joint
-  double limit;   // of links to the listener, m
+  Vec2 position;  // frame of the body, or of the joint that carries the radio
+  double limit;   // longest link to the listener, m
 };
 
-/// A radio that says something, and that some of the listeners may hear.
+/// A radio that sends a message and that some of the listeners may hear.
 struct Speaker {
   BodyCircle circle;
   BodyId body;
-  std::uint32_t length = 0;   // of what it says, bytes
+  std::uint32_t length = 0;   // of the message, bytes
   Vec2 place = Vec2::Zero();  // m, world frame
-  double limit = 0;           // of links to the listeners, m
+  double limit = 0;           // longest link to the listeners, m
   const Radio* radio = nullptr;
   const BodyType::Device* device = nullptr;
   const std::uint8_t* message = nullptr;
@@ -140,14 +142,15 @@ struct Speaker {
   Row row() const { return Row(circle.row); }
 };
 
-/// From a speaker to the listener.
+/// A link from a speaker to the listener.
 struct Link {
   double range = 0;
   double loss = 0;  // dB
   const Speaker* speaker = nullptr;
 };
 
-/// A straight line between two radios, always from the one of the lower id, so that both have one answer.
+/// The straight line between two radios. It starts at the radio with the lower id, so that both directions
+/// give the same result.
 struct Line {
   Vec2 from, way;
   double z_from, z_way;
@@ -171,24 +174,24 @@ struct Line {
   }
 };
 
-/// Where a line crosses an edge. Long edges lie in several pieces of an outline, so one may be met twice.
+/// A crossing of a line and an edge. Long edges are in several pieces of an outline, so one may be found
+/// twice.
 struct Crossing {
   std::uint32_t solid;
-  double at;    // share of the line
-  double x, y;  // of the edge's first end
+  double at;    // position on the line, from 0 to 1
+  double x, y;  // first end of the edge
   auto operator<=>(const Crossing&) const = default;
 };
 
-/// Listens for one radio after another. Those that stand near one another look together for who says
-/// something, and put that in the order of readings once, so that nothing is sorted for each. A thread keeps
-/// one, so that a warm step allocates nothing.
+/// Finds what the radios of a batch hear. Radios near one another share the search for speakers and its sort
+/// in the order of readings. Each thread reuses one, so that a warm step allocates nothing.
 class Listener {
  public:
   Listener() {
     for (Known& known : known_) known.senders.reserve(4);
   }
 
-  /// Listens for all rows of the batch; returns the lines that it looked along.
+  /// Writes the readings of all rows of the batch; returns the number of lines of sight that it tested.
   std::uint64_t listen(const DeviceBatch& batch);
 
  private:
@@ -205,12 +208,12 @@ class Listener {
   void find_walls();
   void find_blockers();
   bool arrives(Link& link);
-  /// The loss that makes it too weak, dB.
+  /// The largest loss with which the speaker is still heard, dB.
   double budget_of(const Speaker& speaker) const {
     return speaker.radio->params.power - radio_->params.sensitivity;
   }
   Line line_to(const Speaker& speaker) const;
-  /// How many walls are on the way; -1: something that nothing passes.
+  /// The number of walls on the way; -1 if something on the way blocks the message.
   int hindrances(const Speaker& speaker);
   template <class Visit>
   bool any_wall(const Line& line, Visit&& visit) const;
@@ -229,35 +232,35 @@ class Listener {
     const BodyType* type = nullptr;
     std::vector<Sender> senders;
   };
-  std::array<Known, 8> known_;         // types that were met last, each at its place
+  std::array<Known, 8> known_;         // cache of senders(), by type number modulo its size
   std::vector<engine::Mount> mounts_;  // of the batch
-  Vec2 position_ = Vec2::Zero();       // of the radio, body frame, or that of its joint
-  Rotation turn_;                      // the same
+  Vec2 position_ = Vec2::Zero();       // of the radio, in the frame of its mount
+  Rotation turn_;                      // of the radio, in the frame of its mount
 
-  // What listeners near one another share.
-  std::vector<BodyCircle> bodies_;    // near any of them, where bodies may hide something
-  std::vector<Speaker> speakers_;     // as they were found
-  std::vector<std::uint64_t> order_;  // theirs in the readings: body, and place in speakers_
-  struct Reach {                      // in that order: the listener must stand within this circle
+  // Shared by listeners near one another.
+  std::vector<BodyCircle> bodies_;    // bodies near any of them, if bodies block messages
+  std::vector<Speaker> speakers_;     // in the order in which they were found
+  std::vector<std::uint64_t> order_;  // their order in the readings: body id, and index in speakers_
+  struct Reach {                      // in that order: the listener must be within this circle
     double x, y, radius2;
   };
   std::vector<Reach> reaches_;
 
-  // Of one listener.
+  // For the current listener.
   Row own_;
   BodyId id_;
   Vec2 here_ = Vec2::Zero();
   double z_ = 0;
   Rotation to_own_frame_;
-  std::vector<std::uint32_t> in_reach_;                    // of reaches_
+  std::vector<std::uint32_t> in_reach_;                    // indices in reaches_
   std::vector<Link> links_;                                // in the order of readings
-  std::vector<std::pair<double, std::uint32_t>> nearest_;  // range and place of links
-  std::vector<Vec2> ways_;                                 // to speakers, in the frame of the listener
-  std::vector<BodyCircle> blockers_;                       // of bodies_, those near it
-  std::vector<BodyCircle> walls_;                          // of pieces of outlines near it
+  std::vector<std::pair<double, std::uint32_t>> nearest_;  // range and index of links
+  std::vector<Vec2> ways_;                                 // displacements to speakers, frame of the listener
+  std::vector<BodyCircle> blockers_;                       // those of bodies_ near it
+  std::vector<BodyCircle> walls_;                          // pieces of outlines near it
   std::vector<Crossing> crossings_;
-  bool has_walls_ = false;  // that may hide some of its links
-  bool together_ = false;   // walls_ holds them
+  bool has_walls_ = false;  // walls may hide some of its links
+  bool together_ = false;   // walls_ contains all such walls
   std::uint32_t lost_ = 0;
   std::uint32_t dropped_ = 0;
   std::uint64_t lines_ = 0;
@@ -273,7 +276,7 @@ void Listener::begin(const DeviceBatch& batch) {
   turn_ = Rotation(radio_->pose_body_radio.heading);
   lines_ = 0;
   has_walls_ = false;
-  // A crowd of that size grows them at once.
+  // Reserved up front for crowds of up to 1024.
   const std::size_t room = std::min<std::size_t>(world_->rows(), 1024);
   mounts_.reserve(room);
   speakers_.reserve(room);
@@ -331,7 +334,7 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
   return known.senders;
 }
 
-/// Everybody who says something that some of the listeners in the box may hear.
+/// Finds the radios that send a message which some of the listeners in the box may hear.
 void Listener::find_speakers(const Box& listeners) {
   bodies_.clear();
   speakers_.clear();
@@ -371,7 +374,7 @@ void Listener::consider(const BodyCircle& circle, const Sender& sender) {
                        .message = command + k_radio_said});
 }
 
-/// Readings take a kilobyte a radio: they come from memory while another one listens.
+/// Prefetches the readings of a radio, about a kilobyte, while another one listens.
 void Listener::fetch_readings(std::size_t slot) const {
   constexpr std::size_t k_line = 64;  // bytes
   const std::byte* row = batch_->state.row(slot);
@@ -385,7 +388,7 @@ void Listener::listen(std::size_t i) {
   const engine::Mount& mount = mounts_[i];
   here_ = mount.transform * position_;
   z_ = mount.z + radio_->pose_body_radio.z;
-  // The inverse of both rotations, one after the other.
+  // The inverse of the product of both rotations.
   const Rotation& body = mount.transform.rotation;
   to_own_frame_.cos = body.cos * turn_.cos - body.sin * turn_.sin;
   to_own_frame_.sin = -(body.sin * turn_.cos + body.cos * turn_.sin);
@@ -397,8 +400,8 @@ void Listener::listen(std::size_t i) {
   write(batch_->slot(i));
 }
 
-/// Those of the speakers that are near enough. Whether one is is a guess for the processor: it is counted,
-/// not branched on.
+/// Finds the speakers in range. Whether a speaker is in range is unpredictable, so that the loops count
+/// instead of branching.
 void Listener::find_links() {
   in_reach_.resize(reaches_.size());
   std::size_t near = 0;
@@ -418,7 +421,7 @@ void Listener::find_links() {
   links_.resize(linked);
 }
 
-/// Leaves those that arrive.
+/// Computes the losses of links and removes those whose message does not arrive.
 void Listener::weaken_links() {
   if (radio_->params.walls != Walls::pass) find_walls();
   if (radio_->bodies_block()) find_blockers();
@@ -430,7 +433,8 @@ void Listener::weaken_links() {
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
 
-/// Finds the static pieces that may hide any of the links: far links are looked at one by one.
+/// Collects the static outlines that may hide a link. If some link is long, each link is searched by itself
+/// instead.
 void Listener::find_walls() {
   has_walls_ = false;
   if (links_.empty() || world_->scene().edge_count() == 0) return;
@@ -453,7 +457,7 @@ void Listener::find_walls() {
   has_walls_ = !walls_.empty();
 }
 
-/// The same of bodies.
+/// Collects the bodies that may hide a link, unless links may be long.
 void Listener::find_blockers() {
   blockers_.clear();
   if (links_.empty() || radio_->hears > k_together_m) return;
@@ -494,7 +498,7 @@ bool Listener::is_dropped(const Speaker& speaker) const {
   return words[0] * 0x1p-32 < radio_->params.drop_rate;
 }
 
-/// m, world frame.
+/// The height of a speaker's radio, m, world frame.
 double Listener::height(const Speaker& speaker) const {
   const std::int32_t joint = speaker.device->joint;
   const double base = joint == engine::k_rigid ? world_->poses()[speaker.row().index()].z
@@ -515,9 +519,10 @@ Line Listener::line_to(const Speaker& speaker) const {
   return line;
 }
 
-/// visit(share of the line, edge's first end) -> stop? for each edge of the chain that the line crosses at a
-/// height within z. Of a vertex on the line one of its two edges is crossed where the outline passes from one
-/// side to the other.
+/// Calls visit(position on the line from 0 to 1, first end of the edge) for each edge of the chain that the
+/// line crosses at a height within z, until a call returns true; returns whether one did. If a vertex is on
+/// the line, exactly one of its two edges counts as crossed, provided that the outline passes to the other
+/// side there.
 template <class Visit>
 bool any_crossing(const Line& line, std::span<const Vec2> chain, bool closed, const ZInterval& z,
                   Visit&& visit) {
@@ -537,8 +542,8 @@ bool any_crossing(const Line& line, std::span<const Vec2> chain, bool closed, co
   return false;
 }
 
-/// visit(circle of a piece of an outline) -> stop? for those of the static scene that the line may cross,
-/// each once or more.
+/// Calls visit(circle of a piece of a static outline), at least once for each piece that the line may cross,
+/// until a call returns true; returns whether one did.
 template <class Visit>
 bool Listener::any_wall(const Line& line, Visit&& visit) const {
   if (together_)
@@ -581,7 +586,7 @@ int Listener::hindrances(const Speaker& speaker) {
       return false;
     });
   });
-  // In and out of a solid is one wall; so is in alone, where a radio stands inside.
+  // Entering and leaving a solid counts as one wall. So does entering alone, if a radio is inside the solid.
   std::ranges::sort(crossings_);
   crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
   int walls = 0;
@@ -594,7 +599,7 @@ int Listener::hindrances(const Speaker& speaker) {
   return walls;
 }
 
-/// Whether the line crosses a body other than the two that talk, with all that is of their trees.
+/// Whether the line crosses a body that is in neither the speaker's nor the listener's tree.
 bool Listener::is_behind_a_body(const Line& line, const Speaker& speaker) const {
   const auto is_hidden_by = [&](const BodyCircle& circle) {
     const Row row(circle.row);
@@ -621,7 +626,7 @@ bool Listener::hides(const Line& line, Row row) const {
   });
 }
 
-/// Of equal ranges those of the lower senders, as they stand in links_.
+/// Keeps the nearest `most_heard` links, at equal ranges those of the lower senders, in their order.
 void Listener::keep_nearest() {
   if (links_.size() <= radio_->params.most_heard) return;
   nearest_.clear();
@@ -635,9 +640,9 @@ void Listener::keep_nearest() {
   links_.resize(kept);
 }
 
-/// Angles of directions, rad, to 3e-9: readings are floats. With one division and no branch an angle, so that
-/// the compiler takes several at once; atan2() to the last bit would be a third of what a radio costs. 0 for
-/// no direction.
+/// Computes the angles of directions, rad, accurate to 3e-9, because readings are floats; 0 for a zero
+/// vector. One division and no branch per angle, so that the compiler vectorises the loop. atan2() to the
+/// last bit would take a third of the time of a radio.
 void to_bearings(std::span<const Vec2> ways, std::span<float> bearings) {
   constexpr double k_tan_22_5_deg = 0.41421356237309503;
   for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -645,7 +650,7 @@ void to_bearings(std::span<const Vec2> ways, std::span<float> bearings) {
     const double y = ways[i].y();
     const double far = std::max(std::abs(x), std::abs(y));
     const double near = std::min(std::abs(x), std::abs(y));
-    // Of an angle of up to 45 degrees, or of what it is more than 45 degrees less: a share of 0.42 at most.
+    // Reduces the angle (up to 45 degrees) by 45 degrees if it is above 22.5, so that |u| is at most 0.42.
     const bool is_wide = near > k_tan_22_5_deg * far;
     const double up = is_wide ? near - far : near;
     const double along = is_wide ? near + far : far;
@@ -689,7 +694,7 @@ void Listener::write(std::size_t slot) {
   const auto qualities = state.cell<float>(slot, k_radio_quality);
   const auto lengths = state.cell<std::uint8_t>(slot, k_radio_length);
   const auto payloads = state.cell<std::uint8_t>(slot, k_radio_payload);
-  // Behind those of now what was there the last time becomes 0.
+  // Clears the payloads of this tick and of the previous one, because messages may be shorter than `payload`.
   std::ranges::fill(payloads.first(std::max(before, now) * radio_->params.payload), 0);
   ways_.resize(now);
   for (std::size_t i = 0; i < now; ++i) {
@@ -728,7 +733,7 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
               .pose_body_radio = pose_body_radio,
               .hears = params.hears == 0 ? params.range : params.hears};
   constexpr double k_light = 299792458;  // m/s
-  const double decade = 1 / log(10.0);   // of one e-fold
+  const double decade = 1 / log(10.0);   // decades per factor e
   const double hertz = params.frequency * 1e9;
   const double free_space = 20 * decade * log(4 * k_pi * hertz / k_light);  // dB, over the first metre
   switch (params.law) {
@@ -748,35 +753,37 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
   }
   const std::uint32_t n = params.most_heard;
   const std::uint32_t bytes = params.payload;
-  // Cells are chosen for sensors that look at much within their reach: one that hears far must not make them
-  // coarse for rangers that see little.
+  // The cell size is chosen for the reach of sensors. A radio with a long reach must not make the cells
+  // coarse for rangers with a short one.
   constexpr double k_most_reach = 4;
   const double reach = std::min(pose_body_radio.position().norm() + radio.hears, k_most_reach);
-  return {.data = std::move(radio),
-          .percepts = {{"count", Element::u32, 1, "", "messages heard"},
-                       {"lost", Element::u32, 1, "", "that arrived beside them: too many, or too long"},
-                       {"dropped", Element::u32, 1, "", "that got lost by chance"},
-                       {"sender", Element::u32, n, "", "id of the body that said each"},
-                       {"range", Element::f32, n, "m", "to the radio that said each, on the ground"},
-                       {"bearing", Element::f32, n, "rad", "of the radio that said each, frame of this one"},
-                       {"strength", Element::f32, n, "dBm", "of each"},
-                       {"quality", Element::f32, n, "", "of each link: 0 at its limit, 1 at no distance"},
-                       {"length", Element::u8, n, "", "bytes of each"},
-                       {"payload", Element::u8, n * bytes, "", "bytes of each, one message after another"}},
-          .commands = {{"mode", Element::u8, 1, "", "1: it says the payload, 2: it is silent", k_radio_mode},
-                       {"length", Element::u8, 1, "", "bytes of what it says", k_radio_bytes},
-                       {"payload", Element::u8, bytes, "", "what it says", k_radio_said}},
-          .command_bytes = k_radio_said + bytes,
-          .reach_m = reach};
+  return {
+      .data = std::move(radio),
+      .percepts = {{"count", Element::u32, 1, "", "messages heard"},
+                   {"lost", Element::u32, 1, "",
+                    "messages that arrived but are not heard: too many or too long"},
+                   {"dropped", Element::u32, 1, "", "messages dropped at random"},
+                   {"sender", Element::u32, n, "", "id of the body that sent each message"},
+                   {"range", Element::f32, n, "m", "distance to each sending radio, on the ground"},
+                   {"bearing", Element::f32, n, "rad", "bearing of each sending radio, radio frame"},
+                   {"strength", Element::f32, n, "dBm", "strength of each message"},
+                   {"quality", Element::f32, n, "", "quality of each link: 0 at its limit, 1 at no distance"},
+                   {"length", Element::u8, n, "", "bytes of each message"},
+                   {"payload", Element::u8, n * bytes, "", "bytes of the messages, one after another"}},
+      .commands = {{"mode", Element::u8, 1, "", "0: as its parameters say, 1: sends the payload, 2: silent",
+                    k_radio_mode},
+                   {"length", Element::u8, 1, "", "bytes of the message", k_radio_bytes},
+                   {"payload", Element::u8, bytes, "", "bytes of the message", k_radio_said}},
+      .command_bytes = k_radio_said + bytes,
+      .reach_m = reach};
 }
 
-/// Radios are found by the circles of their bodies.
+/// Checks the parameters. A radio must be inside the circle of its body, because radios are found by these
+/// circles.
 Result<> Radio::mount(const engine::TypeSpec& type, std::uint32_t) {
   if (!(params.sensitivity < params.power))
-    return Error{
-        fmt::format("hears nothing that is as strong as itself: its sensitivity, {:g} dBm, must be below "
-                    "its power, {:g} dBm",
-                    params.sensitivity, params.power)};
+    return Error{fmt::format("has a sensitivity_dBm of {:g}, which must be below its power_dBm of {:g}",
+                             params.sensitivity, params.power)};
   double radius2 = 0;
   for (const engine::PartSpec& part : type.parts)
     for (const Solid& solid : part.solids)
@@ -785,8 +792,7 @@ Result<> Radio::mount(const engine::TypeSpec& type, std::uint32_t) {
   const Vec2 place = pose_body_radio.position();
   if (place.squaredNorm() <= radius2 || place == Vec2::Zero()) return {};
   return Error{
-      fmt::format("stands {:g} m from the origin of its body, which ends at {:g} m: others could not find it "
-                  "there",
+      fmt::format("is {:g} m from the origin of its body; it must be within {:g} m, the radius of the body",
                   place.norm(), sqrt(radius2))};
 }
 
@@ -794,7 +800,7 @@ Result<> Radio::mount(const engine::TypeSpec& type, std::uint32_t) {
 
 DeviceKind radio_kind() {
   return engine::make_device_kind<Radio>(
-      "radio", "says something to others in range, and hears what they say, from where");
+      "radio", "sends messages to radios in range, and receives theirs with range and bearing");
 }
 
 }  // namespace troupe::sensors

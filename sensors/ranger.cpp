@@ -16,7 +16,7 @@ namespace {
 
 using engine::TransducerParams;
 
-/// Whether the second half of the beams looks in the opposite directions of the first.
+/// Whether beam i + count / 2 has the opposite direction of beam i, for the first half of the beams.
 bool mirrored(const BeamGroup& group) {
   constexpr double k_same = 1e-9;
   const std::size_t half = group.count / 2;
@@ -27,13 +27,13 @@ bool mirrored(const BeamGroup& group) {
   return same;
 }
 
-/// One transducer of a ranger, and where it is.
+/// One transducer of a ranger, and its pose.
 struct Transducer {
   const TransducerParams& params;
   Pose pose;  // body frame
 
   std::size_t samples() const { return static_cast<std::size_t>(params.samples); }
-  /// Of beam i, body frame, rad.
+  /// The heading of beam i, body frame, rad.
   double heading(std::size_t i) const { return pose.heading + params.bearing(static_cast<std::int64_t>(i)); }
 };
 
@@ -74,7 +74,8 @@ void group_beams(RangerBeams& ranger, const Transducer& transducer) {
   }
 }
 
-/// What the transducer does beside casting beams, if anything; `first` is the column of its first reading.
+/// Adds the noise, the range_min and the beam width of a transducer, if it has any. first: the column of its
+/// first reading
 void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams& ranger) {
   const TransducerParams& params = transducer.params;
   TransducerExtras extras{.first = first,
@@ -95,7 +96,7 @@ void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams&
     ranger.extras.push_back(std::move(extras));
 }
 
-/// What is the same in every cast.
+/// Prepares what is the same in every cast: padding, limits, and whether the group is mirrored.
 void finish(BeamGroup& group) {
   if (std::ranges::all_of(group.wobbles, [](double wobble) { return wobble == 0; })) {
     group.headings.clear();
@@ -143,16 +144,16 @@ engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& p
   beams.reach = beams.spread + farthest;
   for (BeamGroup& group : beams.groups) finish(group);
 
-  constexpr double k_watts = 0.2;  // a transducer, as in Stage
+  constexpr double k_watts = 0.2;  // per transducer, as in Stage
   out.watts = k_watts * static_cast<double>(transducers.size());
   out.beams = beams.count;
   out.reach_m = beams.reference.norm() + beams.reach;
   const auto columns = static_cast<std::uint32_t>(out.beams);
   out.percepts.push_back(
-      {"ranges", engine::Element::f32, columns, "m", "distance to the first surface, a beam each"});
+      {"ranges", engine::Element::f32, columns, "m", "distance to the first surface along each beam"});
   if (beams.intensity)
     out.percepts.push_back(
-        {"intensities", engine::Element::f32, columns, "", "ranger_return of what was met"});
+        {"intensities", engine::Element::f32, columns, "", "ranger_return of what each beam hits"});
   out.data = Ranger{std::make_shared<const RangerBeams>(std::move(beams))};
   return out;
 }

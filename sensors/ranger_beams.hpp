@@ -7,53 +7,53 @@
 
 namespace troupe::sensors {
 
-/// Beams of one height that are cast together. Each array has an entry a beam, and repeats the last up to
-/// whole vectors.
+/// Beams at one height that are cast together. Arrays have one entry per beam; those of directions, origins,
+/// ranges and limits are padded to whole vectors by repeating the last.
 struct BeamGroup {
   std::size_t first = 0;  ///< column of the first beam in the readings
   std::size_t count = 0;
-  double z = 0;                ///< body frame, m
-  std::vector<double> dx, dy;  ///< direction, body frame
-  std::vector<double> ox, oy;  ///< origin less the ranger's reference, body frame, m
+  double z = 0;                ///< height, body frame, m
+  std::vector<double> dx, dy;  ///< directions, body frame
+  std::vector<double> ox, oy;  ///< origins relative to the ranger's reference, body frame, m
   std::vector<float> range_max;
-  std::vector<float> limits;  ///< limits_of() beams that have met nothing yet
-  float farthest = 0;         ///< of those limits
-  bool mirrored = false;  ///< the second half looks in the opposite directions of the first, in their order
-  bool scan = false;      ///< many beams at equal angles from the reference; the three below are theirs
-  Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last, body frame
-  double fov = 0;               ///< between the first and the last, rad
-  double step = 0;              ///< between neighbours, rad
-  /// Of beams that do not leave exactly where they should: none, or one each.
+  std::vector<float> limits;    ///< limits_of() beams that have hit nothing yet
+  float farthest = 0;           ///< the largest of these limits
+  bool mirrored = false;        ///< beam i + count / 2 has the opposite direction of beam i
+  bool scan = false;            ///< beams at equal angular steps from the reference; sets the next three
+  Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, body frame
+  double fov = 0;               ///< angle between the first and the last beam, rad
+  double step = 0;              ///< angle between neighbouring beams, rad
+  /// For beams with angular noise: empty, or one entry per beam.
   std::vector<double> headings;  ///< body frame, rad
-  std::vector<double> wobbles;   ///< the heading's error is uniform within plus and minus this, rad
+  std::vector<double> wobbles;   ///< the error of the heading is uniform within plus and minus this, rad
 };
 
-/// What becomes of the readings of one transducer that does more than cast beams.
+/// Noise, range_min and beam width of a transducer, applied to its readings after the cast.
 struct TransducerExtras {
   std::size_t first = 0;  ///< column of its first reading
   std::size_t count = 0;
   double range_max = 0;
-  double noise_stddev = 0;        ///< of what is added to a reading, m
-  double noise_relative = 0;      ///< standard deviation of what a reading is off, a share of it
-  double noise_proportional = 0;  ///< a reading's error is uniform within plus and minus this share of it
-  double least = 0;               ///< m: lower readings are this
-  double beam_width = 0;          ///< above 0: opening angle of each beam, rad
+  double noise_stddev = 0;        ///< standard deviation of the error of a reading, m
+  double noise_relative = 0;      ///< standard deviation of the error of a reading, as a fraction of it
+  double noise_proportional = 0;  ///< the error is uniform within plus and minus this fraction of the reading
+  double least = 0;               ///< m: lower readings become this
+  double beam_width = 0;          ///< if above 0: opening angle of each beam, rad
   Vec2 origin = Vec2::Zero();     ///< body frame, m
   double z = 0;                   ///< body frame, m
-  std::vector<double> headings;   ///< of the beams where they have a width, body frame, rad
+  std::vector<double> headings;   ///< headings of the beams if they have a width, body frame, rad
 };
 
-/// A ranger's beams, made once from its parameters: what both ray engines cast.
+/// The beams of a ranger, prepared once from its parameters, for both ray engines.
 struct RangerBeams {
   std::size_t count = 0;
   std::vector<BeamGroup> groups;
-  Vec2 reference = Vec2::Zero();  ///< body frame, m: what positions are taken relative to
+  Vec2 reference = Vec2::Zero();  ///< body frame, m: positions are relative to it
   bool common_origin = true;      ///< all beams start at the reference
-  double spread = 0;              ///< from the reference to the farthest origin, m
-  double reach = 0;               ///< from the reference to the farthest point of any beam, m
+  double spread = 0;              ///< distance from the reference to the farthest origin, m
+  double reach = 0;               ///< bound on the distance from the reference to the end of any beam, m
   bool intensity = false;
-  bool wobbles = false;                  ///< some beams do not leave exactly where they should
-  std::vector<TransducerExtras> extras;  ///< of the transducers that need them
+  bool wobbles = false;                  ///< some beams have angular noise
+  std::vector<TransducerExtras> extras;  ///< for the transducers that need them
 };
 
 }  // namespace troupe::sensors

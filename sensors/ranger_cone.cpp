@@ -7,10 +7,10 @@
 namespace troupe::sensors {
 namespace {
 
-constexpr double k_slack = 1e-6;  // m: what the box about a cone leaves beside, above all rounding
+constexpr double k_slack = 1e-6;  // m: margin of the box about a cone, above all rounding
 
-/// A box about the cone's points within `length`: its tip, its two sides' ends, and two corners of the arc's
-/// tangent polygon.
+/// A box that contains the cone up to `length`: spanned by its tip, the ends of its two sides, and two
+/// corners of a tangent polygon of its arc.
 Box box_about(const Vec2& tip, double heading, double half_width, double length) {
   Box box;
   box.extend(tip);
@@ -25,10 +25,10 @@ Box box_about(const Vec2& tip, double heading, double half_width, double length)
 }  // namespace
 
 std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const Vec2& a, const Vec2& b) {
-  // The part [from, to] of the edge a + t (b - a) that lies within both sides.
+  // The part [from, to] of the edge a + t (b - a) that is within both sides.
   double from = 0;
   double to = 1;
-  const auto clip = [&](double at_a, double at_b) {  // how far within a side its ends lie
+  const auto clip = [&](double at_a, double at_b) {  // distances of the ends from a side, positive within
     if (at_a < 0 && at_b < 0) return false;
     if (at_a < 0) from = std::max(from, at_a / (at_a - at_b));
     if (at_b < 0) to = std::min(to, at_a / (at_a - at_b));
@@ -59,7 +59,7 @@ void look_in_cones(const engine::World& world, Row own, const engine::Mount& mou
       engine::for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
         const auto range = nearest_in_cone(right, left, a - tip, b - tip);
         if (!range || *range > nearest || *range >= extras.range_max) return;
-        if (!intensities.empty())  // of two surfaces at one distance the larger, as for beams without a width
+        if (!intensities.empty())  // at equal distances the larger one, as for beams without a width
           intensities[i] =
               *range < nearest ? chain.ranger_return : std::max(intensities[i], chain.ranger_return);
         nearest = *range;

@@ -14,7 +14,7 @@ namespace {
 
 using partition::Surroundings;
 
-/// Casts the beams of rangers. A thread keeps one, so that a warm step allocates nothing.
+/// Casts the beams of rangers. Each thread reuses one, so that a warm step allocates nothing.
 class Caster {
  public:
   void cast(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
@@ -34,7 +34,7 @@ class Caster {
       array->resize(std::max(array->size(), most));
     if (ranger.common_origin)
       for (std::vector<float>* array : {&ox_, &oy_}) std::ranges::fill(*array, 0.0f);
-    // Culls may keep too much but never too little: their margins are above what rounding can take away.
+    // Culls may keep too many circles but never too few: their margins are above the rounding errors.
     surroundings_.begin(world.index(), world.scene().outlines(), world.geometry(),
                         ranger.reach * (1 + partition::k_range_slack) + 1e-6);
     for (std::size_t r = 0; r < batch.rows.size(); ++r) {
@@ -54,8 +54,8 @@ class Caster {
   }
 
  private:
-  /// Looks from near to far, and no farther than some beam still goes: in a crowd, what is near soon hides
-  /// everything else.
+  /// Casts the beams of a group for one row. Searches from near to far, up to the limit of the longest beam:
+  /// in a crowd, near bodies soon hide everything else.
   void cast(const BeamGroup& group, Row row) {
     self_ = row;
     if (joint_ == engine::k_rigid) {
@@ -77,7 +77,7 @@ class Caster {
     }
   }
 
-  /// Turns the group's beams into the world's frame; nothing is met yet.
+  /// Rotates the group's beams into the world frame and resets their inverse ranges.
   void aim(const BeamGroup& group, const Transform& pose) {
     reference_ = pose * ranger_->reference;
     const auto [dx, dy] =
@@ -99,13 +99,14 @@ class Caster {
             group.mirrored, group.scan ? &scan_ : nullptr};
   }
 
-  /// How far from the reference anything may be for a beam still to meet it.
+  /// Updates the limits of the beams, and the distance from the reference up to which one may still hit
+  /// something.
   void limit() {
     farthest_ = partition::limits_of(fan_, inverse_.data(), range_max_, limits_.data()) + slack_spread_;
     limits_now_ = limits_.data();
   }
 
-  /// Projects what lies from low to high away and may be met.
+  /// Projects the outlines of a band that are from low to high away and that a beam may hit.
   void look(Surroundings::Band band, float low, float high) {
     if (linked_)
       look_at<true>(band, low, high);
@@ -113,7 +114,7 @@ class Caster {
       look_at<false>(band, low, high);
   }
 
-  /// k_linked: some bodies of the world have joints, or may carry others.
+  /// k_linked: some bodies of the world have joints or may carry others
   template <bool k_linked>
   void look_at(Surroundings::Band band, float low, float high) {
     const auto& circles = surroundings_.circles();
@@ -167,8 +168,8 @@ class Caster {
     layer_z_ = z_;
   }
 
-  /// Adds the edges from `first` to rest[0], to rest[1] and so on; projects first what leaves no room for
-  /// them.
+  /// Adds the edges from `first` to rest[0], to rest[1] and so on. Projects the buffered edges first if there
+  /// is no room for more.
   void add_chain(const Vec2& first, std::span<const Vec2> rest, float ranger_return,
                  partition::BeamSet met_by) {
     if (edges_.room() < rest.size()) [[unlikely]]
@@ -211,10 +212,10 @@ class Caster {
   partition::Scan scan_;
   float farthest_ = 0;
   const float* range_max_ = nullptr;
-  const float* limits_now_ = nullptr;                                  // how far beams can still go
-  std::vector<float> dx_, dy_, ox_, oy_, limits_, inverse_, returns_;  // a beam each, padded
-  // The outlines that beams of this height meet of bodies of this type whose pose has this z: most bodies of
-  // many outlines are alike.
+  const float* limits_now_ = nullptr;                                  // current limits of the beams
+  std::vector<float> dx_, dy_, ox_, oy_, limits_, inverse_, returns_;  // per beam, padded
+  // The outlines of a type at the height of the beams, cached for one type, z of the pose and height: most
+  // bodies with many outlines are alike.
   std::vector<const engine::RayOutline*> layer_;
   const engine::BodyType* layer_type_ = nullptr;
   double layer_base_ = 0;

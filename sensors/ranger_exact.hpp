@@ -5,7 +5,7 @@
 
 namespace troupe::sensors {
 
-/// The exact engine: writes the readings of a batch.
+/// Writes the readings of a batch with the exact ray engine.
 void cast_exact(const engine::DeviceBatch& batch, const RangerBeams& ranger);
 
 }  // namespace troupe::sensors

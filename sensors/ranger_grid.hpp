@@ -5,8 +5,8 @@
 
 namespace troupe::sensors {
 
-/// Readings of a batch by the grid engine, which the world must have (World::ray_grid()):
-/// percepts as ranger_kind() describes them, but for what cells make of them, docs/sensing.md.
+/// Writes the readings of a batch with the grid ray engine, which the world must have (World::ray_grid()).
+/// The percepts are those of ranger_kind(), up to the errors of the cells (docs/sensing.md).
 void cast_grid(const engine::DeviceBatch& batch, const RangerBeams& ranger);
 
 }  // namespace troupe::sensors

@@ -171,7 +171,7 @@ TEST(Parallel, TakesTheProcessorsThatItMayUseByDefault) {
     FAIL() << "taken";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
-                 "1025 threads: give 1 to 1024, or 0 for one for each processor that the process "
+                 "1025 threads: must be 1 to 1024, or 0 for one per processor that the process "
                  "may use");
   }
 }

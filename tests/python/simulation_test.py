@@ -195,7 +195,7 @@ print(eight.threads)
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "1\n8\n", ""))
         for threads in (1025, 100_000, 2**32 - 1):
-            with self.assertRaisesRegex(ValueError, f"^{threads} threads: give 1 to 1024, or 0 for one for each "):
+            with self.assertRaisesRegex(ValueError, f"^{threads} threads: must be 1 to 1024, or 0 for one per "):
                 troupe.Simulation(ROOM, threads=threads)
 
     def test_a_speed_that_is_no_number_is_told_with_its_robot(self):

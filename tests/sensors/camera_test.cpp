@@ -203,9 +203,10 @@ TEST(Camera, WhatCanSeeNothingIsRefused) {
     static_cast<void>(CameraScene(camera(k_square, {{"range_near", 3.0}, {"range_far", 2.0}})).world());
     FAIL();
   } catch (const InputError& fault) {
-    EXPECT_NE(std::string(fault.what())
-                  .find("device \"camera\" needs a range_near below its range_far; here are 3 m and 2 m"),
-              std::string::npos)
+    EXPECT_NE(
+        std::string(fault.what())
+            .find("device \"camera\" has a range_near of 3 m, which must be below its range_far of 2 m"),
+        std::string::npos)
         << fault.what();
   }
 }

@@ -236,7 +236,7 @@ TEST(Ground, WhatCannotBeIsAnError) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
-                HasSubstr("device \"ground\" needs \"points\": x and y of each, one after another"));
+                HasSubstr("device \"ground\" needs an even number of values in \"points\", at least 2: "));
   }
 }
 

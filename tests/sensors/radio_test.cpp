@@ -554,11 +554,10 @@ TEST(Radio, WhatCannotBeIsAnError) {
   EXPECT_EQ(fault(radio()), "nothing");
   EXPECT_THAT(
       fault(radio({{"power_dBm", -90.0}})),
-      HasSubstr("device \"radio\" hears nothing that is as strong as itself: its sensitivity, -80 dBm, "
-                "must be below its power, -90 dBm"));
+      HasSubstr("device \"radio\" has a sensitivity_dBm of -80, which must be below its power_dBm of -90"));
   EXPECT_THAT(fault(radio({}, {2, 0, 0, 0})),
-              HasSubstr("device \"radio\" stands 2 m from the origin of its body, which ends at 0.282843 m: "
-                        "others could not find it there"));
+              HasSubstr("device \"radio\" is 2 m from the origin of its body; it must be within 0.282843 m, "
+                        "the radius of the body"));
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ WorldBuilder yard(int bots = 1) {
 /// As the program does, and before they are made: a hundred thousand would take all the memory there is.
 TEST(Simulation, RefusesMoreThreadsThanALoopMayHave) {
   constexpr const char* k_text =
-      "100000 threads: give 1 to 1024, or 0 for one for each processor that the process may use";
+      "100000 threads: must be 1 to 1024, or 0 for one per processor that the process may use";
   EXPECT_EQ(message_of<std::invalid_argument>([] { Simulation(yard(), {.threads = 100'000}); }), k_text);
   WorldBuilder placed = yard();
   placed.population("s", "bot", 3, {{"rule", "grid"}, {"region_m", {{-9, -9}, {0, 0}}}, {"pitch_m", 1}});
