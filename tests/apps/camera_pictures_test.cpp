@@ -148,7 +148,7 @@ TEST_F(CameraPicturesOf, WhatCannotBeWrittenIsToldBeforeTheRun) {
     EXPECT_THAT(lines_of(outcome.err), ElementsAre(HasSubstr(message)));
     EXPECT_THAT(files(), ElementsAre("blind.world", "file"));
   };
-  refused({world_, "--camera-png", "file"}, "file: error: cannot be written: it is no folder");
+  refused({world_, "--camera-png", "file"}, "file: error: cannot be written: it is not a folder");
   refused({world_, "--camera-png", "none/seen"},
           "none/seen: error: cannot be written: there is no folder none");
   refused({"blind.world", "--camera-png", "seen"},

@@ -248,7 +248,7 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render", "room.world", "-o", "q.png", "--seed", "x"}, "\"x\" is not a whole number"},
       {{"render", "room.world", "-o", "q.png", "--threads", "0"}, "\"0\" is not a number of threads"},
       {{"render", "room.world", "--film", "f%06d.png", "--at", "1"}, "--at requires --output"},
-      {{"render", "room.world", "--film", "%06d.png"}, "nothing says when to stop: give --for SECONDS"},
+      {{"render", "room.world", "--film", "%06d.png"}, "no end time: give --for SECONDS"},
       {{"render", "room.world", "-o", "none/q.png"},
        "none/q.png: error: cannot be written: there is no folder none"},
       {{"render", "room.world", "-o", "q.png", "--camera", "window"},

@@ -206,10 +206,9 @@ TEST_F(Run, WithNoEndAtAllBothWaysAreNamed) {
   const Outcome outcome =
       troupe({"run", "room.world", "--hash-log", "h.log", "--snapshot", "p.png", "--quiet"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(
-      lines_of(outcome.err),
-      ElementsAre("room.world: error: nothing says when to stop: give --for SECONDS, or set quit_time in the "
-                  "world"));
+  EXPECT_THAT(lines_of(outcome.err),
+              ElementsAre("room.world: error: no end time: give --for SECONDS, or set quit_time in the "
+                          "world"));
   EXPECT_THAT(files(), ElementsAre("room.world"));
 }
 

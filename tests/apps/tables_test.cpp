@@ -301,8 +301,8 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err,
-              HasSubstr("m.csv: error: cannot be written: to go on with it, its first line had to "
-                        "be tick,time_s,order"));
+              HasSubstr("m.csv: error: cannot be written: to continue it, its first line must be "
+                        "tick,time_s,order"));
   EXPECT_EQ(read("m.csv"), before);
 }
 

@@ -171,11 +171,10 @@ TEST_F(Worlds, WhatIsWrongWithAnyIsToldBeforeAnyRuns) {
   write_world("c.world", "");
   const Outcome outcome = troupe({"run", "a.world", "b.world", "c.world", "--hash-log", "{world}.log"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(
-      lines_of(outcome.err),
-      ElementsAre("b.world:2: error: unknown unit_length \"km\"; known: m, cm, mm",
-                  "c.world: error: nothing says when to stop: give --for SECONDS, or set quit_time in "
-                  "the world"));
+  EXPECT_THAT(lines_of(outcome.err),
+              ElementsAre("b.world:2: error: unknown unit_length \"km\"; known: m, cm, mm",
+                          "c.world: error: no end time: give --for SECONDS, or set quit_time in "
+                          "the world"));
   EXPECT_THAT(files(), ElementsAre("a.world", "b.world", "c.world"));
 }
 
