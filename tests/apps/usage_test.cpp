@@ -294,7 +294,7 @@ TEST_F(Describe, WhatJsonTakesComesBeforeWhatStagesFilesDo) {
   const std::string text = troupe({"describe", "ranger"}).out;
   EXPECT_THAT(text, StartsWith("sensor ranger: "));
   EXPECT_LT(text.find("sensor ranger: "), text.find("model ranger: "));
-  EXPECT_LT(text.find("may take its place in JSON"), text.find("in a Stage world"));
+  EXPECT_LT(text.find("JSON also accepts"), text.find("in a Stage world"));
 }
 
 }  // namespace
