@@ -153,7 +153,7 @@ TEST_F(CameraPicturesOf, WhatCannotBeWrittenIsToldBeforeTheRun) {
           "none/seen: error: cannot be written: there is no folder none");
   refused({"blind.world", "--camera-png", "seen"},
           "blind.world: error: --camera-png: no camera of this world runs");
-  refused({world_, "blind.world", "--camera-png", "seen"}, "of several worlds each needs outputs of its own");
+  refused({world_, "blind.world", "--camera-png", "seen"}, "several worlds need different outputs");
   refused({world_, "--camera-every", "1"}, "--camera-every requires --camera-png");
   refused({world_, "--camera-png", "seen", "--camera-every", "often"},
           "--camera-every: \"often\" is not a time in seconds, from 0 to 1e9");

@@ -50,7 +50,7 @@ TEST_F(Run, SummaryNamesEverythingInAlignedLines) {
   for (const char* line :
        {"robots +12", "ticks +10 of 0.1 s", "simulated +1 s",
         "wall +[-0-9.e]+ s, after [-0-9.e]+ s of loading", "times real time +[0-9.,]+",
-        "cost +[0-9.,]+ ns a robot and tick", "beams +108 a tick",
+        "cost +[0-9.,]+ ns per robot and tick", "beams +108 per tick",
         "phases +sense [0-9.]+ %, decide [0-9.]+ %, move [0-9.]+ %, index [0-9.]+ %, observe [0-9.]+ %",
         "threads +2", "peak memory +[0-9.]+ MiB", "stalled +[0-9]+ .[0-9.]+ %.",
         "mean displacement +[0-9.]+ m", "state hash +[0-9a-f]{16}"})
@@ -256,7 +256,7 @@ TEST_P(Signals, EndTheRunAfterTheTickWithEverythingWritten) {
   const Outcome outcome =
       troupe_until({"run", "room.world", "--for", "1e9", "--hash-log", "h.log"}, "h.log", 30, GetParam());
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_THAT(outcome.out, HasSubstr("stopped early, at "));
+  EXPECT_THAT(outcome.out, HasSubstr("stopped early at "));
   EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  state hash +[0-9a-f]{16}")));
   const std::vector<std::string> log = ticks("h.log");
   const std::string& last = log.back();

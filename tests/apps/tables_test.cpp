@@ -296,8 +296,8 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(
       lines_of(outcome.err),
-      ElementsAre("m.csv: error: the table cannot go on: the checkpoint was saved without these measures, "
-                  "and does not say what they remembered; choose another file"));
+      ElementsAre("m.csv: error: the table cannot be continued: the checkpoint was saved without these "
+                  "measures and lacks their memory; choose another file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err,
