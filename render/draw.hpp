@@ -60,7 +60,8 @@ struct View {
   int width = 1280;
   int height = 720;
   /// World region that must be visible, m. It fills the picture in one direction; in the other, more is
-  /// visible. Not given: the scene's bounds with a margin. Used only if the camera has no `center` or `eye`.
+  /// visible. Not given: the scene's bounds with a margin. The camera's `center`, `across_m` and
+  /// `eye` take precedence.
   std::optional<Box> region;
   Camera camera;
   Layers layers;
