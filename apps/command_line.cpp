@@ -43,7 +43,7 @@ std::vector<std::string> words_of(const CLI::App& app) {
   return words;
 }
 
-/// One line that says what is wrong with the command line and where help is.
+/// One line with the error in the command line and the command that prints help.
 std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   const auto commands = app.get_subcommands();
   const bool in_command = !commands.empty() && app.remaining(false).empty();
@@ -51,8 +51,8 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   const std::string name = in_command ? "troupe " + scope.get_name() : "troupe";
   std::string message = error.what();
   if (error.get_name() == "ArgumentMismatch") {
-    // CLI11 names a switch that was given a value without its dashes, an option with too many or too few with
-    // them.
+    // CLI11's message begins with the name: without dashes for a switch that was given a value, with dashes
+    // for an option with too many or too few values.
     message = message.starts_with('-')
                   ? fmt::format("{} takes one value, once", message.substr(0, message.find(':')))
                   : fmt::format("--{} takes no value", message.substr(0, message.find(' ')));
@@ -77,7 +77,7 @@ std::string version_text() {
   return fmt::format("{} simd {} (of {})", version_line(), partition::simd_target(), usable);
 }
 
-/// Every command; parsing fills their options.
+/// Adds every command; parsing fills their options.
 void add_commands(CLI::App& app, const std::vector<ProgramCommand>& commands) {
   app.get_formatter()->column_width(26);
   app.footer(k_troupe_footer);
@@ -99,7 +99,7 @@ ExitCode run_command(const CLI::App& app, std::vector<ProgramCommand>& commands,
   return k_bad_input;
 }
 
-/// The code of a command, or an error where what it printed was lost (a full disk, a closed stream).
+/// The exit code of a command. Throws std::runtime_error if its output was lost (full disk, closed stream).
 int told(int code) {
   const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush().good();
   if (!flushed && code != k_bad_input) throw std::runtime_error("standard output cannot be written");
@@ -107,7 +107,7 @@ int told(int code) {
 }
 
 constexpr const char* k_about =
-    "Troupe simulates very large swarms of mobile robots, the same to the last bit on any number of "
+    "Troupe simulates very large swarms of mobile robots; results are bit-identical on any number of "
     "threads.";
 
 }  // namespace
@@ -140,7 +140,7 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     fmt::print(stderr, "troupe: error: {}\n", error.what());
     return k_failed;
   } catch (...) {  // a plug-in may throw anything
-    fmt::print(stderr, "troupe: error: an exception that is no std::exception\n");
+    fmt::print(stderr, "troupe: error: an exception that is not a std::exception\n");
     return k_failed;
   }
 }

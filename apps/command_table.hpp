@@ -9,10 +9,11 @@ class App;
 
 namespace troupe::apps {
 
-/// What a command line takes, as the parser that reads it knows it: for the manual page and for shells.
+/// An option or positional argument of a command, read from the parser, for the manual page and the
+/// completion of shells.
 struct CommandOption {
-  std::vector<std::string> names;  ///< as typed: "--for"; of a positional argument its name alone: "WORLD"
-  std::string value;  ///< what follows it, for people: "S", "FILE.h5", "exact|grid"; empty: nothing
+  std::vector<std::string> names;  ///< as typed: "--for"; for a positional argument only its name: "WORLD"
+  std::string value;  ///< placeholder of its value: "S", "FILE.h5", "exact|grid"; empty: no value
   std::string help;
   bool positional = false;
 };
@@ -20,11 +21,11 @@ struct CommandOption {
 struct Command {
   std::string name;
   std::string help;
-  std::vector<CommandOption> options;  ///< in the order of --help, that one first
-  std::string footer;                  ///< what --help says below them
+  std::vector<CommandOption> options;  ///< in the order of --help; --help itself is first
+  std::string footer;                  ///< text below the options in --help
 };
 
-/// The program itself (its own options, and no footer of a command) and behind it its commands.
+/// The program itself, with its own options, then its commands.
 std::vector<Command> command_table(const CLI::App& app);
 
 }  // namespace troupe::apps

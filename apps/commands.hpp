@@ -17,12 +17,12 @@ namespace troupe::apps {
 struct ProgramCommand {
   std::string name;
   std::string help;
-  std::function<void(CLI::App& command)> add_options;  ///< which parsing fills
-  std::function<ExitCode()> run;                       ///< does what they ask for
-  std::any options;  ///< a std::shared_ptr to them, of the type that the command's own file declares
+  std::function<void(CLI::App& command)> add_options;  ///< declares the options; parsing fills them
+  std::function<ExitCode()> run;                       ///< runs the command with its options
+  std::any options;  ///< a std::shared_ptr to the options, of the type declared in the command's file
 };
 
-/// The table of the commands, in the order of --help; each call makes options of its own.
+/// All commands, in the order of --help. Each call creates new options.
 std::vector<ProgramCommand> program_commands();
 
 }  // namespace troupe::apps

@@ -17,7 +17,7 @@ namespace {
 
 using Arguments = std::map<std::string, std::vector<std::string>>;
 
-/// What may follow an option: one of few words, a file, or what only the user knows.
+/// Possible values of an option: listed words, or a file. Neither: values that cannot be completed.
 struct ValueHint {
   std::vector<std::string> words;
   bool file = false;
@@ -59,7 +59,7 @@ std::string names_of(std::span<const Command> commands) {
 
 std::string bash(const Command& program, std::span<const Command> commands, const Arguments& arguments) {
   std::string options, values, positional;
-  std::vector<std::string> files, others;  // COMMAND:OPTION whose value is one, and those of other values
+  std::vector<std::string> files, others;  // COMMAND:OPTION whose value is a file; those with other values
   for (const Command& command : commands) {
     options += fmt::format("    {}) words=\"{}\" ;;\n", command.name, fmt::join(option_names(command), " "));
     if (const auto* words = words_of(arguments, command))
@@ -104,7 +104,7 @@ complete -o default -F _troupe troupe
                      names_of(commands), fmt::join(option_names(program), " "), values, options, positional);
 }
 
-/// Within single quotes, where zsh gives [ ] and : a meaning.
+/// Escapes a text for single quotes; [ ] and : have a meaning in zsh's specifications.
 std::string zsh_text(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -160,7 +160,7 @@ if [[ $funcstack[1] == _troupe ]]; then _troupe "$@"; else compdef _troupe troup
                      list, cases);
 }
 
-/// Within single quotes.
+/// Escapes a text for single quotes in fish.
 std::string fish_text(std::string_view text) {
   std::string out;
   for (const char c : text) {

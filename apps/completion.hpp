@@ -17,15 +17,15 @@ namespace troupe::apps {
 
 inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"};
 
-/// The script with which a shell completes commands, options, and values of few choices ("exact|grid"); after
-/// anything else it offers files. `arguments`: what a command's positional argument may be, by command.
+/// The script with which a shell completes commands, options, and values that are listed ("exact|grid");
+/// elsewhere it offers files. `arguments` maps a command to the allowed values of its positional argument.
 /// `shell` is one of k_shells.
 std::string completion(std::string_view shell, const std::vector<Command>& commands,
                        const std::map<std::string, std::vector<std::string>>& arguments);
 
 /// Adds the options of `completion`; parsing fills `shell`, which must outlive `command`.
 void add_completion_options(CLI::App& command, std::string& shell);
-/// `troupe completion`: prints the script of a shell.
+/// `troupe completion`: prints the script for a shell.
 ExitCode print_completion(const std::string& shell);
 
 }  // namespace troupe::apps

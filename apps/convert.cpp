@@ -18,12 +18,13 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_convert_footer = R"(
-The formats are those that the names end in: .world is Stage's syntax, .json that of docs/world-format.md. What is
-written has the same hash log as what was read; where it may have another one, a warning says so. JSON can say all that
-a .world can: macros and included files are expanded, images stay images, and everything is in SI units. The other way, what Stage has no word for is an error that
-names it, and nothing is written. From JSON to JSON is a normal form: populations are listed one by one.
+The file names select the formats: .world is Stage's syntax, .json the format of docs/world-format.md. The world written
+gives the same hash log as the world read; a warning is printed where it may not. JSON can express every .world: macros
+and included files are expanded, images stay images, and all values are in SI units. In the other direction, a feature
+that Stage's syntax cannot express is an error, and nothing is written. JSON to JSON writes a normal form, in which
+populations are listed body by body.
 
-Exit codes: 0 written; 2 the world cannot be loaded, or not be said in that format, or OUT is there already.
+Exit codes: 0 written; 2 the world cannot be loaded or expressed in that format, or OUT exists.
 
 Examples:
   troupe convert worlds/minimal.world minimal.json
@@ -38,8 +39,7 @@ void check(const ConvertOptions& options) {
   check_outputs({{options.in, "the world"}}, {options.out});
   std::error_code ignored;
   if (!options.force && std::filesystem::exists(options.out, ignored))
-    throw OutputError(fmt::format("{}: error: there is a file of this name already: --force replaces it",
-                                  options.out.string()));
+    throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", options.out.string()));
 }
 
 }  // namespace
@@ -55,9 +55,8 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
   };
   add_file("IN", options.in, "World file: Stage's .world, or .json");
   add_file("OUT", options.out, "File to write, in the other format or the same");
-  command.add_flag("--force", options.force, "Replace a file that is there already")->disable_flag_override();
-  add_set_option(command, "Change a value on the way: a JSON pointer into the world; repeatable",
-                 options.set);
+  command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
+  add_set_option(command, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
   add_plugin_path_option(command, options.plugin_path);
 }
 

@@ -13,11 +13,11 @@ class App;
 
 namespace troupe::apps {
 
-/// What the command line of `troupe convert` asks for.
+/// Options of `troupe convert`.
 struct ConvertOptions {
   std::filesystem::path in;
   std::filesystem::path out;
-  bool force = false;  ///< an output that exists may be replaced
+  bool force = false;  ///< replace an existing output file
   std::vector<std::pair<std::string, std::string>> set;
   std::vector<std::filesystem::path> plugin_path;
 };
@@ -25,8 +25,8 @@ struct ConvertOptions {
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.
 void add_convert_options(CLI::App& command, ConvertOptions& options);
 
-/// Writes a world in another format, or in the normal form of its own, and says so in a line. Throws
-/// InputError where the world cannot be loaded, or not be said in the other format.
+/// `troupe convert`: writes a world in another format, or in the normal form of its own format, and prints
+/// one line. Throws InputError if the world cannot be loaded or cannot be expressed in the other format.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

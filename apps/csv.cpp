@@ -17,20 +17,21 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-/// Bytes of a table up to its first line whose tick is not below `keep_before`.
+/// Number of bytes of a table before its first line whose tick is at least `keep_before`.
 std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std::uint64_t keep_before) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuse_output(file, std::strerror(errno));
   std::string line;
-  // A line that has no end does not count.
+  // An incomplete last line does not count.
   const auto next = [&] { return std::getline(stream, line) && !stream.eof(); };
   if (!next() || line != header)
-    refuse_output(file, fmt::format("to go on with it, its first line had to be {}", header));
+    refuse_output(file, fmt::format("to continue it, its first line must be {}", header));
   std::uintmax_t bytes = line.size() + 1;
   while (next()) {
     const auto tick = number<std::uint64_t>(std::string_view(line).substr(0, line.find(',')));
     if (!tick)
-      refuse_output(file, fmt::format("to go on with it, a tick had to stand first in \"{}\"", line));
+      refuse_output(file,
+                    fmt::format("to continue it, each line must begin with a tick; found \"{}\"", line));
     if (*tick >= keep_before) break;
     bytes += line.size() + 1;
   }

@@ -8,27 +8,27 @@
 
 namespace troupe::apps {
 
-/// A table of a run that is written while it goes on: comma-separated values as pandas reads them without
-/// options, a line of names first, and in every line the tick first. What has been flushed is whole lines.
+/// A table written during a run: comma-separated values that pandas reads without options. The first line
+/// holds the column names, the first column the tick. Only whole lines are flushed.
 class CsvFile {
  public:
-  /// Makes the file, whatever was there, and begins it with the line of names. Throws OutputError.
+  /// Creates or overwrites the file and starts it with `header`, the line of column names. Throws
+  /// OutputError.
   CsvFile(const std::filesystem::path& file, std::string_view header);
-  /// Goes on with a table of an earlier run: keeps its lines whose tick is below `keep_before`, and drops
-  /// what follows, a line that was cut off too. Makes a new file where there is none. Throws OutputError, and
-  /// leaves the file as it is, where it is no such table.
+  /// Continues the table of an earlier run: keeps the lines whose tick is below `keep_before` and drops the
+  /// rest, an incomplete last line included. Creates the file if there is none. Throws OutputError if the
+  /// file is not such a table, and then leaves it unchanged.
   CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
 
-  /// Appends to the line that has been begun: the shortest text that is read back as the same number, `nan`
-  /// where there is none.
+  /// Appends a cell to the current line: the shortest text that reads back as the same number, or `nan`.
   CsvFile& add(double number);
   CsvFile& add(std::uint64_t number);
-  /// In quotes where it needs them.
+  /// Appends a cell, in quotes where it needs them (csv_cell()).
   CsvFile& add(std::string_view text);
   void end_line();
 
-  /// Gives the lines that have ended to the file. Throws std::runtime_error, with the file's name and the
-  /// tick, where they cannot be written.
+  /// Writes the finished lines to the file. Throws std::runtime_error with the file's name and the tick if
+  /// that fails.
   void flush(std::uint64_t tick);
 
  private:
@@ -40,7 +40,7 @@ class CsvFile {
   bool line_begun_ = false;
 };
 
-/// A text as a cell of a table: in quotes where it holds a comma, a quote or a line's end (RFC 4180).
+/// A text as a cell of a table: in quotes if it holds a comma, a quote or a line break (RFC 4180).
 std::string csv_cell(std::string_view text);
 
 }  // namespace troupe::apps

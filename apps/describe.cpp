@@ -58,7 +58,7 @@ std::string value_text(const Value& value) {
   return std::visit(Visitor{}, value.v);
 }
 
-/// What may stand there: "0 .. 1 m", "> 0 s", "car, diff, omni".
+/// The allowed values: "0 .. 1 m", "> 0 s", "car, diff, omni".
 std::string range_text(const Field& field) {
   const std::string unit{engine::unit_suffixes(field.unit).front().symbol};
   const bool low = std::isfinite(field.min);
@@ -88,7 +88,7 @@ std::string range_text(const Field& field) {
   return unit.empty() ? range : range + " " + unit;
 }
 
-/// How the field is written in JSON: "fov_rad (_deg)".
+/// The key of the field in JSON, with the suffixes of its other units: "fov_rad (_deg)".
 std::string key_text(const Field& field) {
   const auto units = engine::unit_suffixes(field.unit);
   std::string others;
@@ -97,7 +97,7 @@ std::string key_text(const Field& field) {
   return fmt::format("{}{}{}", field.name, units.front().suffix, others.empty() ? "" : " (" + others + ")");
 }
 
-/// A longer entry pushes the rest of its own line to the right, not everybody's.
+/// Entries longer than this do not widen their column; they shift the rest of their own line to the right.
 constexpr std::size_t k_max_column = 36;
 
 using Line = std::array<std::string, 4>;
@@ -105,7 +105,7 @@ using Line = std::array<std::string, 4>;
 void add_lines(const FieldTable& table, const std::string& indent, std::vector<Line>& lines) {
   for (const Field& field : table.fields) {
     const bool block = field.type == FieldType::record || field.type == FieldType::records;
-    // A block that is not given is its fields' defaults, which follow.
+    // A block that is not given has the defaults of its fields, which follow.
     const bool defaulted_block = field.type == FieldType::record && !field.fallback.given();
     const std::string fallback = field.optional    ? "none"
                                  : defaulted_block ? "below"
@@ -133,8 +133,8 @@ std::string fields_text(const FieldTable& table) {
   return text;
 }
 
-/// Parameters as one might give them: where there must be some, a list of one block of defaults. Nothing
-/// where a parameter that must be given has no default.
+/// Typical parameters: the defaults, and a list of one block where a list of blocks is required. Nothing if a
+/// required parameter has no default.
 std::optional<engine::Record> usual(const FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
@@ -150,7 +150,7 @@ std::optional<engine::Record> usual(const FieldTable& table) {
   return record;
 }
 
-/// What controllers and programs read of a device, and what they ask of it.
+/// The readings or state of a device that controllers and programs read, and its command.
 std::string state_text(const engine::DeviceKind& kind) {
   const std::optional<engine::Record> params = usual(kind.params);
   if (!params) return {};
@@ -174,9 +174,9 @@ std::string state_text(const engine::DeviceKind& kind) {
     }
     text += "\n";
   };
-  add(kind.is_sensor() ? "its readings, with these parameters" : "its state, with these parameters",
+  add(kind.is_sensor() ? "readings, with the default parameters" : "state, with the default parameters",
       prepared.percepts);
-  add("its command", prepared.commands);
+  add("command", prepared.commands);
   return text;
 }
 
@@ -185,7 +185,7 @@ std::string kind_text(std::string_view group, const Kind& kind) {
   return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
 }
 
-/// The properties that a Stage world file may give entities of this type; what has no effect is left out.
+/// The properties of entities of this type in a Stage world file, without those that have no effect.
 std::string properties_text(std::string_view heading, std::string_view type) {
   std::string text;
   for (const worldio::StageRow& row : worldio::stage_rows()) {
@@ -200,19 +200,19 @@ std::string properties_text(std::string_view heading, std::string_view type) {
 
 std::string model_text(const Registry& registry, const engine::ModelKind& kind) {
   const engine::DeviceKind* device = registry.device(kind.device);
-  std::string text = fmt::format("model {}: {}\n\n  {} x {} x {} m unless it says, {}\n\n", kind.name,
+  std::string text = fmt::format("model {}: {}\n\n  default size {} x {} x {} m, {}\n\n", kind.name,
                                  kind.text, kind.size.x(), kind.size.y(), kind.size.z(),
                                  kind.has_default_body ? "a box unless it has blocks or a bitmap"
                                  : device && device->body != nullptr
-                                     ? "with a body of its own unless it has blocks or a bitmap"
+                                     ? "with the body of its kind unless it has blocks or a bitmap"
                                      : "without a body");
-  if (kind.name != "model") text += properties_text("its properties in a Stage world", kind.name);
-  if (kind.name == "ranger") text += properties_text("of each sensor( ) in it", "sensor");
+  if (kind.name != "model") text += properties_text("properties in a Stage world", kind.name);
+  if (kind.name == "ranger") text += properties_text("properties of each sensor( ) block in it", "sensor");
   return text + properties_text("properties of every model", "model") +
-         properties_text("of each block( ) in it", "block");
+         properties_text("properties of each block( ) in it", "block");
 }
 
-/// Lines of at most 100 letters, indented.
+/// Indented lines of at most 100 characters.
 std::string wrapped(std::string_view text) {
   constexpr std::size_t k_width = 100;
   std::string out;
@@ -233,12 +233,12 @@ std::string measure_text(const engine::MeasureKind& kind) {
                      wrapped(kind.definition), fields_text(kind.params));
 }
 
-/// A preset is its kind with other defaults: shown as such.
+/// The parameters of a preset: those of its kind with other defaults.
 std::string preset_text(const Registry& registry, const Registry::Preset& preset) {
   FieldTable table = registry.controller(preset.kind)->params;
   for (const auto& [name, value] : preset.params)
     table.fields[static_cast<std::size_t>(table.find(name))].fallback = value;
-  return fmt::format("controller {}: {}\n\n  preset of {}, with the defaults\n\n{}\n", preset.name,
+  return fmt::format("controller {}: {}\n\n  preset of {} with these defaults\n\n{}\n", preset.name,
                      preset.text, preset.kind, fields_text(table));
 }
 
@@ -266,11 +266,11 @@ std::string list_kinds(const Registry& registry) {
          listed("devices", registry.other_devices()) + listed("drives", registry.drives) +
          listed("controllers", registry.controllers) + listed("presets of controllers", registry.presets) +
          listed("measures", registry.measures) + listed("faults", registry.faults) +
-         listed("events", engine::event_kinds()) + "`troupe describe KIND` tells what each takes.\n";
+         listed("events", engine::event_kinds()) + "`troupe describe KIND` lists the parameters of a kind.\n";
 }
 
 std::string describe_kind(const Registry& registry, std::string_view name) {
-  std::string text;  // what JSON takes, then what Stage's files do
+  std::string text;  // parameters in JSON, then properties in Stage's files
   if (const auto* kind = registry.device(name))
     text += kind_text(kind->is_sensor() ? "sensor" : "device", *kind) + state_text(*kind);
   if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
@@ -279,15 +279,14 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* kind = registry.measure(name)) text += measure_text(*kind);
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.find("\n  key ") != std::string::npos)
-    text +=
-        "Defaults and ranges are in the first unit of a key; those in brackets may take its place in JSON.\n";
+    text += "Defaults and ranges are in the first unit of a key; JSON also accepts the units in brackets.\n";
   if (const auto* kind = registry.model(name))
     text += (text.empty() ? "" : "\n") + model_text(registry, *kind);
   if (text.empty()) {
-    // The list of all is long, and would stand before the suggestion.
+    // The names of all kinds are not listed: they are long and would come before the suggestion.
     std::string unknown = fmt::format("unknown kind \"{}\"{}; `troupe describe` lists all", name,
                                       did_you_mean(name, kind_names(registry)));
-    if (registry.plugged_controllers)  // plug-ins know why, too
+    if (registry.plugged_controllers)  // the error of a plug-in is more specific
       if (const auto found = registry.plugged_controllers(name, unknown); !found)
         unknown = found.error().text;
     throw InputError("troupe describe: error: " + unknown);
@@ -298,7 +297,7 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
 void add_describe_options(CLI::App& command, DescribeOptions& options) {
   command
       .add_option("KIND", options.kind,
-                  "Model, sensor, drive, controller or measure; all of them if not given")
+                  "Model, sensor, device, drive, controller, measure or fault; default: list all")
       ->option_text(" ");
   command.add_flag("--schema", options.schema, "Print the JSON Schema of worlds, for editors and programs");
   add_plugin_path_option(command, options.plugin_path);

@@ -14,7 +14,7 @@ class App;
 
 namespace troupe::apps {
 
-/// What the command line of `troupe describe` asks for.
+/// Options of `troupe describe`.
 struct DescribeOptions {
   std::string kind;  ///< empty: all
   bool schema = false;
@@ -22,18 +22,19 @@ struct DescribeOptions {
 };
 /// Adds the options of `describe`; parsing fills `options`, which must outlive `command`.
 void add_describe_options(CLI::App& command, DescribeOptions& options);
-/// `troupe describe`: prints a list, a kind or the schema. Throws InputError for a kind that is not known.
+/// `troupe describe`: prints the list of kinds, one kind, or the schema. Throws InputError for an unknown
+/// kind.
 ExitCode describe(const DescribeOptions& options);
 
-/// Every model, sensor, drive, controller, preset, measure and event, a line each.
+/// One line for every model, sensor, device, drive, controller, preset, measure, fault and event.
 std::string list_kinds(const engine::Registry& registry);
 
-/// The names of all kinds, sorted, each once.
+/// The names of all kinds, sorted, without duplicates.
 std::vector<std::string_view> kind_names(const engine::Registry& registry);
 
-/// The fields of every kind of this name (a model and a sensor may share one): JSON key with its units,
-/// default, range and meaning; also of a controller of a plug-in that the registry finds. Throws InputError
-/// with near names when there is none.
+/// The parameters of every kind of this name (a model and a sensor may share one): JSON key with its units,
+/// default, range and meaning. Also finds controllers of plug-ins through the registry. Throws InputError
+/// with similar names if there is no such kind.
 std::string describe_kind(const engine::Registry& registry, std::string_view name);
 
 }  // namespace troupe::apps

@@ -2,12 +2,12 @@
 
 namespace troupe::apps {
 
-/// What the program returns to its caller.
+/// Exit codes of the program.
 enum ExitCode : int {
   k_finished = 0,
-  k_failed = 1,     ///< the run, or writing its results, went wrong; bits differ; or a lint found something
-  k_bad_input = 2,  ///< wrong world or usage; nothing was written
-  k_stopped = 3,    ///< ended early by Ctrl-C or SIGTERM, results written
+  k_failed = 1,     ///< the run or writing its results failed; results differ; or lint has findings
+  k_bad_input = 2,  ///< invalid world or usage; nothing was written
+  k_stopped = 3,    ///< stopped early by Ctrl-C or SIGTERM; results were written
 };
 
 }  // namespace troupe::apps

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view k_form =
     "TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex digits each";
-constexpr std::size_t k_shown = 120;  // bytes of a line that is quoted in an error
+constexpr std::size_t k_shown = 120;  // most bytes of a line that an error quotes
 
 /// 16 lower-case hex digits, and nothing else.
 std::optional<std::uint64_t> hash_of(std::string_view text) {
@@ -46,7 +46,7 @@ HashLogReader::HashLogReader(const std::filesystem::path& file) : header_{.file 
   std::string line;
   if (!read_line(line) || line != k_hash_log_mark)
     throw InputError(
-        fmt::format("{}:1: error: this is no hash log: one begins with \"{}\" (troupe run --hash-log)",
+        fmt::format("{}:1: error: not a hash log (troupe run --hash-log): the first line must be \"{}\"",
                     file.string(), k_hash_log_mark));
   while (read_line(line)) {
     if (!line.starts_with('#')) {
@@ -67,35 +67,35 @@ std::optional<HashLogReader::Line> HashLogReader::next() {
   }
   Line line = parse(text);
   if (last_tick_ && line.tick != *last_tick_ + 1)
-    fail(fmt::format("tick {} after tick {}: a hash log has a line for every tick", line.tick, *last_tick_));
+    fail(fmt::format("tick {} after tick {}: a hash log has one line per tick", line.tick, *last_tick_));
   last_tick_ = line.tick;
   return line;
 }
 
 bool HashLogReader::read_line(std::string& line) {
   if (!std::getline(stream_, line)) {
-    if (stream_.bad()) fail("cannot be read any further");
+    if (stream_.bad()) fail("cannot be read beyond this line");
     return false;
   }
   ++number_;
   if (stream_.eof())
-    fail("the last line has no end: the log was cut off; remove that line to compare what is before it");
+    fail("the last line is incomplete: the log was cut off; remove this line to compare the others");
   return true;
 }
 
 void HashLogReader::read_header(const std::string& line) {
   const auto colon = line.find(": ");
   if (!line.starts_with("# ") || colon == line.npos)
-    fail(fmt::format("\"{}\" is no header: these read # KEY: VALUE", line.substr(0, k_shown)));
+    fail(fmt::format("\"{}\" is not a header line; expected # KEY: VALUE", line.substr(0, k_shown)));
   const std::string key = line.substr(2, colon - 2);
   if (!header_.entries.emplace(key, RunHeader::Entry{line.substr(colon + 2), number_}).second)
-    fail(fmt::format("a second header \"{}\"", key));
+    fail(fmt::format("duplicate header \"{}\"", key));
 }
 
 HashLogReader::Line HashLogReader::parse(const std::string& text) const {
   Line line{.number = number_, .text = text};
   const auto malformed = [&] {
-    fail(fmt::format("\"{}\" is no line of a hash log: these read {}", text.substr(0, k_shown), k_form));
+    fail(fmt::format("\"{}\" is not a line of a hash log; expected {}", text.substr(0, k_shown), k_form));
   };
   const std::vector<std::string_view> words = words_of(text);
   if (words.size() != 2 + engine::k_hash_groups) malformed();
@@ -112,7 +112,7 @@ HashLogReader::Line HashLogReader::parse(const std::string& text) const {
     line.groups[g] = *hash;
   }
   if (std::accumulate(line.groups.begin(), line.groups.end(), std::uint64_t{0}) != line.state)
-    fail("the state is not the sum of its groups: the line is damaged");
+    fail("the state hash is not the sum of the group hashes: the line is damaged");
   return line;
 }
 

@@ -17,15 +17,15 @@ namespace troupe::apps {
 /// The first line of every hash log.
 inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 
-/// A hash log, read line by line: two days' run is a file of gigabytes. Everything that is wrong with it is
-/// an InputError, `run.log:31: error: ...`.
+/// Reads a hash log line by line, since the log of a run of two days takes gigabytes. Every error in the file
+/// is an InputError: `run.log:31: error: ...`.
 class HashLogReader {
  public:
   /// Opens the file and reads its header.
   explicit HashLogReader(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return header_.file; }
-  /// What the header lines `# key: value` say, and where.
+  /// The header lines `# key: value`, with their line numbers.
   const RunHeader& header() const { return header_; }
 
   struct Line {
@@ -35,8 +35,8 @@ class HashLogReader {
     std::uint64_t state;
     std::array<std::uint64_t, engine::k_hash_groups> groups;
   };
-  /// The next tick, nothing at the end. Ticks follow one another without a gap, each line is whole, and its
-  /// state is the sum of its groups.
+  /// The line of the next tick, nothing at the end. Guarantees that ticks have no gaps, that each line is
+  /// whole, and that its state hash is the sum of its groups; throws InputError otherwise.
   std::optional<Line> next();
 
  private:
@@ -48,7 +48,7 @@ class HashLogReader {
   RunHeader header_;
   std::ifstream stream_;
   std::size_t number_ = 0;
-  std::optional<std::string> ahead_;  // the first line behind the header
+  std::optional<std::string> ahead_;  // the first line after the header
   std::optional<std::uint64_t> last_tick_;
 };
 

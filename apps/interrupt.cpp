@@ -10,7 +10,7 @@
 namespace troupe::apps {
 namespace {
 
-// A signal handler may set flags, remove a file and raise a signal; it may not lock or allocate.
+// A signal handler may set lock-free flags, remove a file and raise a signal, but not lock or allocate.
 std::atomic<bool> requested = false;
 std::atomic<bool> has_doomed = false;
 static_assert(std::atomic<bool>::is_always_lock_free);

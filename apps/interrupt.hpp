@@ -4,13 +4,14 @@
 
 namespace troupe::apps {
 
-/// From here on Ctrl-C and SIGTERM end what runs after the current tick; a second one ends it at once. A file
-/// that grows beyond what the system allows is an error in writing it, not the end of the program.
+/// Installs the signal handlers. The first Ctrl-C or SIGTERM ends a run after the current tick, the second
+/// ends the program at once. SIGXFSZ is ignored: a file beyond the size limit is a write error and does not
+/// end the program.
 void stop_on_signals();
-/// Whether one has come.
+/// Whether Ctrl-C or SIGTERM has arrived.
 bool stop_requested();
-/// A file that a second signal removes before it ends the program, in place of the one before; empty: none.
-/// Names of 4,096 bytes or more are not remembered.
+/// Sets the file that a second signal removes before it ends the program; replaces the previous one. Empty:
+/// no file. Names of 4,096 bytes or more are ignored.
 void remove_when_killed(const std::filesystem::path& file);
 
 }  // namespace troupe::apps

@@ -15,11 +15,11 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_lint_footer = R"(
-Reported are bodies that overlap at the start and robots in walls; sensors that can never meet anything; floor plans
-that block nothing; types and macros that nothing uses; properties without effect; and all that loading warns of.
-Each finding is a line that names its file and line: maze.world:41: warning: ...
+Reports bodies that overlap at the start and robots in walls; sensors that can never detect anything; floor plans
+that block nothing; unused types and macros; properties without effect; and all warnings of loading. Each finding is
+one line with file and line number: maze.world:41: warning: ...
 
-Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded, and what is wrong with it on standard error.
+Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded (errors on standard error).
 
 Examples:
   troupe lint worlds/hospital.json

@@ -11,7 +11,7 @@ class App;
 
 namespace troupe::apps {
 
-/// What the command line of `troupe lint` asks for.
+/// Options of `troupe lint`.
 struct LintOptions {
   std::filesystem::path world;
   std::vector<std::filesystem::path> plugin_path;
@@ -20,7 +20,7 @@ struct LintOptions {
 /// Adds the options of `lint`; parsing fills `options`, which must outlive `command`.
 void add_lint_options(CLI::App& command, LintOptions& options);
 
-/// Prints what is odd about a world, a line each. Throws InputError where it cannot be loaded.
+/// `troupe lint`: prints the findings about a world, one line each. Throws InputError if it cannot be loaded.
 ExitCode lint_world(const LintOptions& options);
 
 }  // namespace troupe::apps

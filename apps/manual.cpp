@@ -10,7 +10,7 @@
 namespace troupe::apps {
 namespace {
 
-/// What roff would take for its own.
+/// Escapes the characters that have a meaning in roff.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -33,7 +33,7 @@ std::string option_text(const CommandOption& option) {
   return fmt::format(".TP\n{}\n{}\n", text, escaped(option.help));
 }
 
-/// The text below the options: paragraphs are filled, what is indented stands as it is.
+/// The text below the options: paragraphs are filled, indented lines are kept.
 std::string footer_text(const std::string& footer) {
   std::istringstream lines(footer);
   std::string text;
@@ -74,9 +74,9 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
     text += footer_text(command.footer);
   }
   text +=
-      ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with controllers, separated by colons.\n"
-      ".TP\n.B STAGEPATH\nFolders in which worlds, what they include, and controllers are looked for.\n"
-      ".TP\n.B TROUPE_SIMD\nInstruction set that finds ranges, as \\-\\-simd takes it.\n";
+      ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with plug\\-ins, separated by colons.\n"
+      ".TP\n.B STAGEPATH\nFolders searched for worlds, included files and plug\\-ins.\n"
+      ".TP\n.B TROUPE_SIMD\nInstruction set for range finding: the values of \\-\\-simd.\n";
   return text;
 }
 

@@ -13,8 +13,8 @@ class App;
 
 namespace troupe::apps {
 
-/// The manual page troupe(1) in the man macros of roff: every command with its options, made from what
-/// --help prints. `version` stands at the foot of each page.
+/// The manual page troupe(1) in the man macros of roff: every command with its options and the texts of
+/// --help. `version` is printed at the foot of each page.
 std::string manual_page(const std::vector<Command>& commands, std::string_view version);
 
 /// `troupe manual` has no options.

@@ -16,8 +16,8 @@ std::string grouped(std::uint64_t n) {
 }
 
 std::string four_digits(double x) {
-  constexpr double k_first_exponent = 1e4;  // of {:.4g}
-  constexpr double k_largest = 1e15;        // a double counts so far, and people do not
+  constexpr double k_first_exponent = 1e4;  // from here on {:.4g} writes an exponent
+  constexpr double k_largest = 1e15;        // doubles are exact integers up to here; longer is hard to read
   const double size = std::abs(x);
   if (!(size >= k_first_exponent && size < k_largest)) return fmt::format("{:.4g}", x);
   const double rounded = std::strtod(fmt::format("{:.3e}", size).c_str(), nullptr);

@@ -17,7 +17,7 @@
 namespace troupe::apps {
 namespace {
 
-// Longer than the age of the universe, and ticks of a microsecond still count in 64 bits.
+// 32,000 years; counted in microseconds it still fits into 64 bits.
 constexpr double k_max_seconds = 1e12;
 
 std::pair<std::string, std::size_t> population_size(const std::string& text) {
@@ -41,7 +41,7 @@ std::string variable(const char* name) {
   return value ? value : "";
 }
 
-/// Those of a list that is separated by colons.
+/// Appends the folders of a list separated by colons.
 void append_folders(const std::string& list, std::vector<std::filesystem::path>& folders) {
   std::istringstream stream(list);
   for (std::string folder; std::getline(stream, folder, ':');)
@@ -118,7 +118,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
               options.simulation.seed = number<std::uint64_t>(text);
               if (!options.simulation.seed) refuse("--seed", text, "a whole number from 0 to 2^64 - 1");
             });
-  add_value(app, "--raytracer", "exact|grid", "What finds ranges (default: the world's, else exact)",
+  add_value(app, "--raytracer", "exact|grid", "Method of range finding (default: the world's, else exact)",
             [&options](const std::string& text) {
               const auto& names = engine::k_ranging_engines;
               const auto found = std::ranges::find(names, text);
@@ -129,7 +129,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
       app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
       [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
   add_value(app, "--spare", "N",
-            "Bodies more of each population of robots that may be added while the world runs (default: 0)",
+            "Extra bodies per population of robots, to be added while the world runs (default: 0)",
             [&options](const std::string& text) {
               constexpr std::uint32_t k_most = 1000000;
               const auto count = number<std::uint32_t>(text);
@@ -137,14 +137,14 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
                 refuse("--spare", text, fmt::format("a number of bodies from 0 to {}", k_most));
               options.simulation.spare = *count;
             });
-  add_set_option(app, "Change a value of the world: a JSON pointer into it; repeatable",
+  add_set_option(app, "Change a value of the world: a JSON pointer and a value; repeatable",
                  options.simulation.set);
   add_plugin_path_option(app, options.simulation.plugin_path);
   add_simd_option(app);
 }
 
 void add_end_option(CLI::App& app, WorldOptions& options) {
-  add_value(app, "--for", "S", "End at S seconds on the world's clock", [&options](const std::string& text) {
+  add_value(app, "--for", "S", "End at S seconds of world time", [&options](const std::string& text) {
     options.for_s = finite(text);
     if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
       refuse("--for", text, fmt::format("a time in seconds, from 0 to {:g}", k_max_seconds));
@@ -160,8 +160,7 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
   if (options.for_s) return *options.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
   const bool json = options.world.extension() == ".json";
-  throw InputError(fmt::format("{}: error: nothing says when to stop: give --for SECONDS, or {}",
-                               options.world.string(),
+  throw InputError(fmt::format("{}: error: no end time: give --for SECONDS, or {}", options.world.string(),
                                options.is_checkpoint ? "--set /quit_time_s=SECONDS"
                                : json                ? "set quit_time_s in the world"
                                                      : "set quit_time in the world"));
@@ -169,7 +168,7 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
 
 void add_simd_option(CLI::App& app) {
   add_value(app, "--simd", "scalar|ssse3|sse4|avx2|avx512|neon|sve",
-            "Instruction set that ranges are found with (default: TROUPE_SIMD, else the processor's best)",
+            "Instruction set for range finding (default: TROUPE_SIMD, else the best available)",
             [](const std::string& text) {
               try {
                 partition::use_simd_target(text);
@@ -192,7 +191,7 @@ void obey_simd_variable() {
 
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path) {
   add_values(app, "--plugin-path", "DIR[:DIR]",
-             "Where plug-ins (controllers, sensors) are, before TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
+             "Folders with plug-ins, searched before TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
              [&path](const std::string& text) {
                if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
                  refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");

@@ -25,7 +25,7 @@ void check_output(const fs::path& file) {
   if (access(written.c_str(), W_OK) != 0) refuse_output(file, std::strerror(errno));
 }
 
-/// The bytes of the first lines of a file.
+/// Number of bytes in the first `lines` lines of a file.
 std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
   std::ifstream stream(file, std::ios::binary);
   std::uintmax_t bytes = 0;
@@ -34,8 +34,8 @@ std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
   return bytes;
 }
 
-/// Two runs may be in one state for a while: a log is of the simulation's run if it was begun by it. What was
-/// changed when it was resumed belongs to the ticks from there on.
+/// Throws OutputError if the log belongs to another run. Two runs may have equal states for a while, so the
+/// headers are compared too. Options that may change on resuming are not compared.
 void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   const auto is_free = [](std::string_view key) {
     return key == "threads" || key == "tile_m" || key == "simd" || key == "resumed_at_tick" ||
@@ -47,14 +47,13 @@ void check_same_run(const HashLogReader& log, const Simulation& simulation) {
     const bool is_there = header != entries.end();
     if (is_free(key) || (is_there && header->second.value == value)) continue;
     throw OutputError(
-        fmt::format("{}:{}: error: {} is {}, the checkpoint's is \"{}\": this is the log of another run",
+        fmt::format("{}:{}: error: {} is {}, but \"{}\" in the checkpoint: the log belongs to another run",
                     log.file().string(), is_there ? header->second.line : 1, key,
                     is_there ? fmt::format("\"{}\"", header->second.value) : "not given", value));
   }
 }
 
-/// What a log says of later ticks than the simulation's was written by a part of the run that came to
-/// nothing.
+/// Removes the lines of later ticks than the simulation's: the part of the run that wrote them is discarded.
 void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
   HashLogReader log(file);
   check_same_run(log, simulation);
@@ -65,11 +64,11 @@ void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
                                   file.string(), simulation.tick()));
   if (line->tick != simulation.tick())
     throw OutputError(
-        fmt::format("{}: error: the log begins behind tick {}, at which the checkpoint was saved",
+        fmt::format("{}: error: the log begins after tick {}, at which the checkpoint was saved",
                     file.string(), simulation.tick()));
   if (line->text != simulation.hash_log_line())
     throw OutputError(fmt::format(
-        "{}:{}: error: tick {} has another state than the checkpoint: this is the log of another run",
+        "{}:{}: error: the state at tick {} differs from the checkpoint: the log belongs to another run",
         file.string(), line->number, line->tick));
   fs::resize_file(file, bytes_of_lines(file, line->number));
 }
@@ -82,7 +81,7 @@ void refuse_output(const fs::path& file, std::string_view reason) {
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
-  // Made absolute first: weakly_canonical leaves a relative name that does not exist yet as it is.
+  // Made absolute first: weakly_canonical does not change a relative name that does not exist yet.
   return !a.empty() && !b.empty() &&
          fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
              fs::weakly_canonical(fs::absolute(b, ignored), ignored);
@@ -104,7 +103,7 @@ void check_folder(const fs::path& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
   const bool is_there = fs::exists(folder, ignored);
-  if (is_there && !fs::is_directory(folder, ignored)) refuse_output(folder, "it is no folder");
+  if (is_there && !fs::is_directory(folder, ignored)) refuse_output(folder, "it is not a folder");
   const fs::path above = folder.has_parent_path() ? folder.parent_path() : ".";
   if (!is_there && !fs::is_directory(above, ignored))
     refuse_output(folder, fmt::format("there is no folder {}", above.string()));
@@ -136,7 +135,7 @@ namespace {
 class HashLogOutput : public ClonedOutput<HashLogOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
-    add_value(app, "--hash-log", "FILE", "Write the hash of the state, a line a tick, from the first one on",
+    add_value(app, "--hash-log", "FILE", "Write the hash of the state, one line per tick",
               [this](const std::string& text) { file_ = file_name("--hash-log", text); });
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }
@@ -149,7 +148,7 @@ class HashLogOutput : public ClonedOutput<HashLogOutput> {
   }
 
  private:
-  fs::path file_;  // empty: none, as in all outputs
+  fs::path file_;  // empty: option not given, as in all outputs
 };
 
 }  // namespace

@@ -16,7 +16,7 @@
 
 namespace troupe::apps {
 
-/// A file that cannot be written, found out before anything was.
+/// A file that cannot be written. Thrown before anything is written.
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -25,39 +25,39 @@ class OutputError : public std::runtime_error {
 /// Throws OutputError: `file: error: cannot be written: reason`.
 [[noreturn]] void refuse_output(const std::filesystem::path& file, std::string_view reason);
 
-/// What a run reads.
+/// A file that a run reads.
 struct Input {
   std::filesystem::path file;
-  std::string_view what;  ///< for people: "the world"
+  std::string_view what;  ///< its name in messages: "the world"
 };
-/// Checks that each of `outputs` (empty paths count as none) can be written: its folder exists and may be
-/// written in, it is no folder itself, and it is neither an input nor another output. Creates nothing, so
-/// that a world that turns out wrong afterwards leaves nothing behind. Throws OutputError.
+/// Checks that each of `outputs` (empty paths are skipped) can be written: its folder exists and is writable,
+/// it is not a folder itself, and it is neither an input nor another output. Creates nothing, so that an
+/// invalid world leaves no files. Throws OutputError.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
-/// Checks that files can be written into a folder (an empty path counts as none), which may have to be made
-/// first. Creates nothing. Throws OutputError.
+/// Checks that files can be written into a folder (an empty path is skipped), which need not exist yet.
+/// Creates nothing. Throws OutputError.
 void check_folder(const std::filesystem::path& folder);
-/// Whether two names stand for one file, that may not be there yet.
+/// Whether two paths name the same file, which need not exist yet.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// A hash log, streamed: each line is in the file when its tick has ended.
+/// Writes a hash log; each line is in the file at the end of its tick.
 class HashLog : public Observer {
  public:
-  /// Opens the file and writes the header. Where the simulation goes on from a checkpoint, and the file is
-  /// there, it is a log that holds this tick with this state: it is cut behind it, and goes on. Throws
-  /// OutputError, or InputError for what is no such log.
+  /// Opens the file and writes the header. If the simulation was resumed from a checkpoint and the file
+  /// exists, the file must be a log with the checkpoint's tick and state: it is cut after that tick and
+  /// continued. Throws OutputError, or InputError if the file is not a hash log.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
 
-  /// Writes the line of the simulation's tick. Throws std::runtime_error when the disk is full.
+  /// Writes the line of the simulation's tick. Throws std::runtime_error if writing fails (disk full).
   void observe(const Simulation& simulation) override;
 
  private:
   std::filesystem::path file_;
   std::ofstream stream_;
-  std::optional<std::uint64_t> written_;  // the last tick of a log that goes on
+  std::optional<std::uint64_t> written_;  // the last tick of a continued log
 };
 
-/// --hash-log.
+/// The output of --hash-log.
 std::unique_ptr<RunOutput> hash_log_output();
 
 }  // namespace troupe::apps

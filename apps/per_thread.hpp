@@ -12,7 +12,7 @@
 
 namespace troupe::apps {
 
-/// A T for each thread that asks for its own. all() may be read while no thread is at work.
+/// One T per thread that calls own(). all() may be read only while no thread calls own() or uses its T.
 template <class T>
 class PerThread {
  public:
@@ -23,20 +23,20 @@ class PerThread {
   PerThread(const PerThread&) = delete;
   PerThread& operator=(const PerThread&) = delete;
 
-  /// The calling thread's; made at its first call.
+  /// The T of the calling thread, created at its first call.
   T& own() {
-    thread_local std::pair<std::uint64_t, T*> known{0, nullptr};  // of the set that this thread asked last
+    thread_local std::pair<std::uint64_t, T*> known{0, nullptr};  // of the set this thread used last
     if (known.first != number_) {
       const std::lock_guard lock(mutex_);
       known = {number_, &find_or_make(std::this_thread::get_id())};
     }
     return *known.second;
   }
-  std::deque<T>& all() { return all_; }              ///< in the order in which threads first asked
-  const std::deque<T>& all() const { return all_; }  ///< the same
+  std::deque<T>& all() { return all_; }              ///< in the order of the threads' first calls of own()
+  const std::deque<T>& all() const { return all_; }  ///< in the order of the threads' first calls of own()
 
  private:
-  /// A thread that asks two sets in turn, as in a run of two worlds, finds its own again.
+  /// Searches first: a thread that uses two sets in turn, as in a run of two worlds, keeps its element.
   T& find_or_make(std::thread::id thread) {
     const auto found = std::ranges::find(owners_, thread);
     if (found != owners_.end()) return all_[static_cast<std::size_t>(found - owners_.begin())];
@@ -44,8 +44,8 @@ class PerThread {
     return all_.emplace_back();
   }
 
-  std::uint64_t number_;  // tells the sets of a process apart
-  std::mutex mutex_;      // of the two below, to which threads add their own
+  std::uint64_t number_;  // identifies the set within the process
+  std::mutex mutex_;      // guards the two below
   std::vector<std::thread::id> owners_;
   std::deque<T> all_;
 };

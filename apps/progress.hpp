@@ -5,13 +5,13 @@
 
 namespace troupe::apps {
 
-/// What a progress bar says, without its line control, of work that goes from `begin_s` to `end_s`, world
-/// time, and stands at `now_s`, beyond `begin_s`; `elapsed_s` is wall time since its beginning.
+/// The text of a progress bar, without control characters, for work from `begin_s` to `end_s` that has
+/// reached `now_s` > `begin_s`, all in world time; `elapsed_s` is the wall time since its start.
 std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s);
 
-/// A bar on standard error that redraws itself a few times a second and wipes itself off in the end. Draws
-/// nothing where standard error is not a terminal, since a log has no use for it, and nothing of work that
-/// seems to take less than two seconds.
+/// A progress bar on standard error, redrawn up to five times a second and erased at the end. Draws nothing
+/// if standard error is not a terminal, since it would clutter a log, or if the work is expected to take less
+/// than two seconds.
 class Progress {
  public:
   Progress(double begin_s, double end_s, bool wanted);

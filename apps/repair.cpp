@@ -13,12 +13,12 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_repair_footer = R"(
-A recording whose run was killed is marked as still being written, and its arrays may be of different lengths: plain
-tools refuse it. This closes it and cuts it to the frames that are whole, which are all that were flushed. It works on a
-copy beside the file, which takes the file's place when it is whole: there must be room for it. A recording that was
-closed is left alone, and one that a run is still writing is refused.
+A recording whose run was killed is marked as being written, and its arrays may differ in length: standard HDF5 tools
+refuse it. This command closes it and cuts it to its complete frames, which are all frames that were flushed. It works
+on a copy in the same folder, which then replaces the file, so the disk must have room for both. A closed recording is
+not changed, and a recording that a run is still writing is refused.
 
-Exit codes: 0 readable now; 2 no recording, or one that cannot be repaired: it is as it was.
+Exit codes: 0 readable; 2 not a recording, or it cannot be repaired (it is not changed).
 
 Example:
   troupe repair run.h5)";

@@ -22,18 +22,18 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_replay_footer = R"(
-Writes one file that plays the recording (troupe run --record) in a browser, offline, with nothing else: pan, zoom and
-orbit, a bar to scrub along, speeds, trails, colours by any field; a click on a robot shows its id, state and sensors.
-Press ? in it for its keys.
+Writes one self-contained file that plays the recording (troupe run --record) in a browser, offline: pan, zoom and
+orbit, a time bar, playback speeds, trails, colours by any field; a click on a robot shows its id, state and sensors.
+Press ? in the page for the keys.
 
-Positions are rounded to 1 mm, headings to 0.2 degrees, other numbers to 4,000 steps of what they span. A page that
-would be larger than --max-mb has every second frame, every third, ..., and says so, as this command does.
+Positions are rounded to 1 mm, headings to 0.2 degrees, other numbers to 1/4000 of their range. A page that would be
+larger than --max-mb holds only every second frame, every third, ...; the page and this command say which.
 
-What is shown beside poses is what was recorded: troupe run --record-fields pose,stall,ranges. --fields takes less of it:
-components (stall), fields (ranges) or both (stall/stalled).
+The page shows poses and all other recorded fields (troupe run --record-fields pose,stall,ranges). --fields selects
+some of them: components (stall), fields (ranges) or both (stall/stalled).
 
-Exit codes: 0 written; 1 writing failed; 2 no recording, one without poses, FILE is there already, or wrong usage:
-nothing written.
+Exit codes: 0 written; 1 writing failed; 2 not a recording, no poses in it, FILE exists, or wrong usage (nothing
+written).
 
 Examples:
   troupe run worlds/hospital.json --for 60 --record run.h5 --record-fields pose,stall
@@ -42,7 +42,7 @@ Examples:
 
 constexpr std::string_view k_mark = "@RECORDING@";
 constexpr double k_bytes_mb = 1e6;
-constexpr double k_most_mb = 500;  // browsers hold no longer texts
+constexpr double k_most_mb = 500;  // browsers limit the length of a text
 
 std::vector<std::string> names_of(const std::string& text) {
   std::vector<std::string> names;
@@ -69,7 +69,7 @@ std::string number_of(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
-/// Bytes of a recording that a page of so many has room for: behind base64 there are 4 for 3.
+/// Bytes of a recording for which a page of at most `max_mb` has room: base64 turns 3 bytes into 4.
 std::size_t room(double max_mb) {
   const double left = max_mb * k_bytes_mb - static_cast<double>(k_replay_page.size());
   return left > 0 ? static_cast<std::size_t>(left / 4 * 3) : 0;
@@ -85,7 +85,7 @@ void tell(const fs::path& page, double mb, double max_mb, const worldio::ReplayD
     fmt::print("{}: every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n", page.string(),
                ordinal(data.stride), data.recorded, max_mb);
   if (data.at_rest)
-    fmt::print("{}: parts that move are drawn at rest: record where they are, with --record-fields joint\n",
+    fmt::print("{}: moving parts are drawn at rest: record their positions with --record-fields joint\n",
                page.string());
 }
 
@@ -93,8 +93,7 @@ void check(const ReplayOptions& options, const fs::path& page) {
   check_outputs({Input{options.recording, "the recording"}}, {page});
   std::error_code ignored;
   if (!options.force && fs::exists(page, ignored))
-    throw OutputError(
-        fmt::format("{}: error: there is a file of this name already: --force replaces it", page.string()));
+    throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", page.string()));
 }
 
 }  // namespace
@@ -106,20 +105,20 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
           "RECORDING", [&options](const std::string& text) { options.recording = text; }, "A recording")
       ->option_text(" ")
       ->required();
-  add_value(command, "-o,--output", "FILE.html", "The page (default: as the recording, with .html)",
+  add_value(command, "-o,--output", "FILE.html", "The page (default: the recording's name with .html)",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--output", text, "a file name");
               options.page = text;
             });
-  command.add_flag("--force", options.force, "Replace a file that is there already")->disable_flag_override();
-  add_value(command, "--max-mb", "MB", "How large it may be, in megabytes (default: 25)",
+  command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
+  add_value(command, "--max-mb", "MB", "Largest size of the page, in megabytes (default: 25)",
             [&options](const std::string& text) {
               const auto mb = finite(text);
               if (!mb || *mb <= 0 || *mb > k_most_mb)
                 refuse("--max-mb", text, fmt::format("a size in megabytes, above 0, to {:g}", k_most_mb));
               options.max_mb = *mb;
             });
-  add_value(command, "--fields", "A,B,...", "What to show beside poses (default: all that was recorded)",
+  add_value(command, "--fields", "A,B,...", "Fields to show in addition to poses (default: all recorded)",
             [&options](const std::string& text) { options.fields = names_of(text); });
 }
 
@@ -128,7 +127,7 @@ ExitCode replay(const ReplayOptions& options) {
       options.page.empty() ? fs::path(options.recording).replace_extension(".html") : options.page;
   const std::size_t mark = k_replay_page.find(k_mark);
   if (mark == k_replay_page.npos)
-    throw std::runtime_error("this program was built with a page without a place");
+    throw std::runtime_error("internal error: the embedded replay page has no @RECORDING@ marker");
   try {
     check(options, page);
   } catch (const OutputError& error) {
@@ -138,10 +137,10 @@ ExitCode replay(const ReplayOptions& options) {
   try {
     const worldio::RecordingReader recording(options.recording);
     if (recording.unfinished())
-      fmt::print(
-          stderr,
-          "{}: warning: its writer was cut off, or is still at it: {} whole frames stand there so far\n",
-          options.recording.string(), recording.frames());
+      fmt::print(stderr,
+                 "{}: warning: the recording is unfinished (still being written, or its run was killed): {} "
+                 "complete frames\n",
+                 options.recording.string(), recording.frames());
     data = worldio::replay_data(recording, {.most_bytes = room(options.max_mb), .fields = options.fields});
   } catch (const worldio::Hdf5Error& error) {
     throw InputError(error.what());

@@ -13,20 +13,20 @@ class App;
 
 namespace troupe::apps {
 
-/// What the command line of `troupe replay` asks for.
+/// Options of `troupe replay`.
 struct ReplayOptions {
   std::filesystem::path recording;
-  std::filesystem::path page;       ///< empty: as the recording, with .html
-  double max_mb = 25;               ///< of the page, in 10^6 bytes
-  std::vector<std::string> fields;  ///< beside poses; empty: all that was recorded
-  bool force = false;               ///< replace a page that is there already
+  std::filesystem::path page;       ///< output; empty: the recording's name with .html
+  double max_mb = 25;               ///< largest size of the page, 10^6 bytes
+  std::vector<std::string> fields;  ///< fields to show in addition to poses; empty: all recorded fields
+  bool force = false;               ///< replace an existing page
 };
 
 /// Adds the options of `replay`; parsing fills `options`, which must outlive `command`.
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 
-/// `troupe replay RECORDING -o FILE.html`: writes a page that plays the recording in a browser, by itself.
-/// Throws InputError for a recording that has not what it takes.
+/// `troupe replay RECORDING -o FILE.html`: writes a self-contained page that plays the recording in a
+/// browser. Throws InputError if the recording lacks what the page needs.
 ExitCode replay(const ReplayOptions& options);
 
 }  // namespace troupe::apps

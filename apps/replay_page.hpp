@@ -4,7 +4,8 @@
 
 namespace troupe::apps {
 
-/// The page that `troupe replay` fills in: apps/replay_page/replay.html, which scripts/replay-page makes.
+/// The page into which `troupe replay` inserts a recording: apps/replay_page/replay.html, built by
+/// scripts/replay-page.
 extern const std::string_view k_replay_page;
 
 }  // namespace troupe::apps

@@ -12,19 +12,19 @@
 namespace troupe::apps {
 namespace {
 
-// Entries that may differ between runs that agree; the version is compared by its parts.
+// Entries that change no result and are not compared. The version is compared part by part.
 constexpr std::array k_free = {
     "version",       "threads",        "tile_m", "simd", "kind", "layout", "record_every_ticks",
     "record_fields", "resumed_at_tick"};
 
-/// A part of the version line that bits may depend on.
+/// A part of the version line on which results may depend.
 struct DomainPart {
   std::string_view name;
   std::string value;
 };
 
-/// The parts of `troupe 0.1.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)`; assertions only look on.
-/// The whole where it reads otherwise.
+/// The parts of `troupe 0.1.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)` without the last: assertions
+/// change no result. A line of another form is one part.
 std::vector<DomainPart> domain_of(const std::string& version_line) {
   constexpr std::array<std::string_view, 3> k_names = {"compiler", "flags", "instruction set"};
   std::vector<DomainPart> parts;
@@ -41,7 +41,7 @@ std::vector<DomainPart> domain_of(const std::string& version_line) {
   return parts;
 }
 
-/// What two results do not have in common, as errors that stand where the second says it.
+/// Collects the differences between two headers as errors at the places in the second file.
 class Unlike {
  public:
   Unlike(const RunHeader& first, const RunHeader& second) : first_(first), second_(second) {}
@@ -64,7 +64,7 @@ class Unlike {
     for (const std::string& key : keys) {
       std::string a = value(first_, key);
       std::string b = value(second_, key);
-      if (key == "world") {  // wherever it was read from
+      if (key == "world") {  // compared without its folder
         a = std::filesystem::path(a).filename().string();
         b = std::filesystem::path(b).filename().string();
       }
@@ -77,15 +77,15 @@ class Unlike {
   }
 
  private:
-  static constexpr const char* k_domain = "another determinism domain; --across-domains";
-  static constexpr const char* k_run = "another run; --across-runs";
+  static constexpr const char* k_domain = "different determinism domain; --across-domains";
+  static constexpr const char* k_run = "different run; --across-runs";
 
   static std::string value(const RunHeader& header, const std::string& key) {
     const auto entry = header.entries.find(key);
     return entry == header.entries.end() ? "" : entry->second.value;
   }
 
-  /// The second's file, with the line where it says `key`, or its first where it does not.
+  /// The name of the second file with the line number of `key`, or of line 1 if it has no such entry.
   std::string place(const std::string& key) const {
     const auto entry = second_.entries.find(key);
     const bool in_lines = !second_.entries.empty() && second_.entries.begin()->second.line > 0;
@@ -98,7 +98,7 @@ class Unlike {
             const char* reason) {
     if (a == b) return;
     if (!text_.empty()) text_ += '\n';
-    text_ += fmt::format("{}: error: {} is \"{}\", in {} \"{}\": {} compares them all the same", place(key),
+    text_ += fmt::format("{}: error: {} is \"{}\", but in {} \"{}\": {} compares them anyway", place(key),
                          what, b, first_.file.string(), a, reason);
   }
 

@@ -7,20 +7,20 @@
 
 namespace troupe::apps {
 
-/// What a result says about the run that wrote it: the header of a hash log, /meta of a recording.
+/// The description of a run in its results: the header of a hash log, or /meta of a recording.
 struct RunHeader {
   struct Entry {
     std::string value;
-    std::size_t line = 0;  ///< where it stands; 0: not in a line
+    std::size_t line = 0;  ///< line number in the file; 0: not a text file
   };
   std::filesystem::path file;
   std::map<std::string, Entry> entries;
 };
 
-/// Throws InputError with what the two do not have in common, a line each that stands where the second says
-/// it: other versions, compilers, flags or instruction sets unless `across_domains`, other worlds, seeds or
-/// options unless `across_runs`. Threads and tile size change no result, and what was recorded and how often
-/// neither.
+/// Throws InputError if the two headers differ, with one line per difference that begins with the place in
+/// the second file. Compares versions, compilers, flags and instruction sets unless `across_domains`; worlds,
+/// seeds and options unless `across_runs`. Threads, tile size, recorded fields and recording interval are not
+/// compared, because they change no result.
 void refuse_unlike(const RunHeader& first, const RunHeader& second, bool across_domains, bool across_runs);
 
 }  // namespace troupe::apps

@@ -4,7 +4,7 @@
 
 namespace troupe::apps {
 
-/// The page of `troupe view`: apps/replay_page/live.html, which scripts/replay-page makes.
+/// The page of `troupe view`: apps/replay_page/live.html, built by scripts/replay-page.
 extern const std::string_view k_view_page;
 
 }  // namespace troupe::apps

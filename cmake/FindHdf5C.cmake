@@ -1,8 +1,8 @@
-# HDF5's C library, as the target Hdf5C::Hdf5C. CMake's own module asks for a C compiler and runs HDF5's compiler
-# wrapper: a C++ project that is cross-compiled has neither.
+# Finds HDF5's C library as the target Hdf5C::Hdf5C. CMake's own module needs a C compiler and HDF5's compiler wrapper,
+# which a cross-compiled C++ project has not.
 include(FindPackageHandleStandardArgs)
 
-find_path(HDF5C_INCLUDE_DIR hdf5.h PATH_SUFFIXES hdf5/serial)  # Debian keeps several builds side by side
+find_path(HDF5C_INCLUDE_DIR hdf5.h PATH_SUFFIXES hdf5/serial)  # Debian has several builds in parallel
 find_library(HDF5C_LIBRARY NAMES hdf5_serial hdf5)
 mark_as_advanced(HDF5C_INCLUDE_DIR HDF5C_LIBRARY)
 find_package_handle_standard_args(Hdf5C REQUIRED_VARS HDF5C_LIBRARY HDF5C_INCLUDE_DIR)

@@ -1,5 +1,5 @@
-# troupe_embed_text(TARGET FILE HEADER NAME): compiles a text of this folder into a target, as the std::string_view NAME
-# that HEADER, one of this folder's, declares.
+# troupe_embed_text(TARGET FILE HEADER NAME): compiles the text FILE into a target, as the std::string_view NAME that
+# HEADER declares. FILE and HEADER are relative to the current folder.
 function(troupe_embed_text target file header name)
   cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
   set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
@@ -11,6 +11,6 @@ function(troupe_embed_text target file header name)
     DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file} ${script}
     VERBATIM)
   target_sources(${target} PRIVATE ${source})
-  # What a compiler must take at least is 64 KiB; gcc and clang take what memory holds.
+  # The standard guarantees only 64 KiB for a string literal; gcc and clang have no such limit.
   set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -Wno-overlength-strings)
 endfunction()

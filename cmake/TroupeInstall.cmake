@@ -1,7 +1,7 @@
-# cmake --install: the program, the libraries with their headers as they lie in the source tree (under
-# include/troupe, so that `#include <troupe/troupe.hpp>` and the headers' own `#include "base/pose.hpp"` both mean
-# one file), the worlds, the documentation, and a package for find_package(troupe). What users' own programs need is the
-# component `development`, all else is `program`; cpack makes a Debian package of each.
+# cmake --install: the program, the libraries with their headers in the layout of the source tree (under include/troupe,
+# so that both `#include <troupe/troupe.hpp>` and the headers' own `#include "base/pose.hpp"` work), the worlds, and a
+# package for find_package(troupe). The component `development` contains what other programs need to build, `program` the
+# rest; cpack makes a Debian package of each.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -31,7 +31,7 @@ install(FILES ${PROJECT_BINARY_DIR}/installed/troupeConfig.cmake ${PROJECT_BINAR
               ${PROJECT_SOURCE_DIR}/cmake/FindHdf5C.cmake ${PROJECT_SOURCE_DIR}/cmake/TroupePlugin.cmake
         DESTINATION ${package_dir})
 
-# The build tree is a package, too: -Dtroupe_DIR=build/release. What its libraries were compiled with stands in its targets.
+# The build tree is also a package: -Dtroupe_DIR=build/release. Its targets contain the compile options of the libraries.
 if(PROJECT_IS_TOP_LEVEL)
   set(troupe_is_build_tree ON)
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupeConfig.cmake.in ${PROJECT_BINARY_DIR}/troupeConfig.cmake
@@ -46,10 +46,7 @@ endif()
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/world.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe PATTERN "*.py" EXCLUDE
-        PATTERN "scenes.json" EXCLUDE)  # what tests and benchmarks do with the worlds
-# The pages in the folders of the source tree, so that their links lead somewhere; pictures are left out.
-install(FILES README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md LICENSE SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING PATTERN "*.md" PATTERN "images" EXCLUDE)
+        PATTERN "scenes.json" EXCLUDE)  # only for tests and benchmarks
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME troupe)
@@ -65,11 +62,11 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME troupe)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 if(TROUPE_RENDER)
-  set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # opened when the first picture is asked for
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # loaded with the first picture
 endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg, libcairo2, python3-matplotlib")  # films, PDFs, troupe plot
 
-# What troupeConfig.cmake looks for.
+# The dependencies in troupeConfig.cmake.
 set(needed libeigen3-dev libfmt-dev libhwy-dev libpng-dev zlib1g-dev libyaml-cpp-dev)
 if(TROUPE_HDF5)
   list(APPEND needed libhdf5-dev)
@@ -80,6 +77,6 @@ endif()
 list(JOIN needed ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtroupe-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION}: headers and libraries")
-# Without these, cpack makes packages that name no libraries, or none at all.
+# Checks for tools without which cpack makes packages without dependencies, or none at all.
 set(CPACK_PROJECT_CONFIG_FILE ${PROJECT_SOURCE_DIR}/cmake/TroupePackage.cmake)
 include(CPack)

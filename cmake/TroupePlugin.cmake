@@ -1,5 +1,6 @@
 # troupe_add_plugin(NAME SOURCE...): a plug-in NAME.so with the controllers and sensors of these sources
-# (docs/controllers.md, docs/extending.md). Only its one symbol is seen from outside, so that no two plug-ins meet.
+# (docs/controllers.md, docs/extending.md). Only its entry point is exported, so that the symbols of plug-ins cannot
+# clash.
 function(troupe_add_plugin name)
   add_library(${name} MODULE ${ARGN})
   target_link_libraries(${name} PRIVATE troupe::plugin)

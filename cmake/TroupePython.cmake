@@ -1,6 +1,6 @@
-# Finds what the Python package needs; where that is not there, says so, and builds the rest. Debian's interpreter,
-# whose packages scripts/setup installs, comes before others that the path may name first; -DPython_EXECUTABLE=...
-# chooses another. -DTROUPE_PYTHON=REQUIRED makes an error of it.
+# Finds the dependencies of the Python package. If one is missing, prints a message and builds the rest;
+# -DTROUPE_PYTHON=REQUIRED makes that an error. Prefers Debian's interpreter, whose packages scripts/setup installs, to
+# others on PATH; -DPython_EXECUTABLE=... selects another.
 set(missing STATUS)
 if(TROUPE_PYTHON STREQUAL "REQUIRED")
   set(missing FATAL_ERROR)
@@ -9,16 +9,16 @@ if(CMAKE_CROSSCOMPILING OR CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   return()
 endif()
 if(NOT Python_EXECUTABLE AND EXISTS /usr/bin/python3)
-  set(Python_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "The interpreter that the Python package is built for")
+  set(Python_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "Interpreter for which the Python package is built")
 endif()
 find_package(Python 3.9 COMPONENTS Interpreter Development.Module QUIET)
 if(NOT Python_Interpreter_FOUND OR NOT Python_Development.Module_FOUND)
-  message(${missing} "No Python package: found no Python with its headers (Debian: python3-dev)")
+  message(${missing} "No Python package: Python with headers not found (Debian: python3-dev)")
   return()
 endif()
 find_package(pybind11 2.10 QUIET)
 if(NOT pybind11_FOUND)
-  message(${missing} "No Python package: found no pybind11 (Debian: pybind11-dev)")
+  message(${missing} "No Python package: pybind11 not found (Debian: pybind11-dev)")
   return()
 endif()
 message(STATUS "Python package: for ${Python_EXECUTABLE} ${Python_VERSION}")

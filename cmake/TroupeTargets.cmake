@@ -1,24 +1,24 @@
-# One static library a folder. What every user of the headers must compile with, because the headers inline
-# arithmetic whose bits are promised (docs/determinism.md), travels on the base library as a usage requirement.
+# One static library per folder. Compile options that every user of the headers needs, because the headers inline
+# arithmetic with guaranteed results (docs/determinism.md), are usage requirements of the base library.
 
 add_library(troupe_warnings INTERFACE)
 target_compile_options(troupe_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                        -Wno-missing-field-initializers)
-# gcc looks for garbage whenever it holds 128 MB, which a precompiled header nearly fills.
+# By default gcc collects garbage at 128 MB, which a precompiled header nearly fills.
 target_compile_options(troupe_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
 
-# What nearly every source includes is parsed once, for the engine and all libraries above it: the standard library,
-# Eigen and fmt. In base and partition it would take as long as it saves. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds
-# without. None of our own headers, which would save 2 % more: ccache hands a precompiled header on to another checkout,
-# whose own headers `#pragma once` does not take for the same files.
-set(CMAKE_PCH_PROLOGUE "")  # CMake's own calls all of it a system header, which hides warnings about ours
+# Headers that nearly every source includes (standard library, Eigen, fmt) are precompiled once for the engine and all
+# libraries above it. In base and partition that would take as long as it saves. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
+# turns it off. Our own headers, which would save 2 % more, are not precompiled: ccache reuses a precompiled header in
+# another checkout, whose headers `#pragma once` does not recognise as the same files.
+set(CMAKE_PCH_PROLOGUE "")  # CMake's default marks everything as a system header, which hides warnings about our headers
 set(troupe_precompiled_headers
     <algorithm> <any> <array> <atomic> <charconv> <cmath> <compare> <cstdint> <cstring> <exception> <filesystem> <functional>
     <limits> <map> <memory> <mutex> <numeric> <optional> <set> <span> <stdexcept> <string> <string_view> <tuple>
     <unordered_map> <utility> <variant> <vector> <Eigen/Core> <fmt/format.h>)
 
-# That a header compiles by itself is seen wherever the source of its name includes it first. The others get a source
-# of their own each, in the target all_verify_interface_header_sets.
+# Checks that every header compiles by itself. A header that its own source includes first is checked there; each of the
+# others gets a source in the target all_verify_interface_header_sets.
 function(troupe_verify_headers folder headers sources)
   set(others)
   foreach(header ${headers})
@@ -41,17 +41,18 @@ function(troupe_verify_headers folder headers sources)
 endfunction()
 
 # troupe_add_library(FOLDER SOURCES ... [LINK ...] [PRIVATE_LINK ...] [BUILD_LINK ...])
-#   LINK          what its headers need
-#   PRIVATE_LINK  what only its sources need; a static library's users link it all the same
-#   BUILD_LINK    what only its sources need and only to compile (header-only libraries): users need not have it
-# Every header of the folder, and of the folders in it, must compile by itself. Those are public, and installed, that internal_headers.txt does not name.
+#   LINK          libraries that its headers need
+#   PRIVATE_LINK  libraries that only its sources need; users of a static library still link them
+#   BUILD_LINK    header-only libraries that only its sources need; users do not need them
+# Every header of the folder and its subfolders must compile by itself. Headers that internal_headers.txt does not name are
+# public and installed.
 set(internal_list ${CMAKE_CURRENT_LIST_DIR}/internal_headers.txt)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${internal_list})
 file(STRINGS ${internal_list} troupe_internal_headers REGEX "^[^#]")
 
-# Libraries whose sources are compiled many at a time, unless -DCMAKE_UNITY_BUILD says otherwise for all: most of what
-# they compile are templates that their neighbours use, too. The others hold what is edited most (models), what a
-# tick spends its time in, or the same names for the same things.
+# Libraries that are unity builds unless -DCMAKE_UNITY_BUILD is set: most of their compile time goes into templates that
+# their sources share. The other libraries contain code that is edited often (models), the hot code of a tick, or equal
+# names in several sources.
 set(troupe_unity_libraries engine worldio render troupe)
 
 function(troupe_add_library folder)
@@ -86,31 +87,31 @@ function(troupe_add_library folder)
   endforeach()
 endfunction()
 
-# troupe_compile_briefly(TARGET): at -O1 where a release is compiled at -O3, for what no tick spends time in. Of such
-# sources three quarters of the time go into optimising.
+# troupe_compile_briefly(TARGET): compiles at -O1 where a release uses -O3, for code in which no tick spends time. In such
+# sources optimisation takes three quarters of the compile time.
 function(troupe_compile_briefly target)
   if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
 endfunction()
 
-# Sources of such a target that work on much data after all; they are compiled by themselves.
+# Sources of such a target that process much data; they are compiled at -O3, outside the unity build.
 function(troupe_compile_optimised)
   if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
     set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
   endif()
 endfunction()
 
-# Sources that take part in the unity builds of the presets that are unity builds as a whole, and in no others: a tick
-# spends its time in them, and what they are inlined into is to stay as it is.
+# Sources in which a tick spends its time. They take part only in unity builds of the whole project (CMAKE_UNITY_BUILD),
+# so that inlining in them does not change otherwise.
 function(troupe_compile_hot)
   if(NOT CMAKE_UNITY_BUILD)
     troupe_compile_alone(${ARGN})
   endif()
 endfunction()
 
-# Sources that a unity build compiles by themselves (the preset dev is one, which takes a quarter of the time): each
-# uses a name that another source of its library has, too, or includes itself once for each instruction set.
+# Sources that a unity build (such as the preset dev, which takes a quarter of the time) compiles separately: each uses a
+# name that another source of its library also uses, or includes itself once for each instruction set.
 function(troupe_compile_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

@@ -1,4 +1,4 @@
-# Cross-builds for 64-bit Arm with Debian's compiler, libraries and emulator; scripts/setup --aarch64 gets all three.
+# Cross-builds for 64-bit Arm with Debian's compiler, libraries and emulator, which scripts/setup --aarch64 installs.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)

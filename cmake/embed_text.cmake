@@ -2,6 +2,6 @@
 file(READ "${TEXT}" text)
 set(mark TROUPE_TEXT)
 if(text MATCHES "\\)${mark}\"")
-  message(FATAL_ERROR "${TEXT}: holds )${mark}\", which ends the literal that it is put into")
+  message(FATAL_ERROR "${TEXT}: contains )${mark}\", which would end the raw string literal")
 endif()
 file(WRITE "${SOURCE}" "#include \"${HEADER}\"\n\nnamespace ${NAMESPACE} {\n\nconst std::string_view ${NAME} = R\"${mark}(${text})${mark}\";\n\n}  // namespace ${NAMESPACE}\n")

@@ -1,4 +1,4 @@
-// The loops in which a tick spends its time, one by one:
+// Times the loops in which a tick spends its time:
 //   build/release/bin/perf_kernels [--benchmark_filter=...]
 
 #include "base/diagnostics.hpp"
@@ -22,7 +22,7 @@
 namespace troupe {
 namespace {
 
-/// Beams all round, and short edges scattered about them as walls and robots are.
+/// Beams in all directions, and short edges scattered around them like walls and robots.
 struct Scattered {
   explicit Scattered(std::size_t beams) {
     const std::size_t padded = partition::padded_beams(beams);
@@ -96,7 +96,7 @@ void polygon_overlap(benchmark::State& state) {
 }
 BENCHMARK(polygon_overlap)->Name("overlap/box against box");
 
-/// A square crowd on a grid, one robot in two on the move.
+/// A dense crowd on a square grid, in which every second robot moves.
 struct Crowd {
   explicit Crowd(std::size_t rows) {
     const ConvexPrism box{{{-0.05, -0.05}, {0.05, -0.05}, {0.05, 0.05}, {-0.05, 0.05}}, {0, 0.1}};
@@ -164,7 +164,7 @@ engine::WorldSpec load(const std::string& world, std::size_t robots, const engin
   return spec;
 }
 
-/// A population that fills a plan that is large enough for a million.
+/// Loads a population in a floor plan that is large enough for a million robots.
 void load_population(benchmark::State& state) {
   const engine::Registry registry = make_registry();
   worldio::LoadOptions options;
@@ -187,7 +187,7 @@ BENCHMARK(load_population)
     ->Unit(benchmark::kMillisecond)
     ->Name("load/population (items: robots)");
 
-/// Stage's syntax, an entry a robot, as in Stage's hospital.world.
+/// Loads Stage's syntax with one entry per robot, as in Stage's hospital.world.
 void load_text(benchmark::State& state) {
   const std::int64_t robots = state.range(0);
   std::string text =
@@ -214,7 +214,7 @@ BENCHMARK(load_text)
     ->Unit(benchmark::kMillisecond)
     ->Name("load/.world text (items: robots)");
 
-/// What is left to do when a world's text is understood.
+/// Builds a world from its parsed description.
 void build_world(benchmark::State& state) {
   const engine::Registry registry = make_registry();
   const engine::WorldSpec spec =
@@ -234,7 +234,7 @@ BENCHMARK(build_world)
     ->Unit(benchmark::kMillisecond)
     ->Name("load/world from its spec (items: robots)");
 
-/// Every robot's rangers once, after ten ticks: edges and bodies found, culled and projected.
+/// Senses with every robot's rangers once, after ten ticks: finds, culls and projects edges and bodies.
 void sweep(benchmark::State& state, const char* world_file, std::size_t robots) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;

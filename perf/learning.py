@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Environment steps a second of 8 robots with 12 beams on one core, for batches of 1 to 4,096 copies, beside the ticks a
-second that the world makes by itself. One step is one tick.
+"""Measures environment steps per second of 8 robots with 12 beams on one core, for batches of 1 to 4,096 copies, and the
+ticks per second of the world without an environment. One step is one tick.
 
     PYTHONPATH=build/release/lib/python3/dist-packages taskset -c 1 python3 perf/learning.py [COPIES...]
 
-A world of its own is one Simulation that is told the same speeds before each step. The batch is BatchEnv.step(), with
-actions, observations, rewards and ends; copies that are over begin again within the step. Each figure is the median of
-five turns, taken in turn with the others.
+The world without an environment is one Simulation with the same speeds. The batch is BatchEnv.step(), with actions,
+observations, rewards and ends; copies that have ended are reset within the step. Each figure is the median of five
+repetitions, which alternate with the others.
 """
 
 import statistics
@@ -68,7 +68,7 @@ def main(*sizes):
         batch.reset()
 
     def ticks():
-        """Speeds change every 64 ticks, so that calls from Python do not count."""
+        """Ticks per second. Speeds change only every 64 ticks, so that calls from Python do not matter."""
         made, began = 0, time.perf_counter()
         while time.perf_counter() - began < 0.5:
             if made % 640 == 0:

@@ -1,6 +1,6 @@
-// Reproduces the paper's tables (Vaughan, Massively multi-robot simulation in Stage, 2008), and measures what
-// it did not: clusters, a million robots, threads, loading, memory. Speed and correctness are one
-// measurement: each row ends with the hash of its state, and a wrong one fails the run.
+// Reproduces the paper's tables (Vaughan, Massively multi-robot simulation in Stage, 2008), and also measures
+// clusters, a million robots, threads, loading and memory. Each row also checks the result: it ends with the
+// hash of its state, and a wrong hash fails the run.
 //   build/release/bin/perf_paper --help
 
 #include "base/diagnostics.hpp"
@@ -36,10 +36,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_footer = R"(
-A full run of five repetitions takes about an hour on two cores of 2023, a quick one some seconds. Memory:
-about 2 GB. Let nothing else run meanwhile; what did shows between min and max.
+A full run of five repetitions takes about an hour on two cores of 2023, a quick run a few seconds. Memory:
+about 2 GB. Run nothing else meanwhile; other load shows as a difference between min and max.
 
-Rows have names, as --list prints them: --only '^3/' runs table 3, --only 'loading' what is loaded.
+--list prints the names of the rows: --only '^3/' runs table 3, --only 'loading' the loading of worlds.
 
 Exit codes: 0 measured; 1 a hash is wrong or unknown, or a measurement failed; 2 wrong usage.)";
 
@@ -50,7 +50,7 @@ struct Options {
   std::size_t repeat = 0;  // 0: not given
   std::string only;
   std::vector<unsigned> threads;
-  std::vector<std::string> simd;  // the first is that of all rows but those that compare them
+  std::vector<std::string> simd;  // all rows use the first, except the comparison of instruction sets
   fs::path out;
   fs::path markdown;
   fs::path hashes = fs::path(TROUPE_SOURCE_DIR) / "perf/paper_hashes.txt";
@@ -63,7 +63,7 @@ std::string row_name(const Child& child) {
   return "loading/" + child.scene.name + (child.as_text ? "/text" : "");
 }
 
-/// What a long run is at, on a terminal only.
+/// Prints the current row, only on a terminal.
 class Progress {
  public:
   ~Progress() { wipe(); }
@@ -73,7 +73,7 @@ class Progress {
     fmt::print(stderr, "{}", text);
     std::fflush(stderr);
   }
-  /// A line that stays.
+  /// Prints a line that is not overwritten.
   void keep(const std::string& text) {
     wipe();
     fmt::print(stderr, "{}\n", text);
@@ -86,7 +86,8 @@ class Progress {
   bool visible_ = isatty(STDERR_FILENO) != 0;
 };
 
-/// Leaves out of the plan what was not asked for and what cannot run here; the latter with a reason, loudly.
+/// Removes rows from the plan that --only does not select and rows that cannot run here; adds the reasons for
+/// the latter to `skipped`.
 void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipped) {
   const std::regex wanted(only);
   std::erase_if(plan.cases, [&](const Case& one) { return !std::regex_search(row_name(one), wanted); });
@@ -110,7 +111,7 @@ void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipp
   std::erase_if(plan.cases, [](const Case& one) { return one.runs.empty(); });
 }
 
-/// For their hashes scenes need one run each, with the most threads.
+/// Keeps one run per scene, with this number of threads: enough for recording hashes.
 void keep_one_run(Plan& plan, unsigned threads) {
   std::set<std::string> seen;
   for (Case& one : plan.cases) {
@@ -122,7 +123,7 @@ void keep_one_run(Plan& plan, unsigned threads) {
   std::erase_if(plan.cases, [](const Case& one) { return one.runs.empty(); });
 }
 
-/// A folder that is gone when the run ends, however it ends.
+/// A temporary folder, which the destructor removes.
 class Scratch {
  public:
   Scratch() : folder_(fs::temp_directory_path() / fmt::format("perf_paper.{}", getpid())) {
@@ -170,7 +171,7 @@ void write_file(const fs::path& file, const std::string& text) {
   if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
 }
 
-/// What is wrong with the name of an instruction set; nothing where kernels can run on it.
+/// The error for the name of an instruction set; empty if kernels can run on it.
 std::string simd_fault(const std::string& name) {
   try {
     partition::use_simd_target(name);
@@ -216,13 +217,13 @@ int measure(Options& options) {
   }
   if (plan.cases.empty() && plan.children.empty())
     throw std::runtime_error(
-        fmt::format("no row is called like \"{}\"; --list prints their names", options.only));
+        fmt::format("no row has a name that matches \"{}\"; --list prints the names", options.only));
 
   if (options.write_hashes) keep_one_run(plan, std::ranges::max(options.threads));
 
   HashBook book(options.hashes);
   Progress progress;
-  // Processes come first: they are forked while this one is small.
+  // Child processes come first: they are forked while this process is small.
   report.children = time_children(plan, whole, options, registry, progress);
   for (const Case& one : plan.cases) {
     report.cases.push_back(
@@ -249,30 +250,32 @@ int measure(Options& options) {
 }
 
 int paper_main(int argc, char** argv) {
-  CLI::App app("Reproduces the tables of the paper on Stage, with what it did not measure.", "perf_paper");
+  CLI::App app("Reproduces the tables of the paper on Stage and makes further measurements.", "perf_paper");
   app.footer(k_footer);
   Options options;
-  app.add_flag("--quick", options.quick, "Few robots and short times: a test that rows run and hashes hold");
+  app.add_flag("--quick", options.quick,
+               "Few robots and short times, to test that rows run and hashes are correct");
   app.add_option("--repeat", options.repeat,
                  "Repetitions of each row (default: 5; 1 with --quick and --write-hashes)")
       ->check(CLI::Range(1, 1000));
-  app.add_option("--only", options.only, "Only rows whose name this regular expression is found in");
+  app.add_option("--only", options.only, "Only rows whose name matches this regular expression");
   app.add_flag("--list", options.list, "Print the names of the rows and measure nothing");
   app.add_option("--threads", options.threads,
-                 "Numbers of threads, as in 1,2,4 (default: 1 and one for each core)")
+                 "Numbers of threads, as in 1,2,4 (default: 1 and one per core)")
       ->delimiter(',')
       ->check(CLI::Range(1, 1024));
-  app.add_option("--simd", options.simd,
-                 "Instruction sets, as in avx2,sse4: all rows are measured on the first, and their own table "
-                 "on each (default: all that this processor has, the best first)")
+  app.add_option(
+         "--simd", options.simd,
+         "Instruction sets, as in avx2,sse4: all rows use the first, the comparison of instruction sets "
+         "each of them (default: all of this processor, the best first)")
       ->delimiter(',')
       ->check(simd_fault, "");
-  app.add_option("--out", options.out, "Write everything that was measured as JSON");
+  app.add_option("--out", options.out, "Write all measurements as JSON");
   app.add_option("--markdown", options.markdown,
-                 "Write the tables into this file, between its marks where it has them");
+                 "Write the tables into this file, between its marks if it has them");
   app.add_flag("--write-hashes", options.write_hashes,
-               "Record the hashes, on purpose, instead of insisting on them: each scene runs once");
-  app.add_option("--hashes", options.hashes, "The file of expected hashes")->capture_default_str();
+               "Record the hashes instead of checking them; each scene runs once");
+  app.add_option("--hashes", options.hashes, "File of expected hashes")->capture_default_str();
   app.add_option("--child", options.child)->group("");
   app.add_option("--child-world", options.child_world)->group("");
   try {
@@ -290,7 +293,7 @@ int main(int argc, char** argv) {
   try {
     return troupe::perf::paper_main(argc, argv);
   } catch (const std::regex_error& error) {
-    fmt::print(stderr, "perf_paper: error: --only is no regular expression: {}\n", error.what());
+    fmt::print(stderr, "perf_paper: error: --only is not a regular expression: {}\n", error.what());
     return 2;
   } catch (const std::exception& error) {
     fmt::print(stderr, "perf_paper: error: {}\n", error.what());

@@ -11,7 +11,7 @@
 namespace troupe::perf {
 namespace {
 
-/// Collects the lines; an aim whose rows were not run has no value and no line.
+/// Collects the rows. A goal without a value gets no row.
 class Aims {
  public:
   explicit Aims(const Report& report) : report_(report) {}
@@ -23,7 +23,7 @@ class Aims {
     add(what, fmt::format("at least {:.4g} {}", limit, unit), unit, value, value && *value >= limit);
   }
 
-  /// Of the rows of a scene without pictures: the greatest of `value`.
+  /// The largest `value` over the rows of a scene without pictures.
   std::optional<double> most(
       const std::string& scene,
       const std::function<std::optional<double>(const CaseTiming&, const Timing&)>& value) const {
@@ -77,16 +77,17 @@ std::optional<double> of_child(const ChildTiming* timing, Member member) {
 void add_costs(Aims& aims) {
   for (const char* scene : {"hospital-10cm/1000", "hospital-10cm/2000", "hospital-10cm/10000",
                             "hospital-10cm/100000", "stage/1000"})
-    aims.at_most(fmt::format("{}, one thread", scene), 800, "ns a robot and tick", aims.ns(scene));
-  aims.at_most("hospital/1, any number of threads", 10, "us a tick",
+    aims.at_most(fmt::format("{}, one thread", scene), 800, "ns per robot and tick", aims.ns(scene));
+  aims.at_most("hospital/1, any number of threads", 10, "us per tick",
                aims.most("hospital/1", [](const auto&, const Timing& t) {
                  return std::optional(t.ns(median(t.wall_s)) / 1e3);
                }));
   for (const char* scene : {"cave-simple/100", "cave-complex/100"})
-    aims.at_most(fmt::format("{}, one thread", scene), 2000, "ns a robot and tick", aims.ns(scene));
+    aims.at_most(fmt::format("{}, one thread", scene), 2000, "ns per robot and tick", aims.ns(scene));
   for (const char* scene : {"cave-simple-laser/100", "cave-complex-laser/100"})
-    aims.at_most(fmt::format("{}, one thread", scene), 5000, "ns a robot and tick", aims.ns(scene));
-  aims.at_most("grid-hospital/1000, one thread", 10000, "ns a robot and tick", aims.ns("grid-hospital/1000"));
+    aims.at_most(fmt::format("{}, one thread", scene), 5000, "ns per robot and tick", aims.ns(scene));
+  aims.at_most("grid-hospital/1000, one thread", 10000, "ns per robot and tick",
+               aims.ns("grid-hospital/1000"));
 }
 
 void add_instruction_sets(Aims& aims) {
@@ -108,13 +109,13 @@ void add_instruction_sets(Aims& aims) {
     return std::nullopt;
   };
   for (const Aim& aim : k_aims) {
-    aims.at_most(fmt::format("{}, avx512", aim.scene), aim.avx512_ns, "ns a robot and tick",
+    aims.at_most(fmt::format("{}, avx512", aim.scene), aim.avx512_ns, "ns per robot and tick",
                  ns(aim.scene, "avx512"));
-    aims.at_most(fmt::format("{}, avx2", aim.scene), aim.avx2_ns, "ns a robot and tick",
+    aims.at_most(fmt::format("{}, avx2", aim.scene), aim.avx2_ns, "ns per robot and tick",
                  ns(aim.scene, "avx2"));
     const auto sse4 = ns(aim.scene, "sse4");
     const auto avx2 = ns(aim.scene, "avx2");
-    if (sse4 && avx2) aims.at_most(fmt::format("{}, sse4 by avx2", aim.scene), 1.8, "times", *sse4 / *avx2);
+    if (sse4 && avx2) aims.at_most(fmt::format("{}, sse4 / avx2", aim.scene), 1.8, "times", *sse4 / *avx2);
   }
 }
 
@@ -127,8 +128,7 @@ void add_devices(Aims& aims) {
   const auto rangers = aims.ns("radios-off/10000");
   const auto radios = aims.ns("rangers-off/10000");
   if (both && rangers && radios)
-    aims.at_most("radios/10000, the radio against the ranging", 1, "times",
-                 (*both - *rangers) / (*both - *radios));
+    aims.at_most("radios/10000, radio / ranging", 1, "times", (*both - *rangers) / (*both - *radios));
 }
 
 void add_threads(Aims& aims) {
@@ -143,11 +143,11 @@ void add_threads(Aims& aims) {
       slowest = scene;
     }
     if (s.timing->robots < 10000) continue;
-    aims.at_least(fmt::format("{}, two threads against one", scene), 1.75, "times", s.speedup);
-    aims.at_least(fmt::format("{}, two threads against the probe", scene), 95, "%",
+    aims.at_least(fmt::format("{}, speed-up of two threads", scene), 1.75, "times", s.speedup);
+    aims.at_least(fmt::format("{}, speed-up of two threads / probe", scene), 95, "%",
                   100 * s.speedup / s.probe);
   }
-  aims.at_least(fmt::format("two threads against one where they help least: {}", slowest), 1, "times", least);
+  aims.at_least(fmt::format("least speed-up of two threads: {}", slowest), 1, "times", least);
   aims.at_least("hospital-10cm/100000, two threads", 2, "x real time",
                 aims.times_real_time("hospital-10cm/100000", 2));
   aims.at_least("campus/1000000, two threads", 0.2, "x real time", aims.times_real_time("campus/1000000", 2));
@@ -158,8 +158,7 @@ void add_clusters(Aims& aims) {
     const auto dispersed = aims.ns(fmt::format("dispersed-{}", scene));
     const auto clustered = aims.ns(fmt::format("clustered-{}", scene));
     if (dispersed && clustered)
-      aims.at_most(fmt::format("{}, clustered against dispersed", scene), 2, "times",
-                   *clustered / *dispersed);
+      aims.at_most(fmt::format("{}, clustered / dispersed", scene), 2, "times", *clustered / *dispersed);
   }
 }
 
@@ -170,7 +169,7 @@ void add_watching(Aims& aims) {
     for (const Timing& timing : one.timings)
       for (const auto& [watch, limit] : limits)
         if (const auto cost = watching_cost(one, timing); cost && timing.run.watch == watch)
-          aims.at_most(fmt::format("{}, {} at every tick, {} thread{}", timing.run.scene.name,
+          aims.at_most(fmt::format("{}, {} in every tick, {} thread{}", timing.run.scene.name,
                                    watch_name(watch), timing.run.threads, timing.run.threads > 1 ? "s" : ""),
                        limit, "% of the run", 100 * *cost);
 }
@@ -181,17 +180,17 @@ void add_memory_and_loading(Aims& aims) {
   const Report& report = aims.report();
   const auto empty = of_child(child(report, "hospital-10cm/0", false), rss);
   const auto full = of_child(child(report, "hospital-10cm/100000", false), rss);
-  if (empty) aims.at_most("the empty hospital", 40, "MB", *empty / 1e6);
-  if (empty && full) aims.at_most("a minibot over it", 600, "bytes", (*full - *empty) / 100000);
+  if (empty) aims.at_most("memory of the empty hospital", 40, "MB", *empty / 1e6);
+  if (empty && full) aims.at_most("additional memory per minibot", 600, "bytes", (*full - *empty) / 100000);
   const ChildTiming* million = child(report, "campus/1000000", false);
   if (million)
-    aims.at_most("a million minibots, peak", 1500, "MB",
+    aims.at_most("peak memory of a million minibots", 1500, "MB",
                  *of_child(million, [](const ChildReport& r) { return r.peak_bytes; }) / 1e6);
-  aims.at_most("100,000 robots of .world text, loading", 1.5, "s",
+  aims.at_most("loading 100,000 robots of .world text", 1.5, "s",
                of_child(child(report, "hospital-10cm/100000", true), load));
-  aims.at_most("100,000 robots with radios, loading", 2, "s",
+  aims.at_most("loading 100,000 robots with radios", 2, "s",
                of_child(child(report, "radios/100000", false), load));
-  aims.at_most("a million robots of populations, loading", 2, "s", of_child(million, load));
+  aims.at_most("loading a million robots of populations", 2, "s", of_child(million, load));
 }
 
 }  // namespace

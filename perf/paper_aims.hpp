@@ -4,8 +4,8 @@
 
 namespace troupe::perf {
 
-/// What this simulator is meant to reach, and what the report says of it: one line an aim, none for what was
-/// not run.
+/// The performance goals and the values in the report, one row per goal. Goals without a measurement are
+/// omitted.
 Sheet aims_sheet(const Report& report);
 
 }  // namespace troupe::perf

@@ -16,15 +16,15 @@ namespace fs = std::filesystem;
 constexpr double k_memory_s = 1;
 constexpr double k_cluster_skip_s = 60;
 
-/// Simulated time of a row of each table, s, where worlds/scenes.json gives no other.
+/// Simulated time of the rows of each table, s, unless worlds/scenes.json sets another.
 const std::map<std::string, double, std::less<>> k_times_s = {
     // The paper's tables.
     {"1", 600},
     {"2", 600},
     {"3", 60},
-    // Portable kernels take some ten times as long as the best ones.
+    // Portable kernels take about ten times as long as the best ones.
     {"simd", 60},
-    // Clusters are timed after k_cluster_skip_s, when they are tight, in pieces of 2 s.
+    // Clusters are timed after k_cluster_skip_s, when they are dense, in pieces of 2 s.
     {"clusters", 2},
     // A million robots for 60 s are 600 million robot ticks: minutes for each repetition. 5 s show the rate.
     {"campus", 5},
@@ -33,13 +33,13 @@ const std::map<std::string, double, std::less<>> k_times_s = {
     {"devices", 60},
     {"memory", k_memory_s},
 };
-// With --quick these times are shorter than others, by as much as the clusters' are longer.
+// Factor of the times with --quick. Clusters and campus have their own times.
 constexpr double k_quick = 0.01;
 constexpr double k_quick_cluster_skip_s = 1;
 constexpr double k_quick_cluster_s = 0.2;
 constexpr double k_quick_campus_s = 0.2;
 
-/// A world with so many robots.
+/// A world with this number of robots.
 Scene scene_of(const scenes::Benchmark& row, std::size_t robots, double for_s) {
   Scene scene{.name = fmt::format("{}/{}", fs::path(row.world).stem().string(), robots),
               .world = fs::path(TROUPE_SOURCE_DIR) / "worlds" / row.world,
@@ -57,7 +57,7 @@ Scene variant_of(Scene scene, const scenes::Variant& variant) {
   return scene;
 }
 
-/// What the clusters are compared with, and the clusters.
+/// The dispersed scene, and the clustered one that is compared with it.
 std::vector<Scene> dispersed_and_clustered(Scene scene, double skip_s, double for_s) {
   scene.skip_s = skip_s;
   scene.for_s = for_s;
@@ -82,34 +82,30 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
   Plan plan;
   plan.tables = {
       {"1", "Table 1: Pioneers in the cave",
-       "16 sonars of 5 m each, with `laser` 180 beams of 8 m more; simple: one octagon a body, complex: "
-       "seven "
-       "prisms and four of the laser's."},
+       "16 sonars of 5 m each; `laser` adds 180 beams of 8 m. Simple: one octagon per body; complex: seven "
+       "prisms, and four of the laser."},
       {"2", "Table 2: minibots of 0.2 m in the hospital", "12 infrared beams of 2 m each."},
       {"3", "Table 3: minibots of 0.1 m in the hospital",
        "`stage` is Stage's own `hospital.world` with its 1,000 robots."},
-      {"simd", "Instruction sets, one beside the other",
-       "ns a robot and tick on one thread, each row's sets in turn; every one ends with the same hash. "
-       "docs/determinism.md says how a run is given another than the processor's best."},
+      {"simd", "Comparison of instruction sets",
+       "ns per robot and tick on one thread; the sets of a row are run in turn and end with the same hash. "
+       "docs/determinism.md describes how to select an instruction set."},
       {"clusters", "Clusters",
-       "With `invert` robots gather. Both behaviours are timed after the time that dispersal takes, as "
-       "consecutive pieces of one run."},
+       "With `invert` robots gather. Both behaviours are timed after dispersal has finished, as consecutive "
+       "pieces of one run."},
       {"campus", "A million minibots in sixteen hospitals", ""},
-      {"watching", "What looking on costs",
-       "At every tick of 0.1 s: hashes as --hash-log takes them; poses as --record writes them; all measures "
-       "of "
-       "docs/measures.md. Against the same run unwatched: the median over the repetitions."},
-      {"grid", "The paper's ray tracer beside the exact engine", ""},
-      {"devices", "Robots that do more than range",
+      {"watching", "Cost of observers",
+       "In every tick of 0.1 s: hashes as for --hash-log; poses as for --record; all measures of "
+       "docs/measures.md. Relative to the same run without observers: the median over the repetitions."},
+      {"grid", "The paper's ray tracer and the exact engine", ""},
+      {"devices", "Robots with other devices",
        "`foragers`: a scanner of 19 beams, a fiducial finder, a gripper and a power pack each; they grip "
-       "pucks "
-       "and carry them to mills. `harvesters`: 9 beams, a finder and a gripper each; they carry pucks home. "
-       "`pushers`: 9 beams each; they push 20,000 pucks about. `finders`: 9 beams "
-       "and a finder each, with some 16 others in its range; "
-       "`finders-off`: the same without their finders. Beams are those of finders, too. `radios`: a ring of "
-       "12 "
-       "infrared rangers and a radio each, with 20 others in its range; `radios-off` has the rangers alone, "
-       "`rangers-off` the radios."},
+       "pucks and carry them to mills. `harvesters`: 9 beams, a finder and a gripper each; they carry pucks "
+       "home. `pushers`: 9 beams each; they push 20,000 pucks. `finders`: 9 beams and a finder each, with "
+       "about 16 robots in its range; `finders-off`: the same without finders. Beams include those of "
+       "finders. "
+       "`radios`: a ring of 12 infrared rangers and a radio each, with 20 robots in its range; `radios-off` "
+       "has only the rangers, `rangers-off` only the radios."},
   };
   const scenes::Manifest manifest = scenes::read_manifest(fs::path(TROUPE_SOURCE_DIR) / "worlds/scenes.json");
   const auto with_threads = [&](const Scene& scene) {
@@ -117,7 +113,8 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
     for (const unsigned n : threads) runs.push_back({scene, n, false});
     return runs;
   };
-  // Worlds and numbers of robots are the manifest's; how the rows of a table are run is said here.
+  // The manifest gives worlds and numbers of robots; the code below determines how the rows of a table are
+  // run.
   const auto for_rows = [&](std::string_view table, const auto& add) {
     for (const scenes::Benchmark& row : manifest.perf) {
       if (row.table != table) continue;
@@ -132,7 +129,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
                       "campus, clusters, devices, grid, memory, simd, watching",
                       row.world, row.table));
 
-  // As the paper has it: without pictures and with them.
+  // As in the paper: without and with pictures.
   for (const char* table : {"1", "2", "3"})
     for_rows(table, [&](const Scene& scene, const auto&) {
       std::vector<Run> runs = with_threads(scene);
@@ -180,7 +177,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
     plan.cases.push_back({"grid", {{exact, threads.front(), false}, {grid, threads.front(), false}}});
   });
 
-  // A world beside variants without a sensor: what that costs is the first less the other.
+  // A world and variants of it without a sensor: the difference is the cost of the sensor.
   for_rows("devices", [&](const Scene& scene, const scenes::Benchmark& row) {
     std::vector<Run> runs =
         row.beside.empty() ? with_threads(scene) : std::vector<Run>{{scene, threads.front()}};

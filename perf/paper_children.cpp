@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A line of /proc/self/status such as `VmRSS:   12345 kB`, in bytes.
+/// The value of a line of /proc/self/status such as `VmRSS:   12345 kB`, in bytes.
 double status_bytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
@@ -27,16 +27,16 @@ double status_bytes(const std::string& name) {
   throw std::runtime_error(fmt::format("/proc/self/status has no {}", name));
 }
 
-/// Runs this program with other arguments; gives what it prints.
+/// Runs this program with other arguments and returns its output.
 std::string run_self(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "perf_paper");
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   std::array<int, 2> ends{};
-  if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe to a child process");
+  if (pipe(ends.data()) != 0) throw std::runtime_error("cannot create a pipe to a child process");
   const pid_t process = fork();
-  if (process < 0) throw std::runtime_error("no child process");
+  if (process < 0) throw std::runtime_error("cannot create a child process");
   if (process == 0) {
     dup2(ends[1], STDOUT_FILENO);
     close(ends[0]);

@@ -32,10 +32,10 @@ std::optional<std::uint64_t> HashBook::find(const std::string& scene, std::uint6
 
 void HashBook::save() const {
   std::ofstream stream(file_);
-  stream << "# State hashes that perf_paper insists on, ranges included; `perf_paper --write-hashes` records "
-            "them.\n"
-            "# A change of a line is a change of results: see docs/decisions.md.\n"
-            "# scene tick hash\n";
+  stream
+      << "# Expected state hashes of perf_paper, ranges included; `perf_paper --write-hashes` records them.\n"
+         "# A changed line means changed results: see docs/decisions.md.\n"
+         "# scene tick hash\n";
   for (const auto& [key, hash] : hashes_)
     stream << fmt::format("{:<36} {:>5} {:016x}\n", key.first, key.second, hash);
   stream.flush();

@@ -9,18 +9,18 @@
 
 namespace troupe::perf {
 
-/// The checked-in state hashes: scene and tick -> hash, a line each.
+/// The checked-in state hashes: scene and tick -> hash, one per line.
 class HashBook {
  public:
-  /// Reads the file; one that does not exist is empty. Throws std::runtime_error, with the line, for what it
-  /// cannot read.
+  /// Reads the file; a missing file is an empty book. Throws std::runtime_error, with the line, for an
+  /// invalid line.
   explicit HashBook(std::filesystem::path file);
 
   std::optional<std::uint64_t> find(const std::string& scene, std::uint64_t tick) const;
   void record(const std::string& scene, std::uint64_t tick, std::uint64_t hash) {
     hashes_[{scene, tick}] = hash;
   }
-  /// Writes it back, sorted. Throws std::runtime_error.
+  /// Writes the file, sorted. Throws std::runtime_error.
   void save() const;
 
   const std::filesystem::path& file() const { return file_; }

@@ -30,7 +30,7 @@ std::string grouped(double value) {
   return (value < 0 ? "-" : "") + text;
 }
 
-/// Three digits that count, without powers of ten.
+/// Three significant digits, without an exponent.
 std::string three_digits(double value) {
   if (value >= 100) return grouped(value);
   if (value >= 10) return fmt::format("{:.1f}", value);
@@ -84,7 +84,7 @@ Sheet timing_sheet(const Report& report, const Table& table, const Reference& re
           three_digits(maximum(x)),
       };
       if (clusters) {
-        // The dispersed run of the same case and threads stands before the clustered one.
+        // The dispersed run with the same number of threads comes before the clustered one.
         const auto base = std::ranges::find_if(one.timings, [&](const Timing& other) {
           return other.run.threads == timing.run.threads && !other.run.frames;
         });
@@ -105,28 +105,29 @@ Sheet timing_sheet(const Report& report, const Table& table, const Reference& re
     }
   }
   sheet.title += fmt::format(", {:.4g} s", for_s);
-  sheet.header = {"world",       "robots", "beams a tick", "threads", "frames", "ns a robot and tick",
+  sheet.header = {"world",       "robots", "beams per tick",
+                  "threads",     "frames", "ns per robot and tick",
                   "x real time", "min",    "max"};
   if (clusters)
-    sheet.header.insert(sheet.header.end(), {"to dispersed", "rounds a tick", "move", "stalled"});
+    sheet.header.insert(sheet.header.end(), {"to dispersed", "rounds per tick", "move", "stalled"});
   else if (watching)
-    sheet.header.insert(sheet.header.end(), {"with", "costs"});
+    sheet.header.insert(sheet.header.end(), {"observer", "cost"});
   else
     sheet.header.insert(sheet.header.end(), {"paper", "Stage 4.3"});
   sheet.header.emplace_back("state hash");
   return sheet;
 }
 
-/// What the report says of the machine under this name; nothing where it says nothing.
+/// The value of this name in the description of the machine; empty if there is none.
 std::string of_machine(const Report& report, std::string_view name) {
   for (const auto& [key, value] : report.machine)
     if (key == name) return value;
   return {};
 }
 
-/// A column for each instruction set.
+/// The table with one column per instruction set.
 Sheet simd_sheet(const Report& report, const Table& table) {
-  Sheet sheet{table.title, table.note, {"world", "robots", "beams a tick"}, {}};
+  Sheet sheet{table.title, table.note, {"world", "robots", "beams per tick"}, {}};
   if (const std::string processor = of_machine(report, "processor"); !processor.empty())
     sheet.title += ": " + processor;
   for (const CaseTiming& one : report.cases) {
@@ -135,7 +136,7 @@ Sheet simd_sheet(const Report& report, const Table& table) {
     if (sheet.rows.empty()) {
       for (const Timing& timing : one.timings) sheet.header.push_back(timing.run.simd);
       for (std::size_t i = 1; i < one.timings.size(); ++i)
-        sheet.header.push_back(fmt::format("{} by {}", one.timings[i].run.simd, first.run.simd));
+        sheet.header.push_back(fmt::format("{} / {}", one.timings[i].run.simd, first.run.simd));
       sheet.header.emplace_back("state hash");
     }
     std::vector<std::string> row{first.run.scene.name.substr(0, first.run.scene.name.rfind('/')),
@@ -151,10 +152,9 @@ Sheet simd_sheet(const Report& report, const Table& table) {
 
 Sheet scaling_sheet(const Report& report) {
   Sheet sheet{"Threads",
-              "`probe`: the same number of threads that share nothing, timed between the repetitions: what "
-              "the machine "
-              "gives.",
-              {"world", "robots", "threads", "speed-up", "probe", "of the probe"},
+              "`probe`: the speed-up of the same number of threads that share nothing, timed between the "
+              "repetitions; it is the machine's limit.",
+              {"world", "robots", "threads", "speed-up", "probe", "speed-up / probe"},
               {}};
   for (const Scaling& s : scalings(report)) {
     sheet.rows.push_back({s.timing->run.scene.name.substr(0, s.timing->run.scene.name.rfind('/')),
@@ -180,11 +180,10 @@ std::string child_name(const ChildTiming& timing) {
 Sheet loading_sheet(const Report& report) {
   Sheet sheet{
       "Loading and memory",
-      "Each in a process of its own, with a thread for each core. Memory is what is resident after the first "
-      "ticks; bytes a "
-      "robot are over the empty world.",
-      {"world", "robots", "load s", "min", "max", "of it reading s", "resident MB", "peak MB",
-       "bytes a robot", "state hash"},
+      "Each world in a process of its own, with one thread per core. Memory is resident memory after the "
+      "first ticks; bytes per robot are relative to the empty world.",
+      {"world", "robots", "load s", "min", "max", "reading s", "resident MB", "peak MB", "bytes per robot",
+       "state hash"},
       {}};
   double empty = 0;
   for (const ChildTiming& timing : report.children) {
@@ -193,7 +192,7 @@ Sheet loading_sheet(const Report& report) {
     if (timing.child.empty) empty = rss;
     std::vector<double> loads;
     for (const ChildReport& r : timing.reports) loads.push_back(r.read_s + r.build_s);
-    // A campus has other walls than one hospital: there is nothing to subtract from it.
+    // Only worlds with the walls of the empty hospital are comparable; a campus has others.
     const bool comparable = empty > 0 && robots > 0 && timing.child.scene.name.starts_with("hospital-10cm");
     sheet.rows.push_back(
         {child_name(timing), grouped(static_cast<double>(robots)), fmt::format("{:.3f}", median(loads)),
@@ -300,7 +299,7 @@ std::string markdown(const Report& report, const std::vector<Sheet>& sheets) {
   for (const auto& [key, value] : report.machine) text += fmt::format("| {} | {} |\n", key, value);
   text += fmt::format("| repetitions | {} |\n", report.repeat);
   if (report.quick)
-    text += "\nA quick run: few robots and short times, for a test. These are not the paper's rows.\n";
+    text += "\nThis is a quick run for tests, with few robots and short times, not the rows of the paper.\n";
   for (const Sheet& sheet : sheets) {
     text += fmt::format("\n### {}\n\n{}{}", sheet.title, sheet.note, sheet.note.empty() ? "" : "\n\n");
     const auto line = [&](const std::vector<std::string>& cells) {
@@ -312,7 +311,7 @@ std::string markdown(const Report& report, const std::vector<Sheet>& sheets) {
     text += "|\n";
     for (const auto& row : sheet.rows) line(row);
   }
-  for (const std::string& skipped : report.skipped) text += fmt::format("\nLeft out: {}.\n", skipped);
+  for (const std::string& skipped : report.skipped) text += fmt::format("\nSkipped: {}.\n", skipped);
   return text + '\n';
 }
 
@@ -386,7 +385,7 @@ void write_between_marks(const std::filesystem::path& file, const std::string& t
 
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record) {
   std::vector<std::string> faults;
-  std::set<std::string> seen;  // scenes that this report has recorded: its own rows must agree, too
+  std::set<std::string> seen;  // recorded scenes; further rows of them must agree
   const auto check = [&](const std::string& scene, std::uint64_t tick, std::uint64_t hash,
                          const std::string& run) {
     const auto expected = book.find(scene, tick);

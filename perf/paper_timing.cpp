@@ -27,20 +27,19 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds k_frame_period{100};
-// Timing the phases reads the clock five times a tick, some 0.2 microseconds: too much where a tick takes
-// two.
+// Timing the phases reads the clock five times per tick, about 0.2 microseconds: too much for small worlds,
+// in which a tick takes 2 microseconds.
 constexpr std::size_t k_least_robots_with_phases = 100;
 
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
-/// Draws a frame whenever 0.1 s of wall time has passed since the last one was begun; where drawing takes
-/// longer than 0.05 s, whenever as much time has passed without it, so that the simulation has half of the
-/// machine at least.
+/// Draws a frame whenever 0.1 s of wall time has passed since the start of the last one. If drawing takes
+/// longer than 0.05 s, waits as long as it took, so that the simulation gets at least half of the time.
 class Camera {
  public:
 #ifdef TROUPE_HAS_RENDER
   explicit Camera(const engine::World& world) : world_(world), painter_(world.frame_scene()) {
-    draw();  // opens OSMesa, and loads what the driver needs
+    draw();  // loads OSMesa and the driver before timing
     frames_ = 0;
   }
   void start() { next_ = Clock::now() + k_frame_period; }
@@ -62,7 +61,7 @@ class Camera {
   Clock::time_point next_;
 #else
   explicit Camera(const engine::World&) {
-    throw std::runtime_error("this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
+    throw std::runtime_error("this build cannot draw pictures: it was configured with TROUPE_RENDER=OFF");
   }
   void start() {}
   void look() {}
@@ -98,7 +97,7 @@ std::unique_ptr<engine::World> make_world(const engine::WorldSpec& spec, unsigne
   return world;
 }
 
-/// One repetition: steps the world and adds what that took.
+/// One repetition: steps the world and adds the measurements to `timing`.
 void time_steps(engine::World& world, Timing& timing, const engine::Registry& registry) {
   const Run& run = timing.run;
   const std::unique_ptr<Watcher> watcher = make_watcher(run.watch, world, registry);
@@ -138,7 +137,7 @@ void time_steps(engine::World& world, Timing& timing, const engine::Registry& re
   timing.frames = camera ? camera->frames() : 0;
 }
 
-/// Nothing but registers: what a core can do when it shares nothing.
+/// A computation that uses only registers, so that threads share nothing.
 double compute(std::uint64_t rounds) {
   std::uint64_t bits = rounds;
   double sum = 0;
@@ -152,7 +151,7 @@ double compute(std::uint64_t rounds) {
 }
 
 double probe_rounds_s(unsigned threads, std::uint64_t rounds) {
-  std::atomic<double> sink = 0;  // the sums are used, so that they are computed
+  std::atomic<double> sink = 0;  // keeps the compiler from removing the computation
   const auto start = Clock::now();
   {
     std::vector<std::jthread> others;
@@ -171,7 +170,7 @@ double Timing::ns(double s) const {
 double Timing::times_real_time(double s) const { return static_cast<double>(ticks) * tick_s / s; }
 
 double probe_s(unsigned threads) {
-  // Long enough that starting a thread (some 50 microseconds) does not count.
+  // Long enough that the start of a thread (about 50 microseconds) is negligible.
   static const std::uint64_t rounds = [] {
     std::uint64_t n = 1 << 20;
     while (probe_rounds_s(1, n) < 0.1) n *= 2;
@@ -251,7 +250,7 @@ std::string missing_frames() {
     return error.what();
   }
 #else
-  return "this build draws no pictures: it was configured with TROUPE_RENDER=OFF";
+  return "this build cannot draw pictures: it was configured with TROUPE_RENDER=OFF";
 #endif
 }
 

@@ -24,7 +24,7 @@ class HashWatcher : public Watcher {
   engine::Hashes last_;
 };
 
-/// Into a file that goes with it.
+/// Records into a temporary file, which the destructor removes.
 class RecordingWatcher : public Watcher {
  public:
   explicit RecordingWatcher(engine::World& world)

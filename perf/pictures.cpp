@@ -1,4 +1,4 @@
-// What a picture of a large swarm takes, once the driver is warm:
+// Times pictures of large swarms, after the first one:
 //   build/release/bin/perf_pictures
 
 #include "base/random.hpp"

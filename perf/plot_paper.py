@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the paper's figures 7 and 8 (times real time against population, both logarithmic) from what `perf_paper --out`
-wrote, with the figures of others from paper_reference.json, and how the tick scales with threads.
+"""Draws the paper's figures 7 and 8 (times real time against population, both logarithmic) from the output of
+`perf_paper --out`, with the figures of other simulators from paper_reference.json, and the scaling with threads.
 
     perf/plot_paper.py build/perf/paper.json [--images docs/images]
 
@@ -43,7 +43,7 @@ def save(figure, folder, name):
 
 
 def series(rows, world, threads, frames):
-    """Populations with least, median and greatest speed; nothing where the run left the world out."""
+    """Populations with least, median and greatest speed; empty if the run did not measure the world."""
     points = {row["robots"]: row["times_real_time"] for row in rows
               if row["scene"].rsplit("/", 1)[0] == world and row["threads"] == threads and row["frames"] == frames
               and row["table"] in ("1", "2", "3", "campus")}
@@ -107,9 +107,9 @@ def draw_threads(data, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("measured", help="what perf_paper --out wrote")
+    parser.add_argument("measured", help="output of perf_paper --out")
     parser.add_argument("--images", default=os.path.join(os.path.dirname(HERE), "docs", "images"),
-                        help="where the pictures go")
+                        help="folder for the pictures")
     options = parser.parse_args()
     with open(options.measured, encoding="utf-8") as file:
         data = json.load(file)

@@ -1,4 +1,4 @@
-#define GL_GLEXT_PROTOTYPES  // for the types of the functions; none is linked
+#define GL_GLEXT_PROTOTYPES  // declares the functions for their types; none is linked
 
 #include "render/canvas.hpp"
 
@@ -18,11 +18,11 @@
 namespace troupe::render {
 namespace {
 
-/// Pictures are drawn in tiles of at most this side: 2048^2 pixels of 4 samples, colour and depth, take 134
-/// MB, so a poster of 16384^2 needs no more than that beside its own pixels.
+/// Pictures are drawn in tiles with at most this side. 2048^2 pixels with 4 samples of colour and depth take
+/// 134 MB, so that a picture of 16384^2 pixels needs only that in addition to its own pixels.
 constexpr int k_tile = 2048;
 constexpr int k_samples = 4;
-/// How far shadows reach on the floor for each metre of height.
+/// Length of shadows on the floor per metre of height.
 constexpr float k_shadow_slope = 0.5F;
 
 // clang-format off
@@ -52,7 +52,7 @@ struct Gl {
   }
 };
 
-// The picture's y points down and OpenGL's rows go up: turning y round here makes row 0 the top one.
+// Flips y, because row 0 of a picture is at the top and row 0 of OpenGL at the bottom.
 constexpr const char* k_flat_shader = R"(#version 330 core
 layout(location = 0) in vec3 vertex;
 layout(location = 1) in vec2 offset;
@@ -75,9 +75,9 @@ void main() {
 }
 )";
 
-// Corners are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke, 3 rim. Faces are lit from both sides
-// alike, as if turned to the viewer: contours wind any way. Light comes from the left, from behind, and from
-// above.
+// Corner values are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke, 3 rim. Both sides of a face are
+// lit as if it faced the viewer, because contours have either orientation. Light comes from the left, from
+// behind and from above.
 constexpr const char* k_solid_shader = R"(#version 330 core
 layout(location = 0) in vec3 vertex;
 layout(location = 1) in vec4 a;
@@ -164,7 +164,7 @@ GLuint link_program(const Gl& gl, const char* vertex_shader) {
   if (!linked) {
     std::array<char, 1024> log{};
     gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    throw std::runtime_error(fmt::format("cannot draw: the driver refuses the shaders: {}", log.data()));
+    throw std::runtime_error(fmt::format("cannot draw: the driver cannot link the shaders: {}", log.data()));
   }
   return program;
 }
@@ -174,7 +174,7 @@ struct Framebuffer {
   GLuint name = 0;
   std::array<GLuint, 2> buffers{};
 
-  /// `samples` 0 is a plain one. Throws where the driver gives none.
+  /// `samples` 0: without multisampling. Throws std::runtime_error if the driver cannot create it.
   void make(const Gl& gl, int width, int height, int samples) {
     gl.glGenFramebuffers(1, &name);
     gl.glGenRenderbuffers(2, buffers.data());
@@ -188,8 +188,8 @@ struct Framebuffer {
     }
     if (gl.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
         gl.glGetError() != GL_NO_ERROR) {
-      throw std::runtime_error(
-          fmt::format("cannot draw: the driver gives no framebuffer of {} x {} pixels", width, height));
+      throw std::runtime_error(fmt::format(
+          "cannot draw: the driver cannot create a framebuffer of {} x {} pixels", width, height));
     }
   }
   void release(const Gl& gl) {
@@ -201,7 +201,7 @@ struct Framebuffer {
 
 void* byte_offset(std::size_t bytes) { return reinterpret_cast<void*>(bytes); }
 
-/// The buffers of a layer, behind one vertex array object, for the length of a picture.
+/// The buffers of a layer and their vertex array object, for one picture.
 class Uploaded {
  public:
   template <class AnyLayerOfMeshes>
@@ -297,10 +297,10 @@ class Uploaded {
   GLuint array_ = 0;
   std::array<GLuint, 2> buffers_{};
   GLsizei vertices_;
-  GLsizei instances_;  // 0: points, which are none of anything
+  GLsizei instances_;  // 0: points, drawn without instancing
 };
 
-/// The interval of heights that the depth buffer has to tell apart in flat layers.
+/// The interval of heights in flat layers, which the depth buffer must resolve.
 ZInterval heights_of(std::span<const AnyLayer> layers) {
   ZInterval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const AnyLayer& any : layers) {
@@ -320,7 +320,7 @@ ZInterval heights_of(std::span<const AnyLayer> layers) {
   return all.min < all.max ? all : ZInterval{all.min, all.min + 1};
 }
 
-/// The context is the calling thread's for as long as this lives.
+/// Makes a context current on the calling thread for the lifetime of the object.
 class Current {
  public:
   explicit Current(OsmesaContext& context) : context_(context) { context_.make_current(); }
@@ -356,7 +356,7 @@ struct Canvas::Impl {
     gl.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limit.data());
   }
 
-  /// Tiles of this size, as they were left by the picture before where that was as large.
+  /// Creates tiles of this size; keeps those of the previous picture if they have this size.
   void make_tiles(int width, int height) {
     if (drawn.name != 0 && width == tile_width && height == tile_height) return;
     if (drawn.name != 0) drawn.release(gl);
@@ -374,7 +374,7 @@ struct Canvas::Impl {
 
   void set_views(const Projection& projection, const ZInterval& heights) {
     in_world = projection.clip_matrix();
-    // As in the flat shader.
+    // The same transformation as in the flat shader.
     const auto range = static_cast<float>(heights.max - heights.min);
     on_map = {};
     on_map[0] = 2.0F / static_cast<float>(projection.width());
@@ -416,7 +416,7 @@ struct Canvas::Impl {
     gl.glPointSize(layer.size);
   }
 
-  /// One tile of the picture: its lower left corner is that of the framebuffer.
+  /// Draws one tile of the picture; the viewport is already shifted to its lower left corner.
   void draw_tile(std::span<const AnyLayer> layers,
                  const std::vector<std::unique_ptr<Uploaded>>& uploaded) const {
     gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);

@@ -25,11 +25,12 @@ using engine::Frame;
 using engine::FrameBody;
 using engine::FrameScene;
 
-constexpr double k_rows_of_one_stroke = 900;  // a picture of so many rows has strokes of one pixel
-constexpr double k_margin = 0.03;             // around the scene's bounds, of the picture's smaller side
-constexpr double k_furniture_band = 40;       // below the scene's bounds, strokes
+constexpr double k_rows_of_one_stroke = 900;  // a picture with this many rows has strokes of one pixel
+constexpr double k_margin = 0.03;        // around the scene's bounds, fraction of the picture's smaller side
+constexpr double k_furniture_band = 40;  // below the scene's bounds, strokes
 
-/// Keeps what the driver does to rounding and denormals from the calling thread.
+/// Restores the floating-point environment of the calling thread, which the driver changes (rounding,
+/// denormals).
 class KeepFpEnvironment {
  public:
   KeepFpEnvironment() { std::fegetenv(&environment_); }
@@ -41,7 +42,7 @@ class KeepFpEnvironment {
   std::fenv_t environment_;
 };
 
-/// What has to be seen where the camera says nothing else: never empty.
+/// The region to show unless the camera determines it. Never empty.
 Box shown_bounds(const FrameScene& scene, const View& view) {
   Box shown = view.region.value_or(scene.bounds);
   if (view.layers.bounds && !view.region && scene.limits) shown.extend(*scene.limits);
@@ -55,14 +56,14 @@ Box shown_bounds(const FrameScene& scene, const View& view) {
   return shown;
 }
 
-/// Size and strokes; what it shows is yet to be said.
+/// A framing with size and stroke; its centre and scale are not set yet.
 Framing empty_framing(const View& view) {
   Framing framing{view.width, view.height};
   framing.stroke = std::max(1.0, std::min(view.width, view.height) / k_rows_of_one_stroke);
   return framing;
 }
 
-/// The furniture's room below the scene, beyond the margin around it; pixels.
+/// Height below the scene for scale bar and clock, in addition to the margin; pixels.
 double furniture_band(const Framing& framing, double margin) {
   return framing.has_furniture() ? std::max(0.0, k_furniture_band * framing.stroke - margin) : 0;
 }
@@ -84,7 +85,7 @@ Framing frame_from_above(const FrameScene& scene, const View& view) {
   return framing;
 }
 
-/// Heights of the floor, of bodies, and of whatever may stand on the floor; world frame.
+/// The interval of heights of the floor and all bodies, world frame, m.
 ZInterval heights_in(const FrameScene& scene, const std::vector<FrameBody>& bodies) {
   ZInterval heights{0, 0.01};
   std::vector<ZInterval> of_types;
@@ -119,7 +120,7 @@ Projection project(const FrameScene& scene, const Frame& frame, const View& view
     projection.stand_at(*camera.eye);
   } else if (camera.center || camera.across_m) {
     const Vec3 center = camera.center.value_or(Vec3(shown.center().x(), shown.center().y(), 0));
-    // As far away as where all is seen.
+    // From the distance at which the whole scene is visible.
     const double scale = projection.pixels_per_metre(projection.floor_center());
     const double across = scale > 0 ? view.width / scale : shown.size().norm();
     projection.look_at(center, camera.across_m.value_or(across));
@@ -143,7 +144,7 @@ bool is_from_above(const Camera& camera) {
 struct Painter::Impl {
   FrameScene scene;
   SceneMeshes meshes{scene, {}};
-  std::optional<Canvas> canvas;  // made with the first picture
+  std::optional<Canvas> canvas;  // created with the first picture
 
   explicit Impl(FrameScene of) : scene(std::move(of)) {
     const KeepFpEnvironment keep;
@@ -153,7 +154,7 @@ struct Painter::Impl {
 
 namespace {
 
-/// A frame's own types stand behind the scene's while it is drawn.
+/// Appends the frame's own types to those of the scene while the frame is drawn.
 class WithTypesOf {
  public:
   WithTypesOf(const Frame& frame, FrameScene& scene, std::vector<Pieces>& pieces)
@@ -188,7 +189,7 @@ Painter& Painter::operator=(Painter&&) noexcept = default;
 
 const FrameScene& Painter::scene() const { return impl_->scene; }
 
-/// What is to be drawn, first to last.
+/// The layers of a picture, in the order of drawing.
 struct Painter::Composition {
   std::vector<AnyLayer> layers;
   Projection projection;
@@ -199,7 +200,7 @@ Painter::Composition Painter::compose(const Frame& frame, const View& view) {
   const FrameScene& scene = impl_->scene;
   const Layers& shown = view.layers;
   const Theme& theme = theme_of(view.background);
-  std::vector<Rgba> colors;  // empty: the bodies' own
+  std::vector<Rgba> colors;  // empty: bodies have their own colours
   if (!frame.values.empty())
     colors = value_colors(frame.values, view.values.value_or(range_of(frame.values)));
 
@@ -210,7 +211,7 @@ Painter::Composition Painter::compose(const Frame& frame, const View& view) {
     framing = frame_from_above(scene, view);
     projection = Projection::from_above(framing, heights_in(scene, frame.mobile));
     if (shown.grid) layers.emplace_back(flat(floor_grid(framing, theme.grid), true));
-    // Below the walls: beams are wider than the one ray that says where they end.
+    // Below the walls, because beams are drawn wider than the ray that was cast.
     add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);
     add_flat_fixed(layers, impl_->meshes, framing, shown, theme);
     add_on_floor(layers, scene, frame, colors, *projection, shown, theme);
@@ -244,7 +245,8 @@ Picture Painter::draw(const Frame& frame, const View& view) {
 
 std::string Painter::draw_vector(const Frame& frame, const View& view, VectorFormat format,
                                  const FileTexts& texts) {
-  if (!is_from_above(view.camera)) throw std::runtime_error("cannot draw solids as paths: only maps");
+  if (!is_from_above(view.camera))
+    throw std::runtime_error("cannot draw solids as vector graphics, only maps");
   const KeepFpEnvironment keep;
   const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
   const Composition composition = compose(frame, view);

@@ -11,24 +11,24 @@
 
 namespace troupe::render {
 
-/// From where a picture is seen. All of it at its default: straight down, framed by itself.
+/// The viewpoint of a picture. By default straight down, framed automatically.
 struct Camera {
   bool perspective = false;
   double pitch = 0;  ///< rad: 0 straight down, pi/2 level
-  double yaw = 0;    ///< rad: counter-clockwise from a view whose far side is +y
-  /// What is in the picture's middle, world metres. Not given: framed.
+  double yaw = 0;    ///< rad: counter-clockwise from looking along +y
+  /// World point in the picture's centre, m. Not given: framed automatically.
   std::optional<Eigen::Vector3d> center;
-  /// Metres that the picture's width shows there. Not given: as many as show the scene.
+  /// Width of the picture at the centre, m. Not given: the scene fits.
   std::optional<double> across_m;
-  /// Where a perspective camera stands, world metres, instead of both.
+  /// World position of a perspective camera, m; replaces `center` and `across_m`.
   std::optional<Eigen::Vector3d> eye;
-  double fov = 0.65;  ///< of a perspective view, vertical, rad
+  double fov = 0.65;  ///< vertical angle of a perspective view, rad
 };
 
-/// What a picture lies on. Of `transparent`, what nothing is drawn on has an opacity of 0.
+/// Background of a picture. With `transparent`, empty pixels have opacity 0.
 enum class Background : std::uint8_t { paper, white, dark, transparent };
 
-/// What is drawn beside the bodies.
+/// Layers to draw in addition to the bodies.
 struct Layers {
   bool grid = true;
   bool shadows = true;
@@ -36,65 +36,69 @@ struct Layers {
   bool stalls = true;    ///< a red outline with a white rim around robots whose last motion was blocked
   bool scale = true;
   bool clock = true;
-  bool speed = false;       ///< beside the clock: Frame::times_real_time
-  bool legend = true;       ///< of the colours, where bodies are coloured by a value
-  bool bounds = true;       ///< the line beyond which no robot may go: FrameScene::limits
-  bool types = false;       ///< a legend of the types of robots, where they are not coloured by a value
-  bool scans = false;       ///< what rangers see, filled and transparent: Frame::scans
-  bool beams = false;       ///< the same, each beam a line
-  bool sights = false;      ///< lines from finders to what they found: Frame::sights
-  bool blobs = false;       ///< what blob finders see, in its colours: Frame::blobs
-  bool grips = false;       ///< light beams of grippers, red where broken, and what they hold: Frame::grips
-  bool links = false;       ///< lines from carriers to what they carry: Frame::links
-  bool trails = false;      ///< where bodies were: Frame::trails
-  bool names = false;       ///< Frame::names
-  bool energy = false;      ///< bars of what bodies have left: Frame::charges
-  bool footprints = false;  ///< outlines on the floor below the bodies
-  bool coverage = false;    ///< where on the floor robots have been: Frame::covered
-  bool density = false;     ///< how many robots there are in squares of the floor
-  bool tiles = false;       ///< the same in the tiles of the index
-  bool cells = false;       ///< its cells in which a robot is
+  bool speed = false;   ///< speed next to the clock: Frame::times_real_time
+  bool legend = true;   ///< legend of the colour scale, if bodies are coloured by a value
+  bool bounds = true;   ///< boundary of the area for robots: FrameScene::limits
+  bool types = false;   ///< legend of the types of robots, if they are not coloured by a value
+  bool scans = false;   ///< transparent areas of range readings: Frame::scans
+  bool beams = false;   ///< range readings as lines: Frame::scans
+  bool sights = false;  ///< lines from finders to detected objects: Frame::sights
+  bool blobs = false;   ///< blobs of blob finders in their colours: Frame::blobs
+  bool grips = false;   ///< light beams of grippers (red if broken) and links to held bodies: Frame::grips
+  bool links = false;   ///< lines from carriers to carried bodies: Frame::links
+  bool trails = false;  ///< past positions of bodies: Frame::trails
+  bool names = false;   ///< Frame::names
+  bool energy = false;  ///< bars of the remaining energy: Frame::charges
+  bool footprints = false;  ///< outlines of the bodies on the floor
+  bool coverage = false;    ///< squares of the floor that robots have visited: Frame::covered
+  bool density = false;     ///< number of robots per square of the floor
+  bool tiles = false;       ///< number of robots per tile of the index
+  bool cells = false;       ///< cells of the index that contain a robot
 };
 
 struct View {
   int width = 1280;
   int height = 720;
-  /// What must be seen, world metres: it fills the picture in one direction, and in the other more than it is
-  /// seen. Not given: the scene's bounds with a margin. Of a camera with no place of its own.
+  /// World region that must be visible, m. It fills the picture in one direction; in the other, more is
+  /// visible. Not given: the scene's bounds with a margin. The camera's `center`, `across_m` and
+  /// `eye` take precedence.
   std::optional<Box> region;
   Camera camera;
   Layers layers;
   Background background = Background::paper;
-  /// The values at the ends of the scale of colours, where bodies are coloured by a value. Not given: those
-  /// that are met in the frame.
+  /// Values at the ends of the colour scale, if bodies are coloured by a value. Not given: the extremes in
+  /// the frame.
   std::optional<std::pair<double, double>> values;
 };
 
-/// Straight down, as a map: the only view that can be drawn as paths.
+/// Whether the view is a map, straight down without perspective. Only maps can be drawn as vector graphics.
 bool is_from_above(const Camera& camera);
 
-/// What a file says of itself: `world`, `time_s`, ...
+/// Metadata of a file as keys and values: `world`, `time_s`, ...
 using FileTexts = std::vector<std::pair<std::string, std::string>>;
 enum class VectorFormat : std::uint8_t { svg, pdf };
 
-/// 8-bit RGBA, row 0 on top; opacity is not multiplied into the colours.
+/// 8-bit RGBA, row 0 at the top, alpha not premultiplied.
 struct Picture {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> rgba;
 };
 
-/// Draws frames of one scene; what many pictures have in common is made once.
+/// Draws frames of one scene. Data common to all pictures are computed once.
 ///
 /// view    from above (a camera at pitch and yaw 0 without perspective): +x to the right and +y up, bodies as
-///         flat shapes, robots on top of the floor plan at any height. From elsewhere: solids with lit faces
-///         and edges, which hide what is behind them
+/// flat
+///         shapes, robots on top of the floor plan at any height. Other views: solids with lit faces and
+///         edges, with hidden surfaces removed
 /// robots  at least 3.5 pixels wide, so that a swarm stays visible; outlines from 7 pixels on, marks from 9;
 ///         a red outline when stalled
-/// errors  std::runtime_error: no OSMesa (it is opened on first use), with the package to install; a size
-///         beyond what the driver draws, with the limit; a region that is not finite or has no size
-/// checks  the same bytes for the same input on one machine; the caller's floating-point environment is
-///         left as it was; may be called on any thread, on one at a time
+/// errors  std::runtime_error: OSMesa (loaded on first use) is missing, with the package to install; a size
+/// above
+///         the driver's limit, with the limit; a region that is not finite or has no area
+/// checks  equal bytes for equal input on one machine; the caller's floating-point environment is restored;
+/// may be
+///         called on any thread, but only by one at a time
 class Painter {
  public:
   explicit Painter(engine::FrameScene scene);
@@ -104,9 +108,9 @@ class Painter {
 
   const engine::FrameScene& scene() const;
   Picture draw(const engine::Frame& frame, const View& view);
-  /// The same picture as paths and letters, of a view from above: a file of SVG 1.1 or PDF. Its size is that
-  /// of the view in pixels of 1/96 inch. Throws std::runtime_error also for another view, and for a PDF where
-  /// cairo is missing, with the package to install.
+  /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. Its size
+  /// is that of the view in pixels of 1/96 inch. Throws std::runtime_error also for other views, and for a
+  /// PDF if cairo is missing, with the package to install.
   std::string draw_vector(const engine::Frame& frame, const View& view, VectorFormat format,
                           const FileTexts& texts);
 
@@ -118,7 +122,7 @@ class Painter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// One picture; may be called on several threads at once.
+/// Draws one picture. Thread-safe.
 Picture draw(const engine::FrameScene& scene, const engine::Frame& frame, const View& view);
 
 }  // namespace troupe::render

@@ -17,11 +17,11 @@ using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
 
-/// Robots narrower than this, strokes, are dots: no more of them could be seen, and drawing a hundred
-/// thousand shapes takes long.
+/// Robots narrower than this, strokes, are drawn as dots: their shape would not be visible, and 100,000
+/// shapes take long to draw.
 constexpr double k_smallest_shaped = 5;
 
-/// How much the bodies of each type are enlarged to be seen.
+/// For each type, the factor that enlarges small bodies to the smallest visible size.
 std::vector<double> enlargements(const FrameScene& scene, const Framing& framing, double smallest) {
   std::vector<double> scales;
   for (const FrameType& type : scene.types) {
@@ -31,14 +31,14 @@ std::vector<double> enlargements(const FrameScene& scene, const Framing& framing
   return scales;
 }
 
-/// By type.
+/// Instances of bodies, by type.
 struct Instances {
   std::vector<std::vector<Instance>> moving;
-  std::vector<std::vector<Instance>> stalled;  ///< those that are shown to be
+  std::vector<std::vector<Instance>> stalled;  ///< bodies drawn as stalled
 };
 
-/// Bodies by type, without those that lie outside the picture, and those of types that are left out (1; an
-/// empty list: none is). `colors` may be empty: the bodies' own.
+/// Bodies by type, without those outside the picture and those of types with `left_out` 1 (empty: no type).
+/// If `colors` is empty, bodies have their own colours.
 Instances instances_by_type(const FrameScene& scene, const std::vector<FrameBody>& bodies,
                             std::span<const std::uint8_t> left_out, std::span<const Rgba> colors,
                             const Framing& framing, double smallest, bool shows_stalls) {
@@ -73,7 +73,7 @@ Instances instances_by_type(const FrameScene& scene, const std::vector<FrameBody
 
 Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top}; }
 
-// With a shadow on the floor that lifts it off the paper.
+// With a shadow on the floor, which sets it off from the background.
 void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
                     const Layers& shown, const Theme& theme) {
   const FrameScene& scene = meshes.scene;
@@ -100,10 +100,10 @@ void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, co
 void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Frame& frame,
                      std::span<const Rgba> colors, const Framing& framing, const Layers& shown) {
   const FrameScene& scene = meshes.scene;
-  std::vector<double> across;  // of each type, strokes
+  std::vector<double> across;  // diameter of each type, strokes
   for (const FrameType& type : scene.types)
     across.push_back(2 * type.radius * framing.pixels_per_metre / framing.stroke);
-  // Robots lie on top of the floor plan at any height: a map that hides its robots is of no use.
+  // Robots are drawn over the floor plan whatever their height, so that it never hides them.
   bool first = true;
   std::vector<std::uint8_t> is_dot;
   std::vector<double> tops;

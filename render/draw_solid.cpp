@@ -16,20 +16,20 @@ using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
 
-/// Bodies narrower than this, strokes, are boxes: more could not be seen.
+/// Bodies narrower than this, strokes, are drawn as boxes: details would not be visible.
 constexpr double k_smallest_prism = 10;
-/// Sides shorter than this, strokes, are steps of a bitmap.
+/// Sides shorter than this, strokes, are taken for the steps of a bitmap and have no edge lines.
 constexpr double k_shortest_side = 8;
 /// Shapes narrower than this, strokes, have no lines along their edges, which would hide their colour.
 constexpr double k_smallest_edged = 9;
 
-/// Bodies of one type, by how much of them can be seen.
+/// Visible bodies of one type, by level of detail.
 struct Seen {
   std::vector<SolidInstance> prisms;
-  std::vector<SolidInstance> stalled;  ///< prisms that are shown to be
+  std::vector<SolidInstance> stalled;  ///< prisms drawn as stalled
   std::vector<SolidInstance> boxes;
-  double widest = 0;            ///< of the prisms, strokes
-  double pixels_per_metre = 0;  ///< where that is
+  double widest = 0;            ///< width of the largest prism, strokes
+  double pixels_per_metre = 0;  ///< scale at that prism
 };
 
 class Sorter {
@@ -39,12 +39,12 @@ class Sorter {
     for (const FrameType& type : scene.types) {
       const ZInterval z = heights_of(type);
       heights_.push_back(z);
-      // About the middle of its height.
+      // Radius of a ball around the centre of its height.
       reaches_.push_back(std::sqrt(type.radius * type.radius + 0.25 * (z.max - z.min) * (z.max - z.min)));
     }
   }
 
-  /// `smallest`: bodies narrower than this, strokes, are dots of that size; 0: none are.
+  /// `smallest`: bodies narrower than this, strokes, become dots of that size; 0: none do.
   void add(const FrameBody& body, Rgba color, bool is_stalled, double smallest) {
     TROUPE_ASSERT(body.type < scene_.types.size());
     const FrameType& type = scene_.types[body.type];
@@ -85,7 +85,7 @@ class Sorter {
   }
 
   const Seen& seen(std::size_t type) const { return seen_[type]; }
-  std::vector<Point> dots;  ///< of all types
+  std::vector<Point> dots;  ///< for all types
 
  private:
   const FrameScene& scene_;

@@ -3,9 +3,10 @@
 namespace troupe::render {
 namespace {
 
-/// A letter: its polylines, and how far the next one is.
+/// A letter: its polylines and the distance to the next letter.
 struct Glyph {
-  std::string_view points;  // on a grid 4 wide and 6 high, a point as its two digits; "a" and "b" hang below
+  std::string_view
+      points;  // two digits per point on a grid 4 wide and 6 high; "a" and "b" are below the baseline
   double advance = 6;
 };
 
@@ -112,7 +113,7 @@ Glyph glyph(char c) {
 }
 // clang-format on
 
-/// A text of another alphabet has several bytes a letter: the first stands for all of them.
+/// Whether a byte continues a character of UTF-8: only the first byte of a character draws a box.
 bool goes_on(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
 Vec2 grid_point(std::string_view two) {

@@ -7,14 +7,14 @@
 namespace troupe::render {
 namespace {
 
-constexpr double k_grid_pitch = 48;      // at least, strokes
-constexpr double k_margin = 14;          // of the furniture from the picture's edges, strokes
+constexpr double k_grid_pitch = 48;      // least distance of grid lines, strokes
+constexpr double k_margin = 14;          // distance of the furniture from the picture's edges, strokes
 constexpr double k_longest_scale = 150;  // strokes
 
 }  // namespace
 
 RoundLength RoundLength::at_most(double metres) {
-  // A length as long as 10^k but for rounding may come out as 5 * 10^(k-1): no harm.
+  // Because of rounding, 10^k may give 5 * 10^(k-1), which is harmless.
   const int exponent = static_cast<int>(std::floor(std::log10(metres)));
   const double power = std::pow(10.0, exponent);
   const double steps = metres / power;
@@ -34,7 +34,7 @@ Mesh floor_grid(const Framing& framing, Rgba color) {
   const Box world = framing.world();
   const double width = std::round(framing.stroke);
   const Vec2 half = Vec2(framing.width, framing.height) / 2;
-  // Lines begin at whole pixels: none is blurred, all look alike.
+  // Lines begin at whole pixels, so that none is blurred and all look alike.
   const auto line = [&](int axis, double coordinate) {
     Vec2 min = -half;
     Vec2 max = half;

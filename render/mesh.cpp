@@ -22,7 +22,7 @@ Vertex corner(const Vec2& p, double z, const Vec2& offset, Paint paint, Rgba own
           paint};
 }
 
-/// A convex polygon as a fan.
+/// Adds a convex polygon as a triangle fan.
 void add_convex(Mesh& mesh, const Ring& outline, double z, Paint paint, Rgba own) {
   for (std::size_t i = 2; i < outline.size(); ++i) {
     for (const std::size_t k : {std::size_t{0}, i - 1, i}) {
@@ -39,7 +39,8 @@ void add_outlines(Mesh& mesh, const Solid& solid, double width, Paint paint, Rgb
   }
 }
 
-/// Shapes by the height of their tops: blending and equal heights go by the order of drawing.
+/// Shapes sorted by the height of their tops, because blending and equal heights depend on the order of
+/// drawing.
 std::vector<const FrameShape*> upwards(const FrameType& type) {
   std::vector<const FrameShape*> shapes;
   for (const FrameShape& shape : type.shapes) shapes.push_back(&shape);
@@ -47,8 +48,8 @@ std::vector<const FrameShape*> upwards(const FrameType& type) {
   return shapes;
 }
 
-/// A triangle at the front of the body's extent, on top of everything, in a colour that shows on what is
-/// under it.
+/// Adds a triangle at the front of the body, above all shapes, in a colour that contrasts with the shape
+/// below it.
 void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
   Box extent;
   for (const FrameShape* shape : upwards) {
@@ -63,7 +64,7 @@ void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
   const double tip = extent.max.x() - 0.10 * length;
   const double base = tip - 1.3 * half_width;
 
-  Paint paint = Paint::edge;  // where it sticks out over the floor
+  Paint paint = Paint::edge;  // if there is no shape below it
   Rgba own{};
   const Vec2 middle((tip + 2 * base) / 3, y);
   for (const FrameShape* shape : upwards) {

@@ -16,18 +16,18 @@ Rgba darker(Rgba fill);
 /// White on dark colours, near black on light ones.
 Rgba contrasting(Rgba fill);
 
-/// Convex pieces of each of a type's shapes, in their order: they take a while to make where a floor plan is
-/// large.
+/// Convex pieces of each shape of a type, in the order of shapes. Computed once, because large floor plans
+/// take long.
 using Pieces = std::vector<std::vector<ConvexPrism>>;
 Pieces pieces_of(const engine::FrameType& type);
 
-/// The top faces of a type in its body frame, metres; the lower shapes come first, the mark last.
+/// The top faces of a type in its body frame, m; lower shapes first, the mark last.
 Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
-/// The same without its strokes, all in the body's colour.
+/// The mesh without strokes, all in the body's colour.
 Mesh silhouette(Mesh mesh);
 
-/// A line from a to b with square ends that reach half its width beyond them, so that corners close.
-/// The ends are in mesh units, the width in pixels.
+/// Adds a line from a to b whose square ends extend half its width beyond them, so that corners close. The
+/// ends are in mesh units, the width in pixels.
 void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own = {});
 void add_rectangle(Mesh& mesh, const Vec2& min, const Vec2& max, Rgba own);
 

@@ -14,7 +14,7 @@
 namespace troupe::render {
 namespace {
 
-/// Mesa 22 forgets about 300 bytes with each context that it destroys. That is no finding of ours.
+/// Mesa 22 leaks about 300 bytes per destroyed context; do not report that.
 struct ForgiveLeaks {
 #ifdef __SANITIZE_ADDRESS__
   __lsan::ScopedDisabler disabler;
@@ -78,7 +78,7 @@ OsmesaContext::OsmesaContext() {
                                                0};
   [[maybe_unused]] const ForgiveLeaks forgive;
   const OSMesaContext context = osmesa().create(k_attributes.data(), nullptr);
-  if (!context) throw std::runtime_error("cannot draw: this OSMesa gives no OpenGL 3.3 core context");
+  if (!context) throw std::runtime_error("cannot draw: this OSMesa cannot create an OpenGL 3.3 core context");
   context_ = context;
 }
 
@@ -88,7 +88,7 @@ void OsmesaContext::make_current() {
   [[maybe_unused]] const ForgiveLeaks forgive;
   const auto context = static_cast<OSMesaContext>(context_);
   if (!osmesa().make_current(context, window_.data(), GL_UNSIGNED_BYTE, 16, 16))
-    throw std::runtime_error("cannot draw: OSMesa does not make its context current");
+    throw std::runtime_error("cannot draw: OSMesa cannot make its context current");
 }
 
 void OsmesaContext::release() { osmesa().make_current(nullptr, nullptr, 0, 0, 0); }

@@ -29,21 +29,22 @@ constexpr Rgba k_sight = {196, 30, 110, 200};
 constexpr Rgba k_covered = {122, 168, 140, 255};
 constexpr Rgba k_free_beam = {52, 140, 70, 255};
 constexpr Rgba k_broken_beam = {206, 48, 40, 255};
-constexpr double k_scan_opacity = 46;  // of up to k_few_scans; of more less, so that what lies below shows
+constexpr double k_scan_opacity =
+    46;  // of up to k_few_scans; less for more scans, so that they do not hide the scene
 constexpr double k_few_scans = 20;
 constexpr double k_least_opacity = 5;
 constexpr std::uint8_t k_beam_opacity = 110;
 constexpr std::uint8_t k_heat_opacity = 150;
 constexpr std::uint8_t k_blob_opacity = 90;
-// Of squares where a robot was long ago, and of those where a robot is.
+// Opacity of squares visited long ago, and of squares with a robot.
 constexpr double k_stale_opacity = 70, k_fresh_opacity = 150;
 
-constexpr double k_grid_strokes = 48;      // between two lines, at least
-constexpr double k_most_grid_lines = 120;  // each way
-constexpr double k_density_strokes = 36;   // edge of a square, at least
-constexpr std::size_t k_fan_steps = 8;     // of a single beam that has a width
+constexpr double k_grid_strokes = 48;      // least distance of grid lines
+constexpr double k_most_grid_lines = 120;  // in each direction
+constexpr double k_density_strokes = 36;   // least edge of a square
+constexpr std::size_t k_fan_steps = 8;     // triangles of a single beam with an opening angle
 
-/// Meshes of an overlay are in metres from the projection's origin.
+/// A layer whose mesh is in metres relative to the projection's origin.
 SolidLayer in_world(SolidMesh mesh, SolidLayer::Depth depth) {
   return {std::move(mesh), {{0, 0, 0, 1, 1, 0, {}, {}, {}}}, depth};
 }
@@ -59,7 +60,7 @@ std::uint8_t scan_opacity(const Frame& frame) {
   return static_cast<std::uint8_t>(std::max(k_least_opacity, k_scan_opacity / std::sqrt(crowd)));
 }
 
-/// Where reading `i` of a transducer ends, from the projection's origin.
+/// End point of reading `i` of a transducer, relative to the projection's origin, m.
 Vec3 end_of_beam(const Pose& pose_world, const FrameTransducer& transducer, std::size_t i, double range,
                  const Vec3& origin) {
   const double bearing = transducer.samples > 1
@@ -70,7 +71,7 @@ Vec3 end_of_beam(const Pose& pose_world, const FrameTransducer& transducer, std:
   return Vec3(pose_world.x + way.x(), pose_world.y + way.y(), pose_world.z) - origin;
 }
 
-/// A single beam that has a width is the slice of a circle.
+/// Adds a sector of a circle for a single beam with an opening angle.
 void add_slice(SolidMesh& mesh, const Pose& pose_world, double fov, double range, const Vec3& origin,
                Rgba color) {
   const Vec3 middle = Vec3(pose_world.x, pose_world.y, pose_world.z) - origin;
@@ -102,7 +103,7 @@ void add_scan(SolidMesh& fills, SolidMesh& lines, const FrameScene& scene, const
   }
 }
 
-/// How many robots there are in each square of the floor, by the square's place in a grid of this pitch.
+/// The number of robots in each square of the floor, by the indices of the square in a grid of this pitch.
 std::map<std::pair<std::int64_t, std::int64_t>, int> count_in_squares(const FrameScene& scene,
                                                                       const Frame& frame, double pitch) {
   std::map<std::pair<std::int64_t, std::int64_t>, int> counts;
@@ -122,7 +123,7 @@ void add_square(SolidMesh& mesh, const Vec3& corner, double edge, Rgba color) {
   add_plain(mesh, corner, across, corner + Vec3(0, edge, 0), color);
 }
 
-/// Squares on which robots have been: the longer ago, the paler.
+/// Squares that robots have visited; paler the longer ago.
 SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
   SolidMesh mesh;
   for (const engine::FrameSquare& square : frame.covered) {
@@ -133,7 +134,7 @@ SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
   return in_world(std::move(mesh), SolidLayer::Depth::floor);
 }
 
-/// Squares with robots: filled by how many there are, or outlined.
+/// Squares with robots, filled by their number or outlined.
 SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection& projection, double pitch,
                    bool filled, Rgba outline) {
   SolidMesh mesh;
@@ -157,7 +158,7 @@ SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection
   return in_world(std::move(mesh), SolidLayer::Depth::floor);
 }
 
-/// The outlines of a body's shapes on the floor.
+/// Adds the outlines of a body's shapes on the floor.
 void add_footprint(SolidMesh& mesh, const FrameScene& scene, const FrameBody& body,
                    const Projection& projection, Rgba color) {
   const Transform place(body.pose_world_body);
@@ -173,7 +174,7 @@ void add_footprint(SolidMesh& mesh, const FrameScene& scene, const FrameBody& bo
   }
 }
 
-/// The older, the paler.
+/// Adds a trail; older parts are paler.
 void add_trail(SolidMesh& mesh, const engine::FrameTrail& trail, const Projection& projection, Rgba color) {
   const std::size_t n = trail.points.size();
   for (std::size_t i = 1; i < n; ++i) {
@@ -198,7 +199,7 @@ void add_names(Writing& writing, const FrameScene& scene, const Frame& frame, co
   }
 }
 
-/// A bar above each body that has a power pack: green, and red where little is left.
+/// Adds a bar above each body with a power pack: green, or red if the charge is low.
 void add_charges(Mesh& mesh, const FrameScene& scene, const Frame& frame, const Projection& projection) {
   constexpr double k_least_width = 10, k_height = 3;  // strokes
   constexpr double k_little = 0.2;
@@ -226,13 +227,13 @@ void add_charges(Mesh& mesh, const FrameScene& scene, const Frame& frame, const 
 
 std::string number_text(double value) { return fmt::format("{:.4g}", value); }
 
-/// The upper left corner of what legends take up.
+/// The upper left corner of the legends.
 Vec2 legend_corner(const Framing& framing) {
   constexpr double k_margin = 14;  // strokes
   return {k_margin * framing.stroke - framing.width / 2.0, framing.height / 2.0 - k_margin * framing.stroke};
 }
 
-/// A bar of the colours with the values at its ends, in the upper left corner.
+/// Adds a bar of the colour scale with the values at its ends, in the upper left corner.
 void add_color_bar(Writing& writing, const Frame& frame, const Framing& framing,
                    const std::pair<double, double>& range) {
   constexpr double k_width = 160, k_height = 10;  // strokes
@@ -252,21 +253,21 @@ void add_color_bar(Writing& writing, const Frame& frame, const Framing& framing,
   writing.texts.push_back({number_text(range.second), {right, below}, unit, true});
 }
 
-/// Bodies of one type and colour.
+/// A type and colour of bodies, with their number.
 struct Look {
   std::uint32_t type = 0;
   Rgba color{};
   std::size_t count = 0;
 };
 
-/// A swatch, a name and a number for each type and colour of the robots, in the upper left corner.
+/// Adds a swatch, a name and a number for each type and colour of robots, in the upper left corner.
 void add_types(Writing& writing, const FrameScene& scene, const Frame& frame, const Framing& framing) {
   constexpr std::size_t k_most = 12;
   std::vector<Look> looks;
   for (const FrameBody& body : frame.mobile) {
     const Rgba color = to_rgba(body.color);
     if (!scene.types[body.type].mobile || looks.size() > 10 * k_most) continue;
-    // Types whose joints have moved are copies of one type each.
+    // Compared by name, because a body with moved joints has a copy of its type.
     const auto known = std::ranges::find_if(looks, [&](const Look& look) {
       return look.color == color && scene.types[look.type].name == scene.types[body.type].name;
     });
@@ -291,7 +292,7 @@ void add_types(Writing& writing, const FrameScene& scene, const Frame& frame, co
   }
 }
 
-/// The line beyond which no robot may go.
+/// Adds the boundary of the area for robots.
 void add_bounds(SolidMesh& mesh, const Box& bounds, const Projection& projection, Rgba color) {
   const std::array<Vec2, 4> corners = {bounds.min, Vec2(bounds.max.x(), bounds.min.y()), bounds.max,
                                        Vec2(bounds.min.x(), bounds.max.y())};

@@ -10,8 +10,8 @@
 namespace troupe::render {
 namespace {
 
-// Of cairo's interface, which has kept its binary form since 1.2, what is used here. It is opened when the
-// first PDF is asked for: a build needs none of its headers, and a run without PDFs does not load it.
+// The used part of cairo's interface, whose ABI is stable since 1.2. The library is loaded with the first
+// PDF, so that a build needs no headers of cairo, and a run without PDFs does not load it.
 struct CairoSurface;
 struct CairoContext;
 using CairoWrite = int (*)(void* closure, const unsigned char* data, unsigned length);
@@ -70,10 +70,10 @@ const Cairo& cairo() {
     const auto find = [library](auto& function, const char* name) {
       void* const address = dlsym(library, name);
       if (!address)
-        throw std::runtime_error(
-            fmt::format("cannot draw a PDF: this cairo has no {}; 1.16 has (Debian, Ubuntu: apt "
-                        "install libcairo2)",
-                        name));
+        throw std::runtime_error(fmt::format(
+            "cannot draw a PDF: this cairo has no {}; version 1.16 is needed (Debian, Ubuntu: apt "
+            "install libcairo2)",
+            name));
       function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(address);
     };
 #define TROUPE_CAIRO(name) find(found.name, "cairo_" #name)
@@ -112,7 +112,7 @@ int append(void* closure, const unsigned char* data, unsigned length) {
   try {
     static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
     return k_success;
-  } catch (...) {  // no exception may pass through C
+  } catch (...) {  // exceptions must not propagate through C code
     return k_write_error;
   }
 }
@@ -167,7 +167,7 @@ class Page {
  private:
   const Cairo& c_;
   CairoContext* context_;
-  double size_of_cap_height_ = 1.4;  // font sizes a height of capitals
+  double size_of_cap_height_ = 1.4;  // font size per height of capitals
 };
 
 }  // namespace

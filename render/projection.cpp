@@ -10,11 +10,11 @@ namespace troupe::render {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
-/// The depth buffer's 24 bits are spread over depths up to this many times the nearest.
+/// Largest ratio of the far to the near depth, limited by the 24 bits of the depth buffer.
 constexpr double k_most_depth_ratio = 4000;
 constexpr double k_bias_pixels = 2;
 
-/// The largest of what `of` says of the points.
+/// The largest value of `of` over the points.
 template <class Of>
 double largest(std::span<const Vec3> points, Of&& of) {
   double most = -k_infinity;
@@ -49,7 +49,7 @@ Projection Projection::from_above(const Framing& framing, const ZInterval& heigh
 }
 
 void Projection::fit(std::span<const Vec3> points, double margin, double band_below) {
-  // Half the picture's extent that the points may take, pixels.
+  // Half the extent of the picture that is available for the points, pixels.
   const double side = std::max(0.5 * width_ - margin, 1.0);
   const double above = std::max(0.5 * height_ - margin, 1.0);
   const double below = std::max(0.5 * height_ - margin - band_below, 1.0);
@@ -66,9 +66,10 @@ void Projection::fit(std::span<const Vec3> points, double margin, double band_be
     const double farthest = along(back_).second;
     eye_ = 0.5 * (left + right) * right_ + center_up * up_ + (farthest + 1) * back_;
   } else {
-    // A point is in the picture where up.(p - e) <= above / focal * depth(p), and so on: each side of the
-    // picture bounds the eye's place by a plane, and of all points the farthest such plane counts. With
-    // forward = -back and e in the axes (right, up, forward), two opposite planes bound the forward part.
+    // A point is in the picture if up.(p - e) <= above / focal * depth(p), and so on: each side of the
+    // picture bounds the position e of the eye by a plane, and of all points the farthest such plane counts.
+    // With forward = -back and e in the axes (right, up, forward), two opposite planes bound the forward
+    // coordinate.
     const Vec3 forward = -back_;
     const auto bound = [&](const Vec3& axis, double half) {
       return largest(points, [&](const Vec3& p) { return axis.dot(p) - half / focal_ * forward.dot(p); });
@@ -79,7 +80,7 @@ void Projection::fit(std::span<const Vec3> points, double margin, double band_be
     const double right = bound(right_, side);
     const double nearest = largest(points, [&](const Vec3& p) { return -forward.dot(p); });
     double e = std::min(-(top + bottom) * focal_ / (above + below), -(left + right) * focal_ / (2 * side));
-    e = std::min(e, -nearest - 1e-3);  // a single point has no extent: not in the eye itself
+    e = std::min(e, -nearest - 1e-3);  // a single point has no extent; keep it in front of the eye
     const double e_up = 0.5 * ((top + above / focal_ * e) - (bottom + below / focal_ * e));
     const double e_right = 0.5 * (right - left);
     eye_ = e_right * right_ + e_up * up_ + e * forward;
@@ -140,7 +141,7 @@ bool Projection::may_show(const Vec3& point, double radius) const {
            (y - radius) * pixels_per_metre_ <= 0.5 * height_;
   const double d = -back_.dot(seen);
   if (d + radius < near_) return false;
-  // The distance to the side's plane is less than across the view by the plane's slope.
+  // The distance to a side's plane is shorter than the distance across the view, by the slope of the plane.
   const double wide = 0.5 * width_ / focal_;
   const double high = 0.5 * height_ / focal_;
   return x - wide * d <= radius * std::sqrt(1 + wide * wide) &&
@@ -148,7 +149,7 @@ bool Projection::may_show(const Vec3& point, double radius) const {
 }
 
 Vec3 Projection::floor_center() const {
-  // Beyond this the floor's middle is so far away that floats relative to it are of no use.
+  // At smaller slopes the floor's centre is so far away that floats relative to it lose precision.
   constexpr double k_least_slope = 0.05;
   if (back_.z() < k_least_slope) return {eye_.x(), eye_.y(), 0};
   const Vec3 center = eye_ - eye_.z() / back_.z() * back_;
@@ -195,7 +196,7 @@ std::array<float, 16> Projection::clip_matrix() const {
 
 float Projection::clip_bias() const {
   const double metres = k_bias_pixels * stroke_ / (perspective() ? focal_ : pixels_per_metre_);
-  // Of a perspective view metres are those at a depth of 1 m, and the bias grows with the depth.
+  // In a perspective view these are metres at a depth of 1 m, and the bias grows with the depth.
   const double range = perspective() ? 2 * far_ * near_ / (far_ - near_) : 2 / (far_ - near_);
   return static_cast<float>(-metres * range);
 }

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 using engine::FrameShape;
 using engine::FrameType;
 
-/// Where two sides meet at less than this angle they are one bent surface, and have no line between them.
+/// Two sides that meet at a smaller angle count as one curved surface without a line between them.
 constexpr double k_bend = 30 * k_pi / 180;
 
 SolidVertex vertex(const Vector3d& p, const Vector3d& a, double side, Paint paint, Rgba own, Corner corner) {
@@ -36,7 +36,7 @@ void add_quad(SolidMesh& mesh, const std::array<Vector3d, 4>& corners, const Vec
     mesh.push_back(vertex(corners[k], normal, 0, paint, own, Corner::face));
 }
 
-/// A line stands between two sides that are long enough, and meet at an angle.
+/// Whether there is a line between two sides: if both are long enough and meet at a large enough angle.
 bool is_edge(const Vec2& before, const Vec2& after, double least_side) {
   const double lengths = before.norm() * after.norm();
   return std::min(before.norm(), after.norm()) >= least_side &&
@@ -54,8 +54,8 @@ void add_sides(SolidMesh& mesh, const Ring& ring, const ZInterval& z, Paint pain
   }
 }
 
-/// Whether a point lies in a shape other than this one, or on its top: a line there would only be seen where
-/// two surfaces are nearly one.
+/// Whether a point is inside or on top of another shape than this one. A line there would be visible only
+/// where two surfaces nearly coincide.
 bool is_inside_others(const FrameType& type, std::size_t own, const Vec2& point, double z) {
   constexpr double k_flush_m = 0.005;
   for (std::size_t s = 0; s < type.shapes.size(); ++s) {
@@ -89,7 +89,8 @@ void add_edges(SolidMesh& mesh, const FrameType& type, std::size_t shape, const 
   }
 }
 
-/// The pieces of a top may share a side without sharing its ends: lines in its colour close the cracks.
+/// Draws lines in the colour of a top along its pieces. Adjacent pieces may share a side without sharing its
+/// end points, which would leave cracks.
 void close_cracks(SolidMesh& mesh, const FrameShape& shape, const std::vector<ConvexPrism>& pieces,
                   double width) {
   if (pieces.size() < 2) return;
@@ -108,7 +109,7 @@ double width_of(const Solid& solid) {
   return extent.empty() ? 0 : extent.size().maxCoeff();
 }
 
-/// The shape that reaches highest, alone: what lies on it lies on top.
+/// A copy of the type with only its highest shape, on whose top the mark lies.
 FrameType topmost(const FrameType& type) {
   FrameType top{.mobile = type.mobile, .radius = type.radius};
   const auto highest =
@@ -117,7 +118,7 @@ FrameType topmost(const FrameType& type) {
   return top;
 }
 
-/// Triangles of a flat mesh, as faces that look up or as marks on such faces.
+/// Adds the triangles of a flat mesh, as faces that point up or as marks on such faces.
 void add_flat(SolidMesh& mesh, std::span<const Vertex> triangles, Corner corner) {
   for (const Vertex& v : triangles) mesh.push_back({v.x, v.y, v.z, 0, 0, 1, 0, v.own, v.paint, corner});
 }
@@ -186,7 +187,7 @@ SolidMesh shadow_mesh(const SolidMesh& mesh) {
 
 void add_stroke(SolidMesh& mesh, const Vector3d& a, const Vector3d& b, double width, Paint paint, Rgba own,
                 Corner corner) {
-  // Seen from b the left side is the other one.
+  // The left side seen from b is the right side seen from a.
   const std::array corners = {
       vertex(a, b, width / 2, paint, own, corner), vertex(a, b, -width / 2, paint, own, corner),
       vertex(b, a, width / 2, paint, own, corner), vertex(b, a, -width / 2, paint, own, corner)};

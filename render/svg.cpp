@@ -9,7 +9,7 @@
 namespace troupe::render {
 namespace {
 
-/// Height of capitals, in font sizes, of Helvetica and of what looks like it.
+/// Height of capitals per font size in Helvetica and similar fonts.
 constexpr double k_cap_height_em = 0.72;
 
 std::string escaped(std::string_view text) {
@@ -24,7 +24,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// A hundredth of a pixel is enough, and zeros behind the point take room.
+/// Rounds to a hundredth of a pixel and omits trailing zeros, to keep the file small.
 std::string number(double x) {
   const double rounded = std::round(100 * x) / 100;
   return fmt::format("{:.6g}", rounded == 0 ? 0.0 : rounded);
@@ -75,7 +75,8 @@ std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts) {
   if (drawing.ground[3] != 0)
     svg += fmt::format("<rect width=\"{}\" height=\"{}\"{}/>\n", drawing.width, drawing.height,
                        paint("fill", drawing.ground));
-  // A halo behind its letters: stroke first. What reaches beyond the picture is cut off by the viewport.
+  // paint-order "stroke" draws the halo below the letters. The viewport clips what extends beyond the
+  // picture.
   svg +=
       "<g stroke-linecap=\"square\" stroke-linejoin=\"miter\" paint-order=\"stroke\" "
       "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n";

@@ -6,7 +6,7 @@
 namespace troupe::render {
 namespace {
 
-// In the order of Background. On nothing, shadows and grids darken whatever a picture is put on.
+// In the order of Background. With `transparent`, shadows and grids darken whatever is below the picture.
 constexpr std::array<Theme, 4> k_themes = {{
     {.ground = {250, 247, 240, 255},
      .shadow = {226, 220, 207, 255},

@@ -5,15 +5,15 @@
 
 namespace troupe::render {
 
-/// The colours of what is no body.
+/// The colours of everything except bodies.
 struct Theme {
   Rgba ground;  ///< opacity 0: none
   Rgba shadow;
   Rgba grid;
-  Rgba ink;     ///< of what is written
-  Rgba halo;    ///< around it
-  Rgba line;    ///< of bounds and links
-  Rgba square;  ///< of the outlines of cells
+  Rgba ink;     ///< letters and lines
+  Rgba halo;    ///< around letters and lines
+  Rgba line;    ///< bounds and links
+  Rgba square;  ///< outlines of cells
 };
 
 const Theme& theme_of(Background background);

@@ -8,15 +8,15 @@
 
 namespace troupe::render {
 
-/// A value from 0 to 1 as a colour, from dark violet to yellow, growing in lightness all the way: it can be
-/// read in grey, and by the colour-blind. Beyond 0 to 1 the nearest of these.
+/// The colour of a value from 0 to 1, from dark violet to yellow with increasing lightness, so that it is
+/// readable in grey and for the colour-blind. Values outside 0 to 1 are clamped.
 Rgba value_color(double share);
-/// What has no value.
+/// The colour of bodies without a value.
 inline constexpr Rgba k_no_value = {170, 166, 158, 255};
 
-/// The smallest and the largest of the values that are numbers; of equal ones something around them.
+/// The smallest and the largest of the values that are numbers. If they are equal, an interval around them.
 std::pair<double, double> range_of(std::span<const double> values);
-/// A colour a value.
+/// One colour per value.
 std::vector<Rgba> value_colors(std::span<const double> values, const std::pair<double, double>& range);
 
 }  // namespace troupe::render

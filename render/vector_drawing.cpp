@@ -10,30 +10,30 @@
 namespace troupe::render {
 namespace {
 
-/// A path and the height that it lies at.
+/// A path and its height.
 struct Flat {
   double z = 0;
   VectorPath path;
 };
 
-/// Joins what is added to the path before it, where that is of the same kind.
+/// Joins added triangles and lines to the previous path if that has the same colour, width and height.
 class Paths {
  public:
-  Vec2 middle = Vec2::Zero();  ///< of the picture, pixels
+  Vec2 middle = Vec2::Zero();  ///< centre of the picture, pixels
   std::vector<Flat> all;
 
-  /// A triangle, in pixels right of and above the middle.
+  /// Adds a triangle, in pixels right of and above the centre.
   void add_triangle(std::array<Vec2, 3> corners, double z, Rgba color) {
     for (Vec2& corner : corners) corner = placed(corner);
     Flat& flat = path_of(z, color, 0);
     Ring* const last = flat.path.rings.empty() ? nullptr : &flat.path.rings.back();
     if (last && last->size() >= 3 && last->front() == corners[0] && last->back() == corners[1])
-      last->push_back(corners[2]);  // of one fan
+      last->push_back(corners[2]);  // the next triangle of a fan
     else
       add_ring(flat, {corners.begin(), corners.end()});
   }
 
-  /// A line with square ends.
+  /// Adds a line with square ends.
   void add_line(const Vec2& from, const Vec2& to, double width, double z, Rgba color) {
     const Vec2 a = placed(from);
     const Vec2 b = placed(to);
@@ -45,7 +45,7 @@ class Paths {
       add_ring(flat, {a, b});
   }
 
-  /// What comes next is not joined to what was before.
+  /// Ends the current path: later additions are not joined to it.
   void close() { is_open_ = false; }
 
  private:
@@ -58,7 +58,7 @@ class Paths {
     return all.back();
   }
 
-  /// Rings that are seen through must not be one path: where they overlap they would not be seen to.
+  /// Transparent rings get a path each: in one path, overlaps would not be darker.
   void add_ring(Flat& flat, Ring ring) {
     if (flat.path.color[3] == 255 || flat.path.rings.empty()) {
       flat.path.rings.push_back(std::move(ring));
@@ -82,7 +82,7 @@ Rgba color_of(const Vertex& v, const Instance& instance) {
   return instance.mark;
 }
 
-/// What lies flat on the picture.
+/// Adds a flat layer.
 void add(Paths& paths, const Layer& layer) {
   for (const Instance& instance : layer.instances) {
     const auto place = [&](double x, double y) -> Vec2 {
@@ -137,7 +137,7 @@ void add(Paths& paths, const PointLayer& layer) {
   }
 }
 
-/// A line that comes back to where it began has no ends.
+/// Marks lines that end where they began as closed.
 void close_lines(VectorPath& path) {
   const auto comes_back = [](const Ring& ring) { return ring.size() > 3 && ring.front() == ring.back(); };
   if (path.width == 0 || !std::ranges::all_of(path.rings, comes_back)) return;
@@ -145,7 +145,8 @@ void close_lines(VectorPath& path) {
   path.is_closed = true;
 }
 
-/// Bytes that are no UTF-8, and control characters, become question marks: neither format has room for them.
+/// Replaces bytes that are not valid UTF-8 and control characters by question marks; neither format allows
+/// them.
 std::string as_utf8(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
@@ -155,7 +156,7 @@ std::string as_utf8(std::string_view text) {
                     i + more < text.size();
     for (std::size_t k = 1; is_right && k <= more; ++k)
       is_right = (static_cast<unsigned char>(text[i + k]) & 0xc0U) == 0x80U;
-    if (is_right && more > 1) {  // longer than they need be, halves of pairs, beyond the last
+    if (is_right && more > 1) {  // overlong forms, surrogates, and code points above the last
       const auto second = static_cast<unsigned char>(text[i + 1]);
       is_right = !(first == 0xe0 && second < 0xa0) && !(first == 0xed && second >= 0xa0) &&
                  !(first == 0xf0 && second < 0x90) && !(first == 0xf4 && second >= 0x90);
@@ -192,7 +193,7 @@ VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLa
     } else {
       flush();
       add(paths, std::get<SolidLayer>(any), projection);
-      std::vector<Flat> in_order = std::move(paths.all);  // heights mean nothing here
+      std::vector<Flat> in_order = std::move(paths.all);  // not sorted: these layers have no heights
       paths.all.clear();
       for (Flat& flat : in_order) drawing.items.emplace_back(std::move(flat.path));
       paths.close();

@@ -12,19 +12,18 @@
 
 namespace troupe::render {
 
-/// Outlines that are filled together, or lines that are drawn together; pixels from the upper left corner, y
-/// down.
+/// A path of filled outlines or of lines, in pixels from the upper left corner, y down.
 struct VectorPath {
   std::vector<Ring> rings;
   Rgba color{};
-  double width = 0;        ///< of lines, pixels; 0: the rings are filled, where they overlap too
-  bool is_closed = false;  ///< of lines: the last point of each is joined to its first
+  double width = 0;        ///< width of lines, pixels; 0: the rings are filled, overlaps included
+  bool is_closed = false;  ///< for lines: the last point of each is joined to its first
 };
 
 /// One line of text.
 struct VectorText {
   std::string text;         ///< UTF-8
-  Vec2 pen = Vec2::Zero();  ///< where its baseline begins, or ends
+  Vec2 pen = Vec2::Zero();  ///< start of its baseline; its end if `ends_at_pen`
   bool ends_at_pen = false;
   double cap_height = 11;  ///< pixels
   Rgba color{};
@@ -40,15 +39,15 @@ struct VectorDrawing {
   std::vector<std::variant<VectorPath, VectorText>> items;
 };
 
-/// The layers of a map, and what is written on it. Triangles are joined to the polygons that they were made
-/// of, strokes to lines; layers that lie flat are sorted by height, as the depth buffer does it for pixels.
+/// The layers and the lettering of a map as a drawing. Joins triangles to the polygons they were made of, and
+/// strokes to lines. Sorts flat layers by height, as the depth buffer does for pixels.
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 
-/// The drawing as SVG 1.1: paths, and texts that stay texts.
+/// The drawing as SVG 1.1, with texts as text.
 std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts);
-/// The drawing as PDF 1.5, its letters embedded. Throws std::runtime_error where cairo is missing, with the
-/// package to install.
+/// The drawing as PDF 1.5 with embedded fonts. Throws std::runtime_error, with the package to install, if
+/// cairo is missing.
 std::string pdf_text(const VectorDrawing& drawing, const FileTexts& texts);
 
 }  // namespace troupe::render

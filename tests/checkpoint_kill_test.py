@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Kills `troupe run --checkpoint` with SIGKILL at random moments, N times, and asks each time for a whole checkpoint.
+"""Kills `troupe run --checkpoint` with SIGKILL at random times, N times, and checks that each kill leaves a valid checkpoint.
 
     checkpoint_kill_test.py PROGRAM [N] [--seed S]
 
-Each run goes on from the checkpoint of the one before, writes checkpoints and a recording, and would never end by
-itself. What it leaves must be a checkpoint that `troupe resume` takes, not older than the one before it, with the state
-that a run without a stop has at its tick; and the recording, which goes on with each run, must be that of the run
-without a stop. Prints a line that says how far the runs came, and how many kills struck while one was written.
+Each run resumes from the previous checkpoint, writes checkpoints and a recording, and does not end by itself. It must leave a
+checkpoint that `troupe resume` accepts, not older than the previous one, with the state of an uninterrupted run at that tick.
+The recording, which every run continues, must equal that of the uninterrupted run. Prints one line with the last tick and the
+number of kills during a write.
 """
 
 import argparse
@@ -40,7 +40,7 @@ class Runs:
         return subprocess.run([self.program, *arguments, "--quiet"], cwd=self.folder, capture_output=True, text=True)
 
     def kill_one(self, wait_s):
-        """A run that is killed wait_s after its start."""
+        """Starts or resumes the run and kills it after wait_s seconds."""
         go_on = (self.folder / "c.h5").exists()
         command = ["resume", "c.h5"] if go_on else ["run", "room.world", "--force"]
         outputs = ["--checkpoint", "c.h5", "--checkpoint-every", "0.2", "--record", "r.h5"]
@@ -53,7 +53,7 @@ class Runs:
             raise SystemExit(f"the run ended by itself, with {process.returncode}: {errors}")
 
     def first_line(self):
-        """Of a hash log that begins at the checkpoint: its tick and state. Fails where it cannot be resumed."""
+        """Resumes the checkpoint and returns the first line of the hash log: its tick and state. Fails if it cannot be resumed."""
         log = self.folder / "later.log"
         log.unlink(missing_ok=True)
         done = self.troupe("resume", "c.h5", "--for", FOREVER, "--wall-limit", "1e-6", "--hash-log", log.name)
@@ -66,7 +66,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program", type=Path)
     parser.add_argument("kills", type=int, nargs="?", default=20)
-    parser.add_argument("--seed", type=int, default=1, help="of the moments (they depend on the machine all the same)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the times of kills (which also depend on the machine)")
     options = parser.parse_args()
     moments = random.Random(options.seed)
     lines = []
@@ -79,10 +79,10 @@ def main():
             runs.kill_one(moments.uniform(0.02, 0.25))
             in_a_write += partial.exists()
             if not (Path(name) / "c.h5").exists():
-                continue  # killed before the first one was there: nothing is lost
+                continue  # killed before the first checkpoint
             line = runs.first_line()
             if lines and int(line.split()[0]) < int(lines[-1].split()[0]):
-                raise SystemExit(f"the checkpoint is older than the one before: {line} after {lines[-1]}")
+                raise SystemExit(f"the checkpoint is older than the previous one: {line} after {lines[-1]}")
             lines.append(line)
         last = int(lines[-1].split()[0])
         end = str(last / 10 + 5)
@@ -94,12 +94,12 @@ def main():
         straight = set((Path(name) / "straight.log").read_text().splitlines())
         for line in lines:
             if line not in straight:
-                raise SystemExit(f"the checkpoint holds a state that the run never had: {line}")
+                raise SystemExit(f"the checkpoint has a state that the uninterrupted run never had: {line}")
         same = subprocess.run([runs.program, "diff", "straight.h5", "r.h5"], cwd=name, capture_output=True, text=True)
         if same.returncode != 0:
-            raise SystemExit(f"the recording is not that of a run that never stopped: {same.stdout}{same.stderr}")
-    print(f"{options.kills} kills, {in_a_write} of them while a checkpoint was written: each left a whole one, the last of "
-          f"tick {last}; their states, and the recording of all runs, are those of a run that never stopped")
+            raise SystemExit(f"the recording differs from that of the uninterrupted run: {same.stdout}{same.stderr}")
+    print(f"{options.kills} kills, {in_a_write} of them during a write of a checkpoint: each left a valid checkpoint, the last at "
+          f"tick {last}; their states and the recording equal those of an uninterrupted run")
 
 
 if __name__ == "__main__":

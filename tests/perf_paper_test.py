@@ -57,7 +57,7 @@ class Paper(unittest.TestCase):
     def test_no_such_row_is_an_error(self):
         run = subprocess.run([PROGRAM, "--only", "hospitol"], capture_output=True, text=True, check=False)
         self.assertEqual(run.returncode, 1)
-        self.assertIn("no row is called like \"hospitol\"", run.stderr)
+        self.assertIn("no row has a name that matches \"hospitol\"", run.stderr)
 
     def test_json_holds_what_was_measured(self):
         out = self.folder / "paper.json"
@@ -87,8 +87,8 @@ class Paper(unittest.TestCase):
         self.assertEqual([row["simd"] for row in data["rows"]], sets)
         self.assertEqual(len({row["state_hash"] for row in data["rows"]}), 1)
         header = next(line for line in run.stdout.splitlines() if line.startswith("world "))
-        self.assertEqual(header.split()[5:5 + len(sets)], sets)  # behind "world robots beams a tick"
-        self.assertIn("one beside the other: " + data["machine"].get("processor", ""), run.stdout)
+        self.assertEqual(header.split()[5:5 + len(sets)], sets)  # after "world robots beams per tick"
+        self.assertIn("Comparison of instruction sets: " + data["machine"].get("processor", ""), run.stdout)
 
     def test_rows_are_measured_on_the_first_set_that_is_given(self):
         out = self.folder / "paper.json"

@@ -250,7 +250,7 @@ class APage(Used):
 
     def test_colour_by_field(self):
         self.assertEqual(self.page.run("troupe.colors()"),
-                         ["own colours", "speed", "least of looker, eye: ranges", "stall: stalled"])
+                         ["own colours", "speed", "minimum of looker, eye: ranges", "stall: stalled"])
         at = self.spot("red")
         self.page.run("troupe.color('speed')")
         self.shown()
@@ -258,7 +258,7 @@ class APage(Used):
         self.assertEqual(self.pixel(self.spot("blue")), (68, 1, 84), "none is slower")
         self.assertIn("speed, m/s", self.text("#legend"))
         self.assertIn("0.50", self.text("#legend"))
-        self.page.run("troupe.color('least of looker, eye: ranges')")
+        self.page.run("troupe.color('minimum of looker, eye: ranges')")
         self.page.wait("troupe.state().coloured")
         self.shown()
         self.assertEqual(self.pixel(at), (176, 170, 158), "it has no such sensor")
@@ -379,7 +379,7 @@ class PartsThatMove(Used):
         self.assertEqual(self.text("#about p"), "0 of 3 robots and 2 other bodies, seed 1")
         self.page.run("troupe.select('walker0')")
         self.shown()
-        self.assertRegex(self.text("#panel"), r"x\s+not there")
+        self.assertRegex(self.text("#panel"), r"x\s+not in the world")
         self.assertRegex(self.text("#panel"), r"stalled\s+–")
         self.seek(3.5)
         self.assertEqual(self.text("#about p"), "1 of 3 robots and 2 other bodies, seed 1")
@@ -387,7 +387,7 @@ class PartsThatMove(Used):
         self.assertEqual(self.pixel(self.spot("walker0")), (26, 51, 204))
         self.keep("born")
         self.seek(8)
-        self.assertRegex(self.text("#panel"), r"x\s+not there")
+        self.assertRegex(self.text("#panel"), r"x\s+not in the world")
         self.page.run("troupe.select(null)")
 
 

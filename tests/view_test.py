@@ -68,7 +68,7 @@ class View:
             if line.startswith("  "):
                 name, value = line.strip().rsplit(None, 1)
                 lines[name.strip()] = value
-        self.address, self.looking, self.session = lines["view"], lines["looking only"], Path(lines["session"])
+        self.address, self.looking, self.session = lines["view"], lines["read-only"], Path(lines["session"])
         self.port = int(self.address.split(":")[2].split("/")[0])
         self.token, self.look_token = (text.split("#")[1] for text in (self.address, self.looking))
 
@@ -142,7 +142,7 @@ class Steered(unittest.TestCase):
             self.assertEqual(log[int(last.split()[0])], last)
             refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--seed", "7"], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
-            self.assertIn("c.h5: error: --seed, --raytracer, --robots and --spare are for worlds", refused.stderr)
+            self.assertIn("c.h5: error: --seed, --raytracer, --robots and --spare are only for worlds", refused.stderr)
             refused = subprocess.run([TROUPE, "run", view.world, "--set", "/mortal=true", "--session", view.session],
                                      capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
@@ -276,7 +276,7 @@ class Attacked(unittest.TestCase):
             self.assertEqual(caught.exception.args[0], 403)
         for host in ("127.0.0.1", "localhost:8000", "[::1]:8000"):
             self.assertEqual(self.get(host=host)[0], 200, host)
-        self.assert_said_once("the Host of another machine")
+        self.assert_said_once("whose Host header is not this machine")
 
     def test_foreign_origin(self):
         own = f"127.0.0.1:{self.view.port}"
@@ -298,16 +298,16 @@ class Attacked(unittest.TestCase):
             with self.assertRaises(ConnectionError):
                 silent.receive()
             self.assertLess(time.monotonic() - begin, 15)
-        self.assert_said_once("without the right token")
+        self.assert_said_once("without a valid token")
 
     def test_a_token_for_looking_commands_nothing(self):
         with self.view.open(self.view.look_token) as looker:
             self.assertFalse(looker.hello["may_steer"])
             for message in ({"do": "pause"}, {"do": "move", "robot": "red", "pose": [0, -3, 0, 0]}, {"do": "remove", "robot": "red"}):
-                self.assertEqual(looker.ask(**message), {"type": "refused", "id": 1, "reason": "this address is for looking only"})
+                self.assertEqual(looker.ask(**message), {"type": "refused", "id": 1, "reason": "this address is read-only"})
             self.assertEqual(looker.ask(do="inspect", robot="red")["type"], "done")
             self.assertTrue(looker.state()["playing"])
-        self.assert_said_once("may only look")
+        self.assert_said_once("a read-only viewer")
         self.assertEqual(self.view.session.read_text().count("\n"), 1, "nothing was done")
 
     def test_large_and_binary_messages(self):
@@ -321,7 +321,7 @@ class Attacked(unittest.TestCase):
                         stranger.send(data)
                         while True:
                             stranger.receive()
-        self.assert_said_once("a message of more than 64 kB")
+        self.assert_said_once("a message longer than 64 kB")
         self.assert_said_once("a binary message")
 
     def test_messages_that_make_no_sense(self):
@@ -355,7 +355,7 @@ class Attacked(unittest.TestCase):
         self.assertLess(descriptors, 40, "those that say nothing are cut off")
         for stranger in strangers:
             stranger.close()
-        self.assert_said_once("connections that show no token")
+        self.assert_said_once("connections without a token")
 
     def test_other_requests(self):
         self.assertEqual(self.get("/../../etc/passwd")[0], 404)

@@ -24,23 +24,23 @@
 namespace troupe::apps {
 namespace {
 
-// What new storage holds while variants are made, in turn; and controllers, the first time and afresh.
+// Bytes that fill new storage: variants are constructed with them in turn; repeated decisions use the second.
 constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 
-/// What is left of a world after a tick, beside its state.
+/// Data of a world, other than its state, that survives a tick.
 enum class Memory : std::uint8_t {
-  kept,       ///< all of it
-  forgotten,  ///< nothing: World::forget()
-  remade,     ///< nothing, and the world is another: engine/remade_world.hpp
+  kept,       ///< all
+  forgotten,  ///< none: World::forget()
+  remade,     ///< none, and a new world replaces the old one: engine/remade_world.hpp
 };
 
-/// One way to run the world: results must not tell it from any other.
+/// One way to run the world. All variants must give the same results.
 struct Variant {
   std::string name;
   Simulation simulation;
   engine::WorldOptions options;
   Memory memory = Memory::kept;
-  std::unique_ptr<engine::World> remade = nullptr;  // what the simulation's world has become
+  std::unique_ptr<engine::World> remade = nullptr;  // replaces the simulation's world
   bool differs = false;
 
   engine::World& world() { return remade ? *remade : simulation.world(); }
@@ -56,7 +56,7 @@ struct Variant {
 
 std::string variant_name(unsigned threads, double tile_size_m) {
   return fmt::format("{} thread{}, {}", threads, threads == 1 ? "" : "s",
-                     tile_size_m > 0 ? fmt::format("tiles of {} m", tile_size_m) : "tiles as chosen");
+                     tile_size_m > 0 ? fmt::format("tiles of {} m", tile_size_m) : "automatic tiles");
 }
 
 std::vector<Variant> load(const CheckOptions& options, const engine::Registry& registry) {
@@ -76,13 +76,13 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
   if (options.amnesia) {
     const double tile_size_m = options.tile_sizes_m.front();
     const unsigned threads = options.threads.front();
-    add(threads, tile_size_m, Memory::forgotten, ", forgetful");
-    add(threads, tile_size_m, Memory::remade, ", made again");
+    add(threads, tile_size_m, Memory::forgotten, ", caches cleared");
+    add(threads, tile_size_m, Memory::remade, ", world rebuilt");
   }
   return variants;
 }
 
-/// The second time of every decision of a variant.
+/// Repeats every decision of a variant and compares the results.
 class Decisions {
  public:
   explicit Decisions(Variant& variant) : world_(variant.simulation.world()) {
@@ -92,13 +92,13 @@ class Decisions {
 
   std::vector<std::string> start_twice() { return texts(check_->start_twice()); }
 
-  /// After a step.
+  /// Call after a step.
   std::vector<std::string> repeat() {
     if (check_->pending() > 0 && check_->decisions() == 0) {
-      // Once, so that a clock that counts seconds has moved on in between.
+      // Wait once, so that a clock that counts whole seconds has advanced.
       std::this_thread::sleep_for(std::chrono::milliseconds(1100));
     }
-    // A thread that has never decided before.
+    // On a thread that has never run a controller.
     return texts(std::async(std::launch::async, [this] { return check_->repeat(); }).get());
   }
   std::uint64_t count() const { return check_->decisions(); }
@@ -117,7 +117,7 @@ class Decisions {
   bool differ_ = false;
 };
 
-/// Where the variants differ now, in lines; marks those that differ from the first.
+/// The current differences between the variants, as lines of text; marks variants that differ from the first.
 std::vector<std::string> compare(std::vector<Variant>& variants) {
   std::vector<std::string> lines;
   engine::World& expected = variants.front().world();
@@ -125,14 +125,14 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
     const auto differences = engine::state_differences(expected, variant->world());
     if (differences.empty()) continue;
     variant->differs = true;
-    lines.push_back(fmt::format("  {}, against {}:", variant->name, variants.front().name));
+    lines.push_back(fmt::format("  {}, compared with {}:", variant->name, variants.front().name));
     for (const auto& difference : differences)
       lines.push_back("    " + engine::difference_text(expected, difference));
   }
   return lines;
 }
 
-/// To the end, or to the first difference, which it tells.
+/// Steps the variants to the end or to the first difference. Returns the difference.
 std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* decisions, double end_s) {
   Simulation& first = variants.front().simulation;
   const std::uint64_t ticks = engine::ticks_until(end_s, first.tick_s());
@@ -143,7 +143,7 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
     if (!lines.empty() || first.tick() >= ticks) return lines;
     for (Variant& variant : variants) {
       variant.step();
-      // Before the others decide: what a controller keeps to itself must not tell of them.
+      // Before the other variants step: their decisions would change what a controller keeps in statics.
       if (decisions && &variant == &variants.front()) lines = decisions->repeat();
     }
     progress.update(first.time_s());
@@ -160,7 +160,7 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
     row(variant.name, fmt::format("{}", variant.world().tick()), variant.differs ? "DIFFERS" : "same bits",
         hex(variant.world().hashes().state));
   if (decisions)
-    row(fmt::format("{} decisions, thrice", decisions->count()),
+    row(fmt::format("{} decisions, each 3 times", decisions->count()),
         fmt::format("{}", variants.front().simulation.tick()), decisions->differ() ? "DIFFERS" : "same bits",
         "-");
 }
@@ -168,8 +168,8 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
 ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {
   if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers && !options.amnesia)
     throw InputError(
-        "troupe check: error: one variant has nothing to be compared with: give several --threads or "
-        "--tile-size, --amnesia, or --controllers");
+        "troupe check: error: only one variant, nothing to compare: give several --threads or --tile-size, "
+        "--amnesia, or --controllers");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);

@@ -6,9 +6,9 @@
 
 namespace troupe::apps {
 
-/// `troupe check`: steps variants of a world in lock-step and compares their states. What was compared goes
-/// to standard output, with the first difference; everything else to standard error. The registry is
-/// make_registry()'s, or one with kinds of the caller's own.
+/// `troupe check`: steps variants of a world in lock-step and compares their states. Prints the variants and
+/// the first difference on standard output, everything else on standard error. `registry` is that of
+/// make_registry(), or one with further kinds.
 ExitCode check(const CheckOptions& options, const engine::Registry& registry);
 
 }  // namespace troupe::apps

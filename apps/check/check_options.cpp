@@ -10,22 +10,22 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_check_footer = R"(
-Loads a variant of the world for each number of threads with each tile size, steps them side by side, and compares
-every component of the state after each tick. Stops at the first tick that differs and names component, robot and
-field, with both values.
+Loads one variant of the world for each number of threads with each tile size, steps all variants side by side, and
+compares every component of the state after each tick. Stops at the first tick that differs and prints component,
+robot, field and both values.
 
---amnesia adds two variants to those. In one, whatever is not state is overwritten with junk after each tick and
-derived again; the other is discarded after each tick, and goes on as a new world made from the world's description
-and its state, as a resumed run does. They find what influences a later tick and is not part of the state.
+--amnesia adds two variants. In one, all data that are not state are overwritten with junk after each tick and derived
+again. In the other, the world is discarded after each tick and rebuilt from its description and state, as in a resumed
+run. They find data that influence a later tick and are not part of the state.
 
---controllers has every decision of the first variant taken twice more, from the same readings and memory: in another
-order, on another thread, from storage filled with junk; and by a controller made afresh. A controller that calls
-rand(), keeps a static, reads the clock or leaves a member unset is named, with the field. Takes a second more at the
-first decision, for clocks that count seconds. docs/determinism.md tells what it cannot see.
+--controllers repeats every decision of the first variant twice from the same readings and memory: once in another
+order, on another thread, in storage filled with junk; once with a newly constructed controller. It names a controller
+that calls rand(), keeps a static, reads the clock or leaves a member unset, with the field that differs. The first
+decision takes a second longer, for clocks that count seconds. docs/determinism.md describes what this cannot detect.
 
 The end is that of troupe run: --for S, else the world's quit_time.
 
-Exit codes: 0 same bits; 1 they differ; 2 bad input or usage.
+Exit codes: 0 same bits; 1 different; 2 bad input or usage.
 
 Examples:
   troupe check worlds/crowd.json --for 5
@@ -33,7 +33,7 @@ Examples:
   troupe check worlds/failures.json --for 20 --threads 1 --tile-size auto --amnesia
   troupe check worlds/cave-simple.json --for 5 --threads 2 --tile-size auto --controllers)";
 
-/// Calls each with every item of a list like 1,2,8.
+/// Calls `each` with every item of a list such as 1,2,8.
 template <class Each>
 void split(const std::string& text, Each&& each) {
   for (std::size_t start = 0; start <= text.size();) {
@@ -54,7 +54,7 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
               split(text, [&](std::string_view item) { options.threads.push_back(thread_count(item)); });
             });
   add_value(check, "--tile-size", "M,...",
-            "Edges of tiles, m; auto: as the world chooses (default: auto,1.7)",
+            "Edge lengths of tiles, m; auto: chosen by the world (default: auto,1.7)",
             [&options](const std::string& text) {
               options.tile_sizes_m.clear();
               split(text, [&](std::string_view item) {
@@ -63,9 +63,9 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
             });
   check
       .add_flag("--amnesia", options.amnesia,
-                "Also compare runs that keep nothing but their state after a tick")
+                "Also compare runs that keep only their state from tick to tick")
       ->disable_flag_override();
-  check.add_flag("--controllers", options.controllers, "Have each decision taken again, and compare")
+  check.add_flag("--controllers", options.controllers, "Repeat each decision and compare the results")
       ->disable_flag_override();
 }
 

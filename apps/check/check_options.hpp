@@ -6,10 +6,10 @@
 
 namespace troupe::apps {
 
-/// What the command line of `troupe check` asks for.
+/// Options of `troupe check`.
 struct CheckOptions : WorldOptions {
   std::vector<unsigned> threads{1, 2, 8};
-  /// m; 0: as the world chooses. 1.7 is smaller than most sensors reach, so that all look into other tiles.
+  /// m; 0: chosen by the world. 1.7 m is below the range of most sensors, so that they read across tiles.
   std::vector<double> tile_sizes_m{0, 1.7};
   bool amnesia = false;
   bool controllers = false;

@@ -18,10 +18,10 @@ FilledStorage::~FilledStorage() { fill = k_off; }
 
 }  // namespace troupe::apps
 
-// The program's own `new`: the C library's debugging aid, M_PERTURB, leaves out small blocks that it hands
-// out again. What a shared library allocates comes here too. All forms but the over-aligned ones, whose `new`
-// and `delete` are pairs of their own: an address sanitizer would bring some of the others along, and find
-// that they do not match.
+// Replaces the global `new`, because glibc's M_PERTURB does not fill small blocks that are reused.
+// Allocations in shared libraries come here too. All forms are replaced except the over-aligned ones, which
+// are pairs of their own. If some were missing, an address sanitizer would supply them and report mismatched
+// pairs of `new` and `delete`.
 namespace {
 
 void* filled(std::size_t size) {

@@ -4,9 +4,9 @@
 
 namespace troupe::apps {
 
-/// While one lives, whatever `new` hands out in this process is filled with its byte first, on any thread: a
-/// member that is never set then has a value that is known to be junk, and another one under another byte.
-/// Over-aligned types are left out. One at a time.
+/// While an object of this class lives, `new` fills all memory that it returns in this process, on any
+/// thread, with `byte`. An uninitialized member then has a known junk value, which changes with the byte.
+/// Over-aligned types are not filled. At most one object may live at a time.
 class FilledStorage {
  public:
   explicit FilledStorage(std::byte byte);

@@ -21,17 +21,17 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_diff_footer = R"(
-Takes two hash logs (troupe run --hash-log) and names the first tick at which they differ, with the groups of the state
-in which it shows: sensor alone at first means ranging; pose or velocity the drives or the conflict rule; memory a
-controller. Where one begins later, the ticks before are left out; where one ends earlier, they differ.
+Compares two hash logs (troupe run --hash-log) and prints the first tick at which they differ, with the groups of the
+state that differ: only sensor points to ranging; pose or velocity to the drives or the conflict rule; memory to a
+controller. If one log begins later, earlier ticks are not compared; if one ends earlier, the logs differ.
 
-Or takes two recordings (troupe run --record) and names the first frame that differs, of the ticks that both have, with
-component, entity and field, and both values in hex and decimal: of the fields that both recorded.
+Or compares two recordings (troupe run --record) in the ticks and fields that both have, and prints the first frame
+that differs, with component, entity, field, and both values in hex and decimal.
 
-Results of another version, compiler, flags or instruction set are refused unless --across-domains is given, those of
-another world, seed or option unless --across-runs is. Threads and tile size change no result, and are not looked at.
+Results of different versions, compilers, flags or instruction sets are refused unless --across-domains is given; those
+of different worlds, seeds or options unless --across-runs is. Threads and tile size change no result and are ignored.
 
-Exit codes: 0 same bits; 1 they differ; 2 bad input or usage.
+Exit codes: 0 same bits; 1 different; 2 bad input or usage.
 
 Examples:
   troupe diff one-thread.log eight-threads.log
@@ -46,7 +46,7 @@ std::string groups_that_differ(const HashLogReader::Line& a, const HashLogReader
   return comma_list(names);
 }
 
-/// The first tick of a log, or of its part that the other has too.
+/// Advances `line` to the first line whose tick is at least `tick`.
 void skip_to(HashLogReader& log, std::optional<HashLogReader::Line>& line, std::uint64_t tick) {
   while (line && line->tick < tick) line = log.next();
 }
@@ -59,7 +59,7 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
   std::optional<HashLogReader::Line> a = first.next();
   std::optional<HashLogReader::Line> b = second.next();
   for (const auto& [log, line] : {std::pair(&first, &a), std::pair(&second, &b)})
-    if (!*line) throw InputError(fmt::format("{}: error: the log has no tick", log->file().string()));
+    if (!*line) throw InputError(fmt::format("{}: error: the log has no ticks", log->file().string()));
   const std::uint64_t begin = std::max(a->tick, b->tick);
   skip_to(first, a, begin);
   skip_to(second, b, begin);
@@ -77,7 +77,7 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
     return k_failed;
   }
   if (a || b) {
-    fmt::print("differs in length: {} ends at tick {}, {} goes on; the same bits from tick {} until then\n",
+    fmt::print("differs in length: {} ends at tick {}, {} continues; same bits from tick {} until then\n",
                (a ? second : first).file().string(), last.tick, (a ? first : second).file().string(), begin);
     return k_failed;
   }
@@ -102,8 +102,8 @@ void add_diff_options(CLI::App& command, DiffOptions& options) {
     command.add_flag(name, on, help)->disable_flag_override();
   };
   add_switch("--across-domains", options.across_domains,
-             "Though version, compiler, flags or processor differ");
-  add_switch("--across-runs", options.across_runs, "Though world, seed or options differ");
+             "Compare even if version, compiler, flags or processor differ");
+  add_switch("--across-runs", options.across_runs, "Compare even if world, seed or options differ");
 }
 
 ExitCode diff(const DiffOptions& options) {

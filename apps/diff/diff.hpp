@@ -10,19 +10,19 @@ class App;
 
 namespace troupe::apps {
 
-/// What the command line of `troupe diff` asks for.
+/// Options of `troupe diff`.
 struct DiffOptions {
   std::filesystem::path first;
   std::filesystem::path second;
-  bool across_domains = false;  ///< of other versions, compilers, flags or instruction sets
-  bool across_runs = false;     ///< of other worlds, seeds or options
+  bool across_domains = false;  ///< also compare other versions, compilers, flags or instruction sets
+  bool across_runs = false;     ///< also compare other worlds, seeds or options
 };
 
 /// Adds the options of `diff`; parsing fills `options`, which must outlive `command`.
 void add_diff_options(CLI::App& command, DiffOptions& options);
 
-/// `troupe diff`: compares two hash logs or two recordings tick by tick, to the first that differs. Tells it
-/// on standard output.
+/// `troupe diff`: compares two hash logs or two recordings tick by tick, up to the first that differs, and
+/// prints the result on standard output.
 ExitCode diff(const DiffOptions& options);
 
 }  // namespace troupe::apps

@@ -22,7 +22,7 @@ namespace {
 
 using worldio::RecordingReader;
 
-/// An array that both recordings have, with a frame of each.
+/// An array that both recordings have, with buffers for one frame of each.
 struct Pair {
   const RecordingReader::Array* first;
   const RecordingReader::Array* second;
@@ -51,7 +51,7 @@ std::vector<Pair> common_arrays(const RecordingReader& first, const RecordingRea
   return pairs;
 }
 
-/// `pose, sensors/minibot/eye`: the components, each once.
+/// The components without duplicates: `pose, sensors/minibot/eye`.
 std::string components_of(const std::vector<Pair>& pairs) {
   std::vector<std::string_view> names;
   for (const Pair& pair : pairs)
@@ -59,10 +59,11 @@ std::string components_of(const std::vector<Pair>& pairs) {
   return names.empty() ? "nothing but hashes" : comma_list(names);
 }
 
-/// How one frame of a component differs: the lowest body that does, its first value, and how many do.
+/// The differences in one frame of a component: the lowest body that differs, with its first differing value,
+/// and the bodies of all differing values.
 struct Difference {
   std::string component;
-  std::size_t body = 0;  ///< place among the bodies
+  std::size_t body = 0;  ///< index in the list of bodies
   std::string field;
   engine::StateValue first, second;
   std::vector<std::size_t> bodies;
@@ -108,11 +109,11 @@ void print_differences(const RecordingReader& first, std::size_t i, const Record
                bodies == 1 ? "1 entity differs" : fmt::format("{} entities differ", bodies));
   }
   if (differences.empty())
-    fmt::print("the hash of the state is {}, not {}: what differs was not recorded by both\n",
+    fmt::print("the state hash is {}, not {}: the field that differs was not recorded in both\n",
                hex(second.hashes()[j]), hex(first.hashes()[i]));
 }
 
-/// A recording that has no frame where the other, by then, has one.
+/// The recording that ends at least one recording interval before the other, or null.
 const RecordingReader* shorter(const RecordingReader& first, const RecordingReader& second) {
   const auto ends_before = [](const RecordingReader& a, const RecordingReader& b) {
     return a.ticks().back() + a.every_ticks() <= b.ticks().back();
@@ -147,10 +148,10 @@ ExitCode compare_frames(const RecordingReader& first, const RecordingReader& sec
     ++j;
   }
   if (frames == 0)
-    throw InputError(fmt::format("{}: error: it has no tick that {} has, too", second.file().string(),
+    throw InputError(fmt::format("{}: error: it has no tick in common with {}", second.file().string(),
                                  first.file().string()));
   if (const RecordingReader* ended = shorter(first, second)) {
-    fmt::print("differs in length: {} ends at tick {}, {} goes on; the same bits from tick {} until then\n",
+    fmt::print("differs in length: {} ends at tick {}, {} continues; same bits from tick {} until then\n",
                ended->file().string(), ended->ticks().back(),
                (ended == &first ? second : first).file().string(), begin);
     return k_failed;
@@ -173,14 +174,14 @@ ExitCode diff_recordings(const DiffOptions& options) {
   for (const auto& [one, other] :
        {std::pair(options.first, options.second), std::pair(options.second, options.first)})
     if (!is_hdf5(one) && worldio::check_readable(one))
-      throw InputError(fmt::format("{}: error: this is no recording, and {} is one (troupe run --record)",
+      throw InputError(fmt::format("{}: error: this is not a recording, but {} is (troupe run --record)",
                                    one.string(), other.string()));
   try {
     const RecordingReader first(options.first);
     const RecordingReader second(options.second);
     refuse_unlike(header_of(first), header_of(second), options.across_domains, options.across_runs);
     if (!std::ranges::equal(first.ids(), second.ids()))
-      throw InputError(fmt::format("{}: error: it has other bodies than {}", second.file().string(),
+      throw InputError(fmt::format("{}: error: its bodies differ from those of {}", second.file().string(),
                                    first.file().string()));
     return compare_frames(first, second);
   } catch (const worldio::Hdf5Error& error) {

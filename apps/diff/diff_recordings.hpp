@@ -7,10 +7,10 @@
 
 namespace troupe::apps {
 
-/// Whether a file begins as HDF5 files do; false for one that cannot be read.
+/// Whether a file starts with the HDF5 signature; false for one that cannot be read.
 bool is_hdf5(const std::filesystem::path& file);
 
-/// `troupe diff` of two recordings: frame by frame, to the first that differs. Throws InputError.
+/// `troupe diff` of two recordings: frame by frame, up to the first that differs. Throws InputError.
 ExitCode diff_recordings(const DiffOptions& options);
 
 }  // namespace troupe::apps

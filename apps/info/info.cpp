@@ -29,13 +29,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_info_footer = R"(
-Takes any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table of
-measures or events, a profile. What it is, is found out from its content, whatever its name.
+Accepts any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table
+of measures or events, a profile. The type is detected from the content; the file name does not matter.
 
-Told are the kind, what wrote it, and the world, seed, robots, ticks and fields in it; and whether it is whole or was
-cut off, as by a full disk or a killed run.
+Prints the type, the program that wrote the file, its world, seed, robots, ticks and fields, and whether it is complete
+or was cut off, for example by a full disk or a killed run.
 
-Exit codes: 0 told; 2 no file of Troupe's, or one that cannot be read.
+Exit codes: 0 printed; 2 not a file of Troupe, or it cannot be read.
 
 Examples:
   troupe info worlds/hospital.json
@@ -64,7 +64,7 @@ std::string all_of(const fs::path& file) {
   return text;
 }
 
-/// The first word that is no comment of a Stage world.
+/// The first word of a Stage world that is not in a comment.
 std::string first_word(std::string_view text) {
   constexpr std::string_view k_letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
   for (;;) {
@@ -86,7 +86,7 @@ bool begins_like_a_stage_world(std::string_view start) {
 
 bool is_json_world(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
-  // One that is broken: what is wrong with it is told by its reader.
+  // Invalid JSON counts as a world if it has the key "troupe": its reader then reports the error.
   if (json.is_discarded()) return text.find("\"troupe\"") != text.npos;
   return json.is_object() && json.contains("troupe");
 }
@@ -116,7 +116,8 @@ void add_info_options(CLI::App& command, InfoOptions& options) {
   command.footer(k_info_footer);
   command
       .add_option_function<std::string>(
-          "FILE", [&options](const std::string& text) { options.file = text; }, "Any file of Troupe's")
+          "FILE", [&options](const std::string& text) { options.file = text; },
+          "File written or read by Troupe")
       ->option_text(" ")
       ->required();
   add_plugin_path_option(command, options.plugin_path);
@@ -127,8 +128,8 @@ ExitCode info(const InfoOptions& options) {
   const std::optional<Summary> summary = summary_of(options);
   if (!summary)
     throw InputError(fmt::format(
-        "{}: error: this is no file of Troupe's: neither a world (Stage's or JSON), a hash log, a "
-        "recording, a checkpoint, a table of measures or events, nor a profile",
+        "{}: error: not a file of Troupe: expected a world (Stage's or JSON), a hash log, a recording, a "
+        "checkpoint, a table of measures or events, or a profile",
         file.string()));
   fmt::print("{}\n", file.string());
   for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);

@@ -11,17 +11,17 @@ class App;
 
 namespace troupe::apps {
 
-/// What the command line of `troupe info` asks for.
+/// Options of `troupe info`.
 struct InfoOptions {
   std::filesystem::path file;
-  std::vector<std::filesystem::path> plugin_path;  ///< of a world's controllers and sensors
+  std::vector<std::filesystem::path> plugin_path;  ///< folders with a world's controllers and sensors
 };
 
 /// Adds the options of `info`; parsing fills `options`, which must outlive `command`.
 void add_info_options(CLI::App& command, InfoOptions& options);
 
-/// `troupe info FILE`: what kind of file of ours it is, found out from its content, and what it holds, on
-/// standard output. Throws InputError where it is none, or is one that cannot be read.
+/// `troupe info FILE`: prints the type of a Troupe file, detected from its content, and a summary of it on
+/// standard output. Throws InputError if it is not a Troupe file or cannot be read.
 ExitCode info(const InfoOptions& options);
 
 }  // namespace troupe::apps

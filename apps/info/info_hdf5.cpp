@@ -1,4 +1,4 @@
-// Files in HDF5: recordings and checkpoints.
+// Summaries of recordings and checkpoints.
 
 #include "apps/info/info_kinds.hpp"
 #include "base/diagnostics.hpp"
@@ -16,7 +16,7 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-/// What the header of a run says, the version first.
+/// Adds the entries of a run's header except `left_out`, the version first.
 void add_header(const std::map<std::string, std::string>& header, const std::set<std::string>& left_out,
                 Summary& summary) {
   if (const auto version = header.find("version"); version != header.end())
@@ -37,7 +37,7 @@ Summary summary_of(const worldio::RecordingReader& recording) {
   } else {
     summary.emplace_back("ticks", "none");
   }
-  std::string component;  // arrays of one stand together
+  std::string component;  // arrays of a component are adjacent
   for (const worldio::RecordingReader::Array& array : recording.arrays()) {
     const std::string columns = array.field.columns > 1
                                     ? fmt::format("{}[{}]", array.field.name, array.field.columns)
@@ -49,10 +49,10 @@ Summary summary_of(const worldio::RecordingReader& recording) {
       summary.back().second += ", " + columns;
     }
   }
-  summary.emplace_back("whole",
+  summary.emplace_back("complete",
                        recording.unfinished()
-                           ? "no: it is being written, or was cut off; troupe repair makes it readable "
-                             "for plain tools"
+                           ? "no: being written, or cut off; troupe repair makes it readable for standard "
+                             "HDF5 tools"
                            : "yes");
   return summary;
 }
@@ -68,12 +68,12 @@ Summary summary_of_recording(const fs::path& file) {
 }
 
 Summary summary_of_checkpoint(const fs::path& file) {
-  const worldio::Checkpoint checkpoint(file);  // refuses one that is not whole
+  const worldio::Checkpoint checkpoint(file);  // throws if it is not complete
   Summary summary{{"kind", fmt::format("checkpoint, layout {}", worldio::k_checkpoint_layout)}};
   add_header(checkpoint.header(), {"kind", "layout", "tick", "time_s", "state_hash"}, summary);
   summary.emplace_back("tick", fmt::format("{}, {:.10g} s", checkpoint.tick(), checkpoint.time_s()));
   summary.emplace_back("state", hex(checkpoint.state_hash()));
-  summary.emplace_back("whole", "yes");
+  summary.emplace_back("complete", "yes");
   return summary;
 }
 

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-/// What `troupe info` tells of each kind of file. All throw InputError for what cannot be read.
+/// The summaries that `troupe info` prints, by type of file. All throw InputError if the file cannot be read.
 namespace troupe::apps {
 
-/// Names and values, in the order in which they are told.
+/// Names and values, in the order in which they are printed.
 using Summary = std::vector<std::pair<std::string, std::string>>;
 
 Summary summary_of_hash_log(const std::filesystem::path& file);
@@ -20,13 +20,14 @@ Summary summary_of_events(const std::filesystem::path& file);
 Summary summary_of_profile(const std::filesystem::path& file);
 Summary summary_of_recording(const std::filesystem::path& file);
 Summary summary_of_checkpoint(const std::filesystem::path& file);
-/// json: ours, not Stage's. plugins: folders of plug-ins, beside those of the environment.
+/// `json`: the text is JSON, not a Stage world. `plugins`: folders of plug-ins, in addition to those of the
+/// environment variables.
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
                          const std::vector<std::filesystem::path>& plugins);
 
-/// "0 to 20, 0 to 2 s".
+/// Ticks and times: "0 to 20, 0 to 2 s".
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s);
-/// "1 robot", "2 robots".
+/// A count with its noun: "1 robot", "2 robots".
 std::string counted(std::size_t count, std::string_view what);
 
 }  // namespace troupe::apps

@@ -1,4 +1,4 @@
-// Files of lines: hash logs, tables, profiles. They may be large, and are read line by line.
+// Summaries of text files: hash logs, tables, profiles. They may be large and are read line by line.
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
@@ -22,14 +22,14 @@ namespace {
 
 constexpr const char* k_whole = "yes";
 
-/// The lines of a file; the last may have no end.
+/// Reads the lines of a file. Detects an incomplete last line.
 class Lines {
  public:
   explicit Lines(const fs::path& file) : stream_(file, std::ios::binary) {
     if (!stream_) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
   }
 
-  /// The next line that has an end.
+  /// Reads the next complete line; false if there is none.
   bool next(std::string& line) {
     if (!std::getline(stream_, line)) return false;
     ++number_;
@@ -39,7 +39,7 @@ class Lines {
   std::size_t number() const { return number_; }
   bool cut_off() const { return cut_off_; }
   std::string whole_text() const {
-    return cut_off_ ? fmt::format("no: it was cut off in line {}", number_) : k_whole;
+    return cut_off_ ? fmt::format("no: cut off in line {}", number_) : k_whole;
   }
 
  private:
@@ -48,7 +48,7 @@ class Lines {
   bool cut_off_ = false;
 };
 
-/// Cells without quotes, of the beginning of a line.
+/// The first `count` cells of a line, which must have no quotes.
 std::vector<std::string_view> first_cells(std::string_view line, std::size_t count) {
   std::vector<std::string_view> cells;
   while (cells.size() < count) {
@@ -60,7 +60,7 @@ std::vector<std::string_view> first_cells(std::string_view line, std::size_t cou
   return cells;
 }
 
-/// What the lines of a table have in common: the tick and the time they begin with.
+/// The tick and the time at the beginning of each line of a table.
 struct Span {
   std::uint64_t tick = 0;
   double time_s = 0;
@@ -70,8 +70,8 @@ Span span_of(const fs::path& file, const Lines& lines, const std::vector<std::st
   const auto tick = number<std::uint64_t>(cells[0]);
   const auto time_s = cells.size() > 1 ? finite(cells[1]) : std::nullopt;
   if (!tick || !time_s)
-    throw InputError(fmt::format("{}:{}: error: the line does not begin with a tick and its time",
-                                 file.string(), lines.number()));
+    throw InputError(fmt::format("{}:{}: error: the line must begin with a tick and a time", file.string(),
+                                 lines.number()));
   return {*tick, *time_s};
 }
 
@@ -120,7 +120,7 @@ Summary summary_of_hash_log(const fs::path& file) {
   } else {
     summary.emplace_back("ticks", "none");
   }
-  summary.emplace_back("whole", whole);
+  summary.emplace_back("complete", whole);
   return summary;
 }
 
@@ -142,7 +142,7 @@ Summary summary_of_measures(const fs::path& file) {
   }
   summary.emplace_back("lines", fmt::format("{}", count));
   summary.emplace_back("ticks", ticks_text(first, last));
-  summary.emplace_back("whole", lines.whole_text());
+  summary.emplace_back("complete", lines.whole_text());
   return summary;
 }
 
@@ -165,7 +165,7 @@ Summary summary_of_events(const fs::path& file) {
   summary.emplace_back("events", fmt::format("{}", count));
   for (const auto& [kind, times] : kinds) summary.emplace_back("  " + kind, fmt::format("{}", times));
   summary.emplace_back("ticks", ticks_text(first, last));
-  summary.emplace_back("whole", lines.whole_text());
+  summary.emplace_back("complete", lines.whole_text());
   return summary;
 }
 
@@ -181,9 +181,9 @@ Summary summary_of_profile(const fs::path& file) {
     ticks += line.starts_with("{\"name\":\"tick\",");
     if (line.starts_with(k_about)) about = line.substr(k_about.size());
   }
-  std::string whole = "no: it was cut off";
+  std::string whole = "no: cut off";
   if (!about.empty()) {
-    about.pop_back();  // of the whole document
+    about.pop_back();  // the closing brace of the document
     const auto headers = nlohmann::ordered_json::parse(about, nullptr, false);
     if (headers.is_object()) whole = k_whole;
     for (const auto& [key, value] : headers.items())
@@ -192,7 +192,7 @@ Summary summary_of_profile(const fs::path& file) {
   }
   summary.emplace_back("ticks", fmt::format("{}", ticks));
   summary.emplace_back("events", fmt::format("{}", events));
-  summary.emplace_back("whole", whole);
+  summary.emplace_back("complete", whole);
   return summary;
 }
 

@@ -29,9 +29,9 @@ std::string box_text(const Box& box) {
   return fmt::format("x {:g} to {:g}, y {:g} to {:g} m", box.min.x(), box.max.x(), box.min.y(), box.max.y());
 }
 
-/// When its run is over, what is done to it, how its robots fail; nothing of a world that says no such thing.
+/// Adds the stop conditions, interventions and faults of a world; adds nothing if it has none.
 void add_experiment(const engine::ExperimentSpec& experiment, Summary& summary) {
-  constexpr std::size_t k_most = 8;  // listed
+  constexpr std::size_t k_most = 8;  // entries listed
   const auto add = [&](const char* what, std::size_t count, auto&& text_of) {
     std::string text;
     for (std::size_t i = 0; i < std::min(count, k_most); ++i)
@@ -39,9 +39,9 @@ void add_experiment(const engine::ExperimentSpec& experiment, Summary& summary) 
     if (count > k_most) text += fmt::format(", and {} more", count - k_most);
     if (count > 0) summary.emplace_back(what, text);
   };
-  add("over when", experiment.stop_when.size(),
+  add("stops when", experiment.stop_when.size(),
       [&](std::size_t i) { return engine::text_of(experiment.stop_when[i]); });
-  add("done to it", experiment.at.size(), [&](std::size_t i) {
+  add("interventions", experiment.at.size(), [&](std::size_t i) {
     const engine::InterventionSpec& at = experiment.at[i];
     return fmt::format("{} at {:g} s", engine::k_actions[static_cast<std::size_t>(at.action)], at.time_s);
   });
@@ -106,7 +106,7 @@ Summary summary_of_world(const std::filesystem::path& file, const std::string& t
   if (!measures.empty()) summary.emplace_back("measures", measures);
   add_experiment(spec.experiment, summary);
   if (const std::size_t warnings = diagnostics.warnings().size(); warnings > 0)
-    summary.emplace_back("warnings", fmt::format("{}; troupe lint tells them", warnings));
+    summary.emplace_back("warnings", fmt::format("{}; troupe lint lists them", warnings));
   return summary;
 }
 

@@ -36,7 +36,7 @@ struct RobotCamera {
   engine::Camera pictures;
 };
 
-/// The cameras that run, by the ids of their bodies.
+/// The running cameras, in the order of body ids.
 std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   std::vector<RobotCamera> cameras;
@@ -53,7 +53,7 @@ std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   return cameras;
 }
 
-/// The name as part of a file's, which no other camera has.
+/// The camera's name as part of a file name, made unique with `taken`.
 std::string file_stem(std::string name, std::set<std::string>& taken) {
   std::ranges::replace(name, '/', '_');
   std::string stem = name;
@@ -61,16 +61,15 @@ std::string file_stem(std::string name, std::set<std::string>& taken) {
   return stem;
 }
 
-/// Seconds, so many digits that the times of two ticks differ, and zeros before them, so that names sort.
+/// The time in seconds, with enough digits to distinguish ticks and with leading zeros so that names sort.
 std::string time_of(const Simulation& simulation) {
   const double tick_ms = simulation.tick_s() * 1000;
   const int digits = std::abs(tick_ms - std::round(tick_ms)) < 1e-9 ? 3 : 6;
-  constexpr int k_before = 7;  // with the point
+  constexpr int k_before = 7;  // digits before the point, and the point
   return fmt::format("{:0{}.{}f}s", simulation.time_s(), k_before + digits, digits);
 }
 
-/// Millimetres, as depth cameras are usually recorded: 0 where nothing is seen, and what is too far for 16
-/// bits at their largest number.
+/// Depths in millimetres, the usual format of depth cameras: 0 if nothing is seen, clamped to 16 bits.
 worldio::DepthImage depth_image(const engine::Camera& camera, std::span<const float> depths) {
   worldio::DepthImage image{static_cast<int>(camera.width), static_cast<int>(camera.height), {}};
   const auto far = static_cast<float>(camera.range_far);
@@ -97,7 +96,7 @@ void CameraPictures::observe(const Simulation& simulation) {
   std::set<std::string> taken;
   for (const RobotCamera& camera : running_cameras(simulation)) {
     const std::string stem = file_stem(camera.name, taken);
-    if (tick < camera.device->period) continue;  // it has not looked yet
+    if (tick < camera.device->period) continue;  // it has no reading yet
     const engine::StateTable& state = simulation.world().percepts(*camera.device);
     const engine::Camera& pictures = camera.pictures;
     const auto color = state.cell<std::uint8_t>(camera.slot, pictures.color);
@@ -118,14 +117,13 @@ void CameraPictures::observe(const Simulation& simulation) {
 
 namespace {
 
-/// Throws InputError where the world has no camera that runs: nothing would ever be written.
+/// Throws InputError if no camera of the world runs: nothing would be written.
 void check_cameras(const Simulation& simulation, const std::filesystem::path& world) {
   if (!running_cameras(simulation).empty()) return;
-  throw InputError(
-      fmt::format("{}: error: --camera-png: no camera of this world runs; a .world's needs \"alwayson 1\", "
-                  "or a controller "
-                  "that reads it",
-                  world.string()));
+  throw InputError(fmt::format(
+      "{}: error: --camera-png: no camera of this world runs; in a .world it needs \"alwayson 1\" "
+      "or a controller that reads it",
+      world.string()));
 }
 
 class CameraOutput : public ClonedOutput<CameraOutput> {
@@ -133,14 +131,14 @@ class CameraOutput : public ClonedOutput<CameraOutput> {
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* folder =
         add_value(app, "--camera-png", "DIR",
-                  "Write what cameras see into a folder: colours and depths, two PNGs each time",
+                  "Write camera images into a folder: one PNG of colours and one of depths per camera",
                   [this](const std::string& text) {
                     if (text.empty() || text.starts_with('-'))
                       refuse("--camera-png", text, "the name of a folder");
                     folder_ = text;
                     if (!folder_.has_filename()) folder_ = folder_.parent_path();
                   });
-    add_value(app, "--camera-every", "S", "How often, in simulated seconds; 0: every tick (default: 1)",
+    add_value(app, "--camera-every", "S", "Interval in simulated seconds; 0: every tick (default: 1)",
               [this](const std::string& text) {
                 const std::optional<double> seconds = finite(text);
                 if (!seconds || *seconds < 0 || *seconds > k_most_seconds)

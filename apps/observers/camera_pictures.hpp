@@ -10,13 +10,12 @@
 
 namespace troupe::apps {
 
-/// What cameras see, as pictures in a folder: for each camera and time one PNG of its colours and one of its
-/// depths, `r0.eye-000012.300s-color.png` and `-depth.png` (docs/sensing.md). Their bytes depend on the
-/// readings alone. Every camera that runs has its picture taken, from the first tick on in which it has
-/// looked.
+/// Writes camera images into a folder: for each running camera and time one PNG with its colours and one with
+/// its depths, `r0.eye-000012.300s-color.png` and `-depth.png` (docs/sensing.md). The bytes depend only on
+/// the readings. A camera is written from the first tick on that has a reading.
 class CameraPictures : public Observer {
  public:
-  /// Makes the folder where it is not there. Throws OutputError where it cannot.
+  /// Creates the folder if it does not exist. Throws OutputError if that fails.
   CameraPictures(std::filesystem::path folder, std::uint64_t every_ticks);
 
   void observe(const Simulation& simulation) override;
@@ -26,7 +25,7 @@ class CameraPictures : public Observer {
   std::uint64_t every_ticks_;
 };
 
-/// --camera-png and --camera-every.
+/// The output of --camera-png and --camera-every.
 std::unique_ptr<RunOutput> camera_output();
 
 }  // namespace troupe::apps

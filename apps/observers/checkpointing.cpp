@@ -51,16 +51,14 @@ void Checkpointing::save(const Simulation& simulation) {
 
 namespace {
 
-/// Refuses a checkpoint that is there already, unless it may be replaced: `force`, or it is the one that the
-/// run goes on from.
+/// Throws OutputError if the checkpoint exists, unless `force` or the run was resumed from it.
 void check_checkpoint(const fs::path& file, const fs::path& resumed_from, bool force) {
   std::error_code ignored;
   if (file.empty() || !fs::exists(file, ignored)) return;
-  if (!fs::is_regular_file(file, ignored)) refuse_output(file, "it is no regular file");
+  if (!fs::is_regular_file(file, ignored)) refuse_output(file, "it is not a regular file");
   if (force) return;
   if (!resumed_from.empty() && fs::equivalent(file, resumed_from, ignored)) return;
-  throw OutputError(
-      fmt::format("{}: error: there is a file of this name already: --force replaces it", file.string()));
+  throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
 }
 
 class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
@@ -68,14 +66,14 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
   void add_options(CLI::App& app, RunOptions& options) override {
     CLI::Option* checkpoint = add_value(
         app, "--checkpoint", "FILE.h5",
-        "Save the state when the run ends or is stopped; troupe resume goes on from it",
+        "Save the state when the run ends or is stopped; troupe resume continues from it",
         [&options](const std::string& text) { options.checkpoint = file_name("--checkpoint", text); });
-    add_value(app, "--checkpoint-every", "S", "Save it there every S simulated seconds, too",
+    add_value(app, "--checkpoint-every", "S", "Also save the checkpoint every S simulated seconds",
               [&options](const std::string& text) {
                 options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");
               })
         ->needs(checkpoint);
-    add_value(app, "--wall-limit", "S", "Stop after S seconds of real time, counted from the program's start",
+    add_value(app, "--wall-limit", "S", "Stop S seconds of real time after the program's start",
               [&options](const std::string& text) {
                 options.wall_limit_s = positive_seconds("--wall-limit", text, "a real time");
               });
@@ -84,7 +82,7 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
   std::vector<fs::path> files(const RunOptions& options) const override {
     const fs::path resumed_from = options.is_checkpoint ? options.world : "";
     check_checkpoint(options.checkpoint, resumed_from, options.force);
-    if (same_file(options.checkpoint, resumed_from)) return {};  // which an output may not be otherwise
+    if (same_file(options.checkpoint, resumed_from)) return {};  // check_outputs() would refuse an input
     return {options.checkpoint};
   }
   OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {

@@ -11,13 +11,13 @@
 
 namespace troupe::apps {
 
-/// Saves the run in its checkpoint every so often, and when it ends or is stopped.
+/// Saves the run in a checkpoint periodically and when it ends or is stopped.
 class Checkpointing : public Observer {
  public:
-  /// others: what the run writes beside it, told before each checkpoint; they outlive it.
-  /// every_s: of simulated time, on the world's clock; not given: at the end alone. Writes a whole checkpoint
-  /// beside the file and removes it, so that a disk without room, or a world that cannot be saved, is known
-  /// before the run. Throws OutputError.
+  /// `others` are the other observers of the run; before_save() is called on them before each periodic
+  /// checkpoint. They must outlive this object. `every_s` is the period in simulated seconds; not given: only
+  /// at the end. Writes a trial checkpoint next to the file and removes it, so that a full disk or a world
+  /// that cannot be saved is reported before the run. Throws OutputError.
   Checkpointing(std::filesystem::path file, std::optional<double> every_s, const Simulation& simulation,
                 std::vector<Observer*> others);
 
@@ -30,12 +30,13 @@ class Checkpointing : public Observer {
 
   std::filesystem::path file_;
   std::vector<Observer*> others_;
-  std::uint64_t period_ = 0;  // ticks; 0: at the end alone
+  std::uint64_t period_ = 0;  // ticks; 0: only at the end
   std::uint64_t first_tick_;
   std::optional<std::uint64_t> saved_;  // the tick of the last checkpoint
 };
 
-/// --checkpoint, --checkpoint-every and --wall-limit: RunOptions::checkpoint and the two next to it.
+/// The output of --checkpoint, --checkpoint-every and --wall-limit, which fill RunOptions::checkpoint,
+/// ::checkpoint_every_s and ::wall_limit_s.
 std::unique_ptr<RunOutput> checkpoint_output();
 
 }  // namespace troupe::apps

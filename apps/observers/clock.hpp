@@ -7,7 +7,7 @@
 
 namespace troupe::apps {
 
-/// Tells the world's time on standard error as a run goes on, a line every so many ticks of the world:
+/// Prints the world time on standard error during a run, one line every `every_ticks` ticks of the world:
 /// `arena: 60 s, 812.4 x real time`.
 class ClockLines : public Observer {
  public:

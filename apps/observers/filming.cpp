@@ -12,10 +12,10 @@
 namespace troupe::apps {
 namespace {
 
-// One is drawn, one is ready, and the run makes another.
+// One picture is being drawn, one is ready, and the run takes another.
 constexpr std::size_t k_most_waiting = 2;
 
-/// What is shown unless options say otherwise: the clock of a film that is not in real time says so.
+/// The look of a film; one that is not in real time shows its speed next to the clock by default.
 PictureOptions film_look(const PictureFiles& files) {
   PictureOptions look = files.look;
   if (files.film_speed != 1) look.layers = look.layers.empty() ? "speed" : "speed," + look.layers;
@@ -86,7 +86,7 @@ void Filming::observe(const Simulation& simulation) {
 void Filming::observe(const PictureSource& source, double next_s) {
   pictures_.see(source);
   const double now = source.time_s();
-  // A picture between this and the next needs both.
+  // A frame between this time and the next needs both pictures.
   const bool is_needed = due_s() < next_s;
   const Pictures::Shot shot = is_needed ? pictures_.take(source, speed_) : nullptr;
   for (; shot && due_s() <= now; ++frames_) {
@@ -138,7 +138,8 @@ class PicturesOutput : public ClonedOutput<PicturesOutput> {
       std::unique_ptr<Snapshots> snapshots;
       std::unique_ptr<Filming> film;
     };
-    const auto prepared = std::make_shared<Prepared>();  // shared: what is returned can be copied
+    const auto prepared =
+        std::make_shared<Prepared>();  // shared, because the returned function must be copyable
     if (!pictures_.snapshot.empty())
       prepared->snapshots = std::make_unique<Snapshots>(pictures_, simulation, end_tick);
     if (!pictures_.film.empty())

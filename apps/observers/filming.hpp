@@ -20,11 +20,11 @@
 
 namespace troupe::apps {
 
-/// How fast a run is, times real time, since this was made.
+/// The speed of a run in multiples of real time, since construction.
 class RunSpeed {
  public:
   explicit RunSpeed(double begin_s) : begin_s_(begin_s) {}
-  /// At this simulated time, s; 0 where no time has gone by.
+  /// The speed when the run has reached this simulated time, s; 0 if no wall time has passed.
   double at(double time_s) const;
 
  private:
@@ -32,43 +32,44 @@ class RunSpeed {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Pictures of single ticks, drawn beside the run.
+/// Draws pictures of single ticks on a thread of its own.
 class Snapshots : public Observer {
  public:
-  /// `end_tick`: of the run. Throws InputError for what the world has not, and for times outside of the run.
+  /// `end_tick` is the last tick of the run. Throws InputError for options that do not fit the world, and for
+  /// times outside the run.
   Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
 
-  /// Throws what drawing would throw, so that a file that cannot be written is known before the run.
+  /// Throws the errors that drawing would throw, so that they are reported before the run.
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
-  /// Draws the last tick, where no times were given. Throws what drawing it throws.
+  /// Draws the last tick if no times were given. Throws if drawing fails.
   void after_summary(const Simulation& simulation) override;
 
  private:
-  std::vector<std::pair<std::uint64_t, std::filesystem::path>> due_;  // by tick; those to come last
-  std::filesystem::path first_;                                       // of all
-  std::filesystem::path last_;                                        // empty: times were given
+  std::vector<std::pair<std::uint64_t, std::filesystem::path>> due_;  // ticks and files, by tick
+  std::filesystem::path first_;                                       // the first of all files
+  std::filesystem::path last_;  // picture of the end; empty: times given
   std::optional<RunSpeed> speed_;
   Pictures pictures_;
   partition::JobThread thread_;
 };
 
-/// A film of a run, drawn beside it; or of a recording.
+/// Films a run or a recording; frames are drawn on a thread of its own.
 class Filming : public Observer {
  public:
-  /// Throws InputError for what the world has not.
+  /// Throws InputError for options that do not fit the world.
   Filming(const PictureFiles& files, const PictureSource& source);
-  /// As that of Snapshots.
+  /// Throws the errors that drawing would throw, so that they are reported before the run.
   void rehearse() { pictures_.rehearse(film_); }
   /// Starts ffmpeg. Throws OutputError.
   void open();
 
   void observe(const Simulation& simulation) override;
-  /// What there is to see now; the next thing comes at `next_s`.
+  /// Adds the frames up to the current time of `source`; the next call is for time `next_s`.
   void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
-  /// Waits until the film is whole. Throws what drawing and writing throw.
+  /// Waits until the film is complete. Throws if drawing or writing failed.
   void finish();
   /// `crowd.mp4: 300 pictures, 10 s`.
   std::string result() const override;
@@ -79,18 +80,18 @@ class Filming : public Observer {
 
   std::filesystem::path film_;
   double fps_;
-  double speed_;    // simulated seconds a second of it
-  double step_s_;   // of simulated time, from frame to frame
-  double begin_s_;  // of the first frame
+  double speed_;    // simulated seconds per second of film
+  double step_s_;   // simulated time between frames
+  double begin_s_;  // simulated time of the first frame
   std::size_t frames_ = 0;
   Pictures pictures_;
-  Pictures::Shot previous_;  // the tick before; null where no frame needs it
+  Pictures::Shot previous_;  // of the previous call; null if no frame needed it
   double previous_s_ = 0;
-  std::unique_ptr<Ffmpeg> ffmpeg_;  // null: pictures, one a frame
-  partition::JobThread thread_;     // the last: it uses all others
+  std::unique_ptr<Ffmpeg> ffmpeg_;  // null: one picture file per frame
+  partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// --snapshot, --film, and what says how pictures look.
+/// The output of --snapshot, --film and the options of their look.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

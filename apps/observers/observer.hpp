@@ -8,7 +8,7 @@
 
 namespace troupe::apps {
 
-/// What is told as a tick goes on, and not only between ticks: Simulation's on_phase() and on_task().
+/// Is notified within ticks, by Simulation's on_phase() and on_task().
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;
@@ -16,8 +16,8 @@ class TickWatcher {
   virtual void task(std::size_t index, bool begins) = 0;
 };
 
-/// What a run writes between its ticks: a log, a recording, a profile. It changes nothing of the state.
-/// Errors in writing are std::runtime_error that name the file, and end the run.
+/// Writes an output of a run between ticks: a log, a recording, a profile. It must not change the state.
+/// Write errors are std::runtime_error with the file's name and end the run.
 class Observer {
  public:
   Observer() = default;
@@ -25,22 +25,22 @@ class Observer {
   Observer& operator=(const Observer&) = delete;
   virtual ~Observer() = default;
 
-  /// The simulation stands at a tick: at the one with which the run begins, then at each that has ended.
+  /// Called once before the first step and after every tick.
   virtual void observe(const Simulation& simulation) = 0;
-  /// What was observed is in its file when this returns: the state is about to be saved, and who goes on from
-  /// it must find all that went before.
+  /// Called before the state is saved. Must flush everything observed so far, because a run resumed from that
+  /// checkpoint continues this file.
   virtual void before_save() {}
-  /// The run has ended, or was stopped, at the tick that was observed last.
+  /// Called when the run has ended or was stopped, after the last observe().
   virtual void finish(const Simulation& /*simulation*/) {}
-  /// Another part of the run failed behind a tick that is whole: the state is saved where it was to be.
+  /// Called if another part of the run failed after a complete tick: a checkpoint still saves the state.
   virtual void save_at_least(const Simulation& /*simulation*/) {}
-  /// The summary is printed. What takes long and may fail comes now, so that it takes no numbers with it.
+  /// Called after the summary is printed, for slow work that may fail: the summary is then not lost.
   virtual void after_summary(const Simulation& /*simulation*/) {}
-  /// What the user must know of the file, a line; empty: nothing.
+  /// A warning about the file for the user, one line; empty: none.
   virtual std::string warning() const { return {}; }
-  /// What it has written, for the summary: the file and how much is in it; empty: nothing that needs telling.
+  /// The file and the amount written, for the summary; empty: not listed.
   virtual std::string result() const { return {}; }
-  /// Itself, where it wants to be told phases and tasks; else null.
+  /// This object if it needs notifications of phases and tasks, else null.
   virtual TickWatcher* tick_watcher() { return nullptr; }
 };
 

@@ -7,10 +7,10 @@
 namespace troupe::apps {
 namespace {
 
-// Ctrl-C in a wait must not have to wait itself.
+// Longest sleep, so that Ctrl-C takes effect soon.
 constexpr std::chrono::milliseconds k_nap{50};
 constexpr std::chrono::seconds k_most_behind{1};
-constexpr double k_longest_s = 1e9;  // that a clock's count of nanoseconds has room for
+constexpr double k_longest_s = 1e9;  // fits into a clock's count of nanoseconds
 
 }  // namespace
 

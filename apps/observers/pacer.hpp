@@ -7,16 +7,16 @@
 
 namespace troupe::apps {
 
-/// Keeps a run from being faster than `rate` times real time: after each tick it waits until the tick is due.
-/// A run that cannot keep up goes as fast as it can. One that fell behind by more than a second (the machine
-/// slept, or the run was stopped for a while) does not race to catch up, but goes on at its rate from there.
+/// Limits a run to `rate` times real time: after each tick it waits until the tick is due. A run that cannot
+/// keep up is not delayed. A run that has fallen behind by more than a second (the machine slept, or the
+/// process was suspended) does not catch up but continues at its rate from there.
 class Pacer : public Observer {
  public:
-  /// `is_over` ends a wait early: the run was asked to stop.
+  /// `is_over` returns true if the run was asked to stop; it ends a wait early.
   Pacer(double rate, std::function<bool()> is_over);
 
   void observe(const Simulation& simulation) override;
-  /// Wall time that was spent in waiting, s.
+  /// Wall time spent waiting, s.
   double waited_s() const { return waited_s_; }
 
  private:
@@ -26,8 +26,8 @@ class Pacer : public Observer {
   double rate_;
   std::function<bool()> is_over_;
   bool begun_ = false;
-  double begun_at_s_ = 0;       // of world time
-  Clock::time_point begun_at_;  // the same moment
+  double begun_at_s_ = 0;       // world time
+  Clock::time_point begun_at_;  // wall time of the same moment
   double waited_s_ = 0;
 };
 

@@ -17,7 +17,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr std::size_t k_tick_track = 0;  // workers' follow
+constexpr std::size_t k_tick_track = 0;  // the tracks of workers follow
 
 double microseconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double, std::micro>(d).count();
@@ -47,7 +47,7 @@ Profile::Profile(const std::filesystem::path& file, const Simulation& simulation
   std::ranges::copy(simulation.effective_options(), std::back_inserter(about_));
   stream_ << k_profile_mark;
   end_ = stream_.tellp();
-  tracks_.own();  // the caller works along: it is the first worker
+  tracks_.own();  // the calling thread is the first worker
   add(fmt::format(R"({{"name":"process_name","ph":"M","pid":1,"args":{{"name":"troupe"}}}})"));
   add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{},"args":{{"name":"ticks"}}}})",
                   k_tick_track));
@@ -66,7 +66,7 @@ void Profile::phase(std::optional<Phase> phase) {
 }
 
 void Profile::task(std::size_t index, bool begins) {
-  // Both are written between loops only. Loops outside of phases (hashes) are not the tick's.
+  // No lock: both are written only between loops. Loops outside phases (hashes) do not belong to the tick.
   if (!recording_ || !current_) return;
   Track& track = tracks_.own();
   if (begins)
@@ -171,7 +171,7 @@ void Profile::flush() {
 
 std::string Profile::warning() const {
   if (left_out_.empty()) return {};
-  return fmt::format("{}: warning: left out to keep it small: {}; --profile-ticks chooses other ticks",
+  return fmt::format("{}: warning: omitted to keep the file small: {}; --profile-ticks selects other ticks",
                      file_.string(), left_out_);
 }
 
@@ -181,14 +181,13 @@ class ProfileOutput : public ClonedOutput<ProfileOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* profile =
-        add_value(app, "--profile", "FILE.json", "Write where the time goes, for a browser's trace viewer",
+        add_value(app, "--profile", "FILE.json", "Write a timing profile for a browser's trace viewer",
                   [this](const std::string& text) {
                     file_ = text;
                     if (file_.extension() != ".json" || text.starts_with('-'))
                       refuse("--profile", text, "the name of a JSON file, as in --profile trace.json");
                   });
-    add_value(app, "--profile-ticks", "A:B",
-              "Only ticks A to B of it (default: all, while the file stays small)",
+    add_value(app, "--profile-ticks", "A:B", "Profile only ticks A to B (default: all, up to a size limit)",
               [this](const std::string& text) { set_ticks(text); })
         ->needs(profile);
   }

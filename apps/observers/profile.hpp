@@ -22,26 +22,27 @@ namespace troupe::apps {
 /// The first bytes of every profile.
 inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
 
-/// Which ticks a profile shows, and how much of them at most.
+/// The ticks in a profile, and limits on its size.
 struct ProfileLimits {
   std::uint64_t first_tick = 1;
   std::uint64_t last_tick = ~std::uint64_t{0};
-  /// Of tasks, some 100 bytes each. A tick whose tasks would be too many is shown without them.
+  /// Most tasks, about 100 bytes each. A tick with more tasks than remain is written without its tasks.
   std::size_t most_tasks = 1'000'000;
-  /// Of ticks, some kilobyte each.
+  /// Most ticks, about 1 kB each.
   std::size_t most_ticks = 20'000;
 };
 
-/// Where the time of a run goes, in the Trace Event Format that browsers' trace viewers open: a track with
-/// the ticks and their phases, a track a worker with its tasks (batches of robots), counters of memory and
+/// Writes the timing of a run in the Trace Event Format of browsers' trace viewers: one track with the ticks
+/// and their phases, one track per worker with its tasks (batches of robots), and counters of memory and
 /// robots.
 ///
-/// file    complete after each tick: it can be read while the run goes on, and after it was killed
-/// tasks   their argument is their index in their loop; in the sense phase batches of robots that are
-///         neighbours, in the order of the tiles. A phase may run several loops
-/// load    a phase's argument `imbalance` is the busiest worker's time in tasks by the mean of all `threads`
-///         workers (1: perfect; `threads`: one did everything); left out where a phase ran no task
-/// errors  OutputError when the file cannot be opened, std::runtime_error when it cannot be written
+/// file    valid after each tick: it can be read during the run and after a kill
+/// tasks   their argument is their index in their loop; in the sense phase they are batches of neighbouring
+///         robots, in the order of the tiles. A phase may run several loops
+/// load    a phase's argument `imbalance` is the busiest worker's time in tasks divided by the mean of all
+///         `threads` workers (1: perfect; `threads`: one worker did everything); absent if a phase ran no
+///         task
+/// errors  OutputError if the file cannot be opened, std::runtime_error if it cannot be written
 class Profile : public Observer, public TickWatcher {
  public:
   Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits);
@@ -50,10 +51,10 @@ class Profile : public Observer, public TickWatcher {
   void task(std::size_t index, bool begins) override;
   TickWatcher* tick_watcher() override { return this; }
 
-  /// Writes the tick that has just ended, if one has.
+  /// Writes the tick that has just ended, if any.
   void observe(const Simulation& simulation) override;
 
-  /// What the limits left out.
+  /// The ticks and tasks that the limits omitted.
   std::string warning() const override;
 
  private:
@@ -66,8 +67,8 @@ class Profile : public Observer, public TickWatcher {
     std::size_t index;
     Phase phase;
   };
-  /// What one thread has done in this tick. Threads write their own only, and the caller's thread reads them
-  /// between loops.
+  /// The tasks of one thread in this tick. Each thread writes only its own track; the calling thread reads
+  /// them between loops.
   struct Track {
     Clock::time_point begin;
     std::vector<Task> tasks;
@@ -79,12 +80,12 @@ class Profile : public Observer, public TickWatcher {
   void add_counter(const std::string& name, Clock::time_point at, std::uint64_t value);
   void write_tasks();
   std::string load(Phase phase) const;
-  /// Replaces the end of the file.
+  /// Writes pending events over the end of the file, and a new end.
   void flush();
 
   std::filesystem::path file_;
   std::ofstream stream_;
-  std::streamoff end_ = 0;  // where the next event goes: the closing brackets stand there
+  std::streamoff end_ = 0;  // position of the next event, where the closing brackets are now
   std::string pending_;
   std::vector<std::pair<std::string, std::string>> about_;
   bool first_event_ = true;
@@ -96,16 +97,16 @@ class Profile : public Observer, public TickWatcher {
 
   Clock::time_point start_ = Clock::now();
   std::uint64_t start_tick_;
-  std::uint64_t tick_;      // the last that began
-  bool recording_ = false;  // this tick
-  bool ended_ = false;      // no tick is recorded any more, though more were wanted
+  std::uint64_t tick_;      // the last tick that began
+  bool recording_ = false;  // whether this tick is recorded
+  bool ended_ = false;      // the limit of ticks is reached
   std::optional<Phase> current_;
   std::array<Span, k_phases> phases_{};
   unsigned threads_;
   PerThread<Track> tracks_;
 };
 
-/// --profile and --profile-ticks.
+/// The output of --profile and --profile-ticks.
 std::unique_ptr<RunOutput> profile_output();
 
 }  // namespace troupe::apps

@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::chrono::seconds k_flush_period{2};
 
-/// A world says which file a run writes: of those in or below the working folder alone, so that running a
-/// world of unknown origin creates or (with --force) replaces nothing elsewhere.
+/// Throws InputError if the recording that a world names is outside the working folder. Running a world of
+/// unknown origin must not create or (with --force) replace files elsewhere.
 void refuse_outside(const engine::RecordSpec& record, const Simulation& simulation) {
   const std::filesystem::path file = record.file;
   if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;
@@ -44,13 +44,13 @@ std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulat
   if (file.empty()) {
     if (options.recording.every_s > 0 || !options.recording.fields.empty())
       throw InputError(
-          "troupe run: error: --record-every and --record-fields say how to record: --record FILE.h5 says "
-          "where");
+          "troupe run: error: --record-every and --record-fields need --record FILE.h5 or a world with "
+          "`record`");
     return nullptr;
   }
   RecordingOptions recording = options.recording;
   recording.replace = options.force;
-  recording.in_background = true;  // nothing else in this process uses HDF5
+  recording.in_background = true;  // allowed because nothing else in this process uses HDF5
   if (std::error_code ignored;
       simulation.resumed_at_tick() && !options.force && std::filesystem::exists(file, ignored)) {
     try {

@@ -12,17 +12,17 @@ namespace troupe::apps {
 
 struct RunOptions;
 
-/// Where the run records: what the command line says, else the world's `record`; empty: nowhere.
+/// The recording of a run: that of the command line, else of the world's `record`; empty: none.
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation);
 
 class Recorder;
-/// Opens it; null where nothing is to be recorded. Where the simulation goes on from a checkpoint, a
-/// recording that is there goes on, too. Throws InputError for what is wrong with the file or with what it is
-/// to hold, before anything is written.
+/// Opens the recording; null if there is none. If the simulation was resumed from a checkpoint, an existing
+/// recording is continued. Throws InputError for an invalid file or invalid fields, before anything is
+/// written.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
-/// A recording that a thread writes while the run goes on. It is flushed every few seconds, so that readers
-/// of the growing file see what happens now, and a run that is killed loses no more than that.
+/// Writes a recording on a background thread. Flushes every 2 s of wall time, so that readers of the growing
+/// file see recent frames and a killed run loses little.
 class Recorder : public Observer {
  public:
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}

@@ -29,32 +29,32 @@ std::string header_of(const Measures& measures) {
   return header;
 }
 
-/// Tick 66 of 0.1 s is at 6.6 s, not at the 6.6000000000000005 s that the product is.
+/// 12 digits: tick 66 of 0.1 s is at 6.6 s, while the product is 6.6000000000000005 s.
 std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
 
-/// Whether the table of a run that was resumed is there.
+/// Whether the run was resumed and its table exists.
 bool goes_on(const fs::path& file, const Simulation& simulation) {
   std::error_code ignored;
   return simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
 }
 
-/// Under which a checkpoint keeps what these measures remember: others have another.
+/// The key of these measures' memory in a checkpoint; other measures have another key.
 std::string memory_name(const Measures& measures) {
   return fmt::format("measures {}", hex(hash_text(header_of(measures))));
 }
 
-/// The measures with what they remembered when the run was saved.
+/// The measures with their memory restored from the checkpoint, if any.
 Measures remembering(const fs::path& file, const Simulation& simulation, Measures measures) {
   const auto fail = [&file](std::string_view reason) {
     throw OutputError(fmt::format("{}: error: {}", file.string(), reason));
   };
   if (const auto saved = simulation.saved_memory(memory_name(measures))) {
     if (!measures.remember(*saved))
-      fail("the checkpoint was saved while measures of these names had other parameters: rename them");
+      fail("in the checkpoint, measures with these names have other parameters: rename them");
   } else if (goes_on(file, simulation) && !measures.memory().empty()) {
     fail(
-        "the table cannot go on: the checkpoint was saved without these measures, and does not say what they "
-        "remembered; choose another file");
+        "the table cannot be continued: the checkpoint was saved without these measures and lacks their "
+        "memory; choose another file");
   }
   return measures;
 }
@@ -109,16 +109,16 @@ namespace {
 class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
-    CLI::Option* measures = add_value(
-        app, "--measures", "FILE.csv", "Write measures of the robots as they change, a line every second",
-        [this](const std::string& text) { file_ = file_name("--measures", text); });
-    add_values(
-        app, "--measure", "NAME[:OF],...",
-        "Which, and of which type or population of robots; repeatable (default: the world's, else all)",
-        [this](const std::string& text) { add_names(text); })
+    CLI::Option* measures =
+        add_value(app, "--measures", "FILE.csv",
+                  "Write measures of the robots, one line every second (--measure-every)",
+                  [this](const std::string& text) { file_ = file_name("--measures", text); });
+    add_values(app, "--measure", "NAME[:OF],...",
+               "Measures, optionally of a type or population; repeatable (default: the world's, else all)",
+               [this](const std::string& text) { add_names(text); })
         ->needs(measures);
     add_value(app, "--measure-every", "S",
-              "How often, in seconds; 0: every tick (default: the world's, else 1)",
+              "Interval in seconds; 0: every tick (default: the world's, else 1)",
               [this](const std::string& text) {
                 every_s_ = finite(text);
                 if (!every_s_ || *every_s_ < 0 || *every_s_ > 1e9)
@@ -156,15 +156,15 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   }
 
   fs::path file_;
-  std::vector<std::string> names_;  // as Measures takes them; empty: as the world says
-  std::optional<double> every_s_;   // not given: as the world says
+  std::vector<std::string> names_;  // in the syntax of Measures; empty: those of the world
+  std::optional<double> every_s_;   // not given: the interval of the world
 };
 
 class EventsOutput : public ClonedOutput<EventsOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--events", "FILE.csv",
-              "Write what happens to robots (stalls, held at the bounds), a line each",
+              "Write the events of robots (stalls, held at the bounds), one line per event",
               [this](const std::string& text) { file_ = file_name("--events", text); });
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }

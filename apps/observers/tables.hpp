@@ -14,12 +14,12 @@
 
 namespace troupe::apps {
 
-/// `--measures`: `tick,time_s,coverage,...`, a line for every tick whose number is a multiple of `every`. So
-/// a run that was stopped and goes on has the lines of one that was not.
+/// `--measures`: `tick,time_s,coverage,...`, one line for every tick that is a multiple of `every`, so that a
+/// resumed run has the same lines as an uninterrupted one.
 class MeasuresTable : public Observer {
  public:
-  /// Where the simulation goes on from a checkpoint, a table that is there goes on with it, and what the
-  /// measures remembered is in the checkpoint. Throws OutputError. The simulation must outlive it.
+  /// If the simulation was resumed from a checkpoint, an existing table is continued and the memory of the
+  /// measures is restored from the checkpoint. Throws OutputError. The simulation must outlive this object.
   MeasuresTable(const std::filesystem::path& file, Simulation& simulation, Measures measures,
                 std::uint64_t every);
   ~MeasuresTable() override;
@@ -34,13 +34,13 @@ class MeasuresTable : public Observer {
   CsvFile csv_;
 };
 
-/// `--events`: a line an event, `tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id`, in the order
-/// of ticks and ids; the pose is the robot's at the end of the tick. The last two are empty where the event
-/// has no other.
+/// `--events`: one line per event, `tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id`, in the
+/// order of ticks and ids. The pose is the robot's at the end of the tick. The last two are empty if no other
+/// body is involved.
 class EventsTable : public Observer {
  public:
-  /// Begins with the state that the simulation is in. Where it goes on from a checkpoint, a table that is
-  /// there goes on with it. Throws OutputError.
+  /// Starts from the current state of the simulation. If it was resumed from a checkpoint, an existing table
+  /// is continued. Throws OutputError.
   EventsTable(const std::filesystem::path& file, const Simulation& simulation);
 
   void observe(const Simulation& simulation) override;
@@ -50,15 +50,15 @@ class EventsTable : public Observer {
   CsvFile csv_;
 };
 
-/// The first columns of the tables, by which `troupe info` knows them.
+/// The first columns of the tables, by which `troupe info` detects them.
 inline constexpr std::string_view k_measures_mark = "tick,time_s,";
 inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
-/// --measures, --measure and --measure-every.
+/// The output of --measures, --measure and --measure-every.
 std::unique_ptr<RunOutput> measures_output();
-/// --events.
+/// The output of --events.
 std::unique_ptr<RunOutput> events_output();
 
 }  // namespace troupe::apps

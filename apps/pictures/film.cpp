@@ -23,9 +23,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_no_ffmpeg =
-    "ffmpeg is not installed (Debian, Ubuntu: apt install ffmpeg); --film frames/%06d.png writes pictures "
-    "that "
-    "can become a film elsewhere";
+    "ffmpeg is not installed (Debian, Ubuntu: apt install ffmpeg); --film frames/%06d.png writes single "
+    "pictures instead";
 constexpr int k_last_open_file = 1023;
 constexpr int k_pipe_bytes = 1 << 20;
 
@@ -50,9 +49,10 @@ std::string find_ffmpeg() {
 void check_film(const PictureFiles& pictures) {
   if (pictures.film.empty() || is_frames(pictures.film)) return;
   if (pictures.look.background == "transparent")
-    refuse_output(pictures.film,
-                  "a film has no transparency: --background paper, white or dark, or pictures, as in --film "
-                  "frames/%06d.png");
+    refuse_output(
+        pictures.film,
+        "a film has no transparency: use --background paper, white or dark, or write pictures, as in "
+        "--film frames/%06d.png");
   if (find_ffmpeg().empty()) refuse_output(pictures.film, k_no_ffmpeg);
 }
 
@@ -65,36 +65,37 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
     refuse_output(film_, error.code().message());
   }
   remove_when_killed(partial_->path());
-  // Players want even sides and colours at half the resolution; `crf` 18 keeps thin lines. The preset takes
-  // half of the time of the default and makes films of the same size.
-  start(program,
-        {"ffmpeg",
-         "-y",
-         "-loglevel",
-         "error",
-         "-f",
-         "rawvideo",
-         "-pixel_format",
-         "rgba",
-         "-video_size",
-         fmt::format("{}x{}", width, height),
-         "-framerate",
-         fmt::format("{:g}", fps),
-         "-i",
-         "-",
-         "-vf",
-         "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-         "-c:v",
-         "libx264",
-         "-preset",
-         "veryfast",
-         "-crf",
-         "18",
-         "-pix_fmt",
-         "yuv420p",
-         "-movflags",
-         "+faststart",
-         "file:" + partial_->path().string()});  // "http:film.mp4" is a name here, not a protocol of ffmpeg
+  // Players need even sides and colours at half the resolution (yuv420p); `crf` 18 keeps thin lines. The
+  // preset takes half the time of the default and makes films of the same size.
+  start(
+      program,
+      {"ffmpeg",
+       "-y",
+       "-loglevel",
+       "error",
+       "-f",
+       "rawvideo",
+       "-pixel_format",
+       "rgba",
+       "-video_size",
+       fmt::format("{}x{}", width, height),
+       "-framerate",
+       fmt::format("{:g}", fps),
+       "-i",
+       "-",
+       "-vf",
+       "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+       "-c:v",
+       "libx264",
+       "-preset",
+       "veryfast",
+       "-crf",
+       "18",
+       "-pix_fmt",
+       "yuv420p",
+       "-movflags",
+       "+faststart",
+       "file:" + partial_->path().string()});  // without "file:", ffmpeg takes "http:film.mp4" for a protocol
 }
 
 Ffmpeg::~Ffmpeg() {
@@ -113,16 +114,16 @@ void Ffmpeg::start(const std::string& program, const std::vector<std::string>& a
   words.push_back(nullptr);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) refuse_output(film_, std::strerror(errno));
-  fcntl(ends[1], F_SETPIPE_SZ, k_pipe_bytes);  // a kernel that allows less keeps what it has
-  std::signal(SIGPIPE, SIG_IGN);               // that it has ended is an error in writing, and told
+  fcntl(ends[1], F_SETPIPE_SZ, k_pipe_bytes);  // fails harmlessly if the kernel allows less
+  std::signal(SIGPIPE, SIG_IGN);               // if ffmpeg has ended, write() reports it
   process_ = fork();
   if (process_ == 0) {
-    // In a group of its own: Ctrl-C ends the run, which then finishes the film.
+    // In a process group of its own: Ctrl-C must end the run, which then finishes the film, and not ffmpeg.
     setpgid(0, 0);
     const int nothing = open("/dev/null", O_WRONLY);
     dup2(ends[0], STDIN_FILENO);
     dup2(nothing, STDOUT_FILENO);
-    // With the lock on the film: ffmpeg may outlive this process for a moment, and still write.
+    // Keep the descriptor with the lock on the film: ffmpeg may outlive this process and still write.
     for (int file = STDERR_FILENO + 1; file <= k_last_open_file; ++file)
       if (file != partial_->descriptor()) close(file);
     fcntl(partial_->descriptor(), F_SETFD, 0);

@@ -13,26 +13,26 @@
 
 namespace troupe::apps {
 
-/// A film that ffmpeg, a process of its own, makes of pictures. It is written beside its name and renamed
-/// when it is whole; a film that is not finished leaves nothing, unless the program is killed by SIGKILL: the
-/// next film of the name then takes the place of what it left.
+/// A film that a child process, ffmpeg, encodes from pictures. It is written to a temporary file in the same
+/// folder and renamed when it is complete. An unfinished film leaves no file, unless the program is killed by
+/// SIGKILL; the next film of that name then replaces the remains.
 class Ffmpeg {
  public:
-  /// Throws OutputError where there is no ffmpeg, with the package to install.
+  /// Throws OutputError if ffmpeg is not found; the message names the package to install.
   Ffmpeg(std::filesystem::path film, int width, int height, double fps);
   ~Ffmpeg();
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
 
-  /// One picture, 8-bit RGBA. Throws std::runtime_error where ffmpeg has ended.
+  /// Adds one picture, 8-bit RGBA. Throws std::runtime_error if ffmpeg has ended.
   void write(std::span<const std::uint8_t> rgba);
-  /// Waits until the film is whole. Throws std::runtime_error where ffmpeg says that it is not.
+  /// Waits until the film is complete. Throws std::runtime_error if ffmpeg fails.
   void finish();
 
  private:
   [[noreturn]] void fail();
   void start(const std::string& program, const std::vector<std::string>& arguments);
-  /// Its exit code, once it has ended; 128 and more: by a signal.
+  /// Waits for the process and returns its exit code; 128 plus the number of the signal that ended it.
   int wait();
 
   std::filesystem::path film_;
@@ -41,9 +41,9 @@ class Ffmpeg {
   int process_ = -1;
 };
 
-/// Where ffmpeg is, by PATH; empty: nowhere.
+/// The path of ffmpeg, searched in PATH; empty: not found.
 std::string find_ffmpeg();
-/// Throws OutputError where the film that is wanted cannot be made, before anything is written.
+/// Throws OutputError if the film cannot be made. Writes nothing.
 void check_film(const PictureFiles& pictures);
 
 }  // namespace troupe::apps

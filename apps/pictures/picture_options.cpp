@@ -14,12 +14,12 @@
 namespace troupe::apps {
 namespace {
 
-// What OSMesa draws at most.
+// The largest picture of OSMesa.
 constexpr int k_max_pixels = 16384;
 constexpr double k_farthest_m = 1e6;
-constexpr double k_least_fps = 0.001;  // ffmpeg takes no rate below a millionth
+constexpr double k_least_fps = 0.001;  // ffmpeg accepts no rate below 1e-6
 constexpr double k_most_fps = 1000;
-constexpr double k_least_speed = 0.001;  // slower still, a second of the world would be days of film
+constexpr double k_least_speed = 0.001;  // at lower speeds films become days long
 constexpr double k_most_speed = 1e6;
 constexpr const char* k_number_mark = "%06d";
 
@@ -35,7 +35,7 @@ void set_picture_size(PictureOptions& look, const std::string& text) {
   look.height = *height;
 }
 
-/// Two numbers with a comma between them; of one alone the second is 0 where that is right.
+/// Two numbers separated by a comma. With `one_is_enough`, the second may be missing and is then 0.
 std::optional<std::array<double, 2>> two_numbers(const std::string& text, bool one_is_enough) {
   const auto comma = text.find(',');
   const auto first = finite(text.substr(0, comma));
@@ -77,16 +77,16 @@ constexpr std::array k_looks = {"--size",   "--camera",   "--center",      "--an
 
 void add_files(CLI::App& app, PictureFiles& pictures) {
   CLI::Option* const snapshot =
-      add_value(app, "--snapshot", "FILE", "Draw the last tick into a .png, or a map into a .svg or .pdf",
+      add_value(app, "--snapshot", "FILE", "Draw the last tick into a .png, or as a map into a .svg or .pdf",
                 [&pictures](const std::string& text) { set_snapshot(pictures, "--snapshot", text); });
   add_value(app, "--snapshot-at", "T,...",
-            "Instead at these simulated times, s; {time} in the name stands for them",
+            "Draw these simulated times instead, s; {time} in the name stands for the time",
             [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); })
       ->needs(snapshot);
   add_film_options(app, pictures);
 }
 
-/// What the options are together.
+/// Checks combinations of options.
 void check(const CLI::App& app, const PictureFiles& pictures) {
   for (const char* name : k_looks)
     if (app.count(name) > 0 && pictures.snapshot.empty() && pictures.film.empty())
@@ -122,26 +122,29 @@ std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t 
 }
 
 void add_film_options(CLI::App& app, PictureFiles& pictures) {
-  CLI::Option* const film = add_value(
-      app, "--film", "FILE.mp4", "Film the run with ffmpeg; or into pictures, as in frames/%06d.png",
-      [&pictures](const std::string& text) {
-        pictures.film = text;
-        const bool is_film = pictures.film.extension() == ".mp4" || is_frames(text);
-        if (!is_film || text.starts_with('-'))
-          refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
-      });
-  add_value(app, "--fps", "N", "Its pictures a second (default: 30)", [&pictures](const std::string& text) {
-    const std::optional<double> fps = finite(text);
-    if (!fps || *fps < k_least_fps || *fps > k_most_fps)
-      refuse("--fps", text, fmt::format("pictures a second, {:g} to {:g}", k_least_fps, k_most_fps));
-    pictures.fps = *fps;
-  })->needs(film);
-  add_value(app, "--film-speed", "R", "Simulated seconds a second of it (default: 1)",
+  CLI::Option* const film =
+      add_value(app, "--film", "FILE.mp4", "Film the run with ffmpeg; frames/%06d.png writes single pictures",
+                [&pictures](const std::string& text) {
+                  pictures.film = text;
+                  const bool is_film = pictures.film.extension() == ".mp4" || is_frames(text);
+                  if (!is_film || text.starts_with('-'))
+                    refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
+                });
+  add_value(app, "--fps", "N", "Frames per second of the film (default: 30)",
+            [&pictures](const std::string& text) {
+              const std::optional<double> fps = finite(text);
+              if (!fps || *fps < k_least_fps || *fps > k_most_fps)
+                refuse("--fps", text,
+                       fmt::format("a number of frames per second, {:g} to {:g}", k_least_fps, k_most_fps));
+              pictures.fps = *fps;
+            })
+      ->needs(film);
+  add_value(app, "--film-speed", "R", "Simulated seconds per second of the film (default: 1)",
             [&pictures](const std::string& text) {
               const std::optional<double> speed = finite(text);
               if (!speed || *speed < k_least_speed || *speed > k_most_speed)
                 refuse("--film-speed", text,
-                       fmt::format("times real time, {:g} to {:g}", k_least_speed, k_most_speed));
+                       fmt::format("a multiple of real time, {:g} to {:g}", k_least_speed, k_most_speed));
               pictures.film_speed = *speed;
             })
       ->needs(film);
@@ -151,21 +154,22 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--size", "WxH", "Size of pictures in pixels (default: 1280x720)",
             [&look](const std::string& text) { set_picture_size(look, text); });
   add_value(app, "--camera", "C",
-            "top (default), fit, perspective, follow:all, follow:NAME, or window (the world's own)",
+            "top (default), fit, perspective, follow:all, follow:NAME, or window (that of the world)",
             [&look](const std::string& text) {
               look.camera = text;
               if (const Result<> known = check_camera(text); !known)
                 throw CLI::ValidationError("--camera", known.error().text);
             });
-  add_value(app, "--center", "X,Y", "What is in the middle, m (default: everything is in the picture)",
+  add_value(app, "--center", "X,Y", "Centre of the picture, m (default: all is in the picture)",
             [&look](const std::string& text) { set_center(look, text); });
-  add_value(app, "--angle", "PITCH[,YAW]", "Degrees: 0 straight down, 90 level; counter-clockwise",
+  add_value(app, "--angle", "PITCH[,YAW]",
+            "Degrees: pitch 0 straight down to 90 level, yaw counter-clockwise",
             [&look](const std::string& text) { set_angle(look, text); });
-  add_value(app, "--across", "M", "What the picture's width shows in its middle, m",
+  add_value(app, "--across", "M", "Width that the picture shows at its centre, m",
             [&look](const std::string& text) {
               look.across_m = number_within("--across", text, k_farthest_m, "a length in metres");
             });
-  add_value(app, "--layers", "A,-B,...", "What is drawn beside the robots, and what is not; listed below",
+  add_value(app, "--layers", "A,-B,...", "Layers to draw in addition to the robots, or not to; listed below",
             [&look](const std::string& text) {
               look.layers = text;
               const Result<> known = text.empty() ? Error{"an empty list"} : check_layers(text);
@@ -177,9 +181,10 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
               if (const Result<> known = check_background(text); !known)
                 throw CLI::ValidationError("--background", known.error().text);
             });
-  add_value(app, "--color-by", "COMPONENT.FIELD", "Robots have the colour of a value of the state",
+  add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a value of the state",
             [&look](const std::string& text) { look.color_by = text; });
-  add_value(app, "--color-range", "LOW,HIGH", "Values at the ends of the colours (default: each picture's)",
+  add_value(app, "--color-range", "LOW,HIGH",
+            "Values at the ends of the colour scale (default: of each picture)",
             [&look](const std::string& text) {
               look.color_range = two_numbers(text, false);
               if (!look.color_range || (*look.color_range)[0] >= (*look.color_range)[1])
@@ -214,7 +219,7 @@ void check_names(const PictureFiles& pictures, const char* times_option, const c
   if (pictures.snapshot_at_s.size() < 2 || name.find(k_time_mark) != name.npos) return;
   throw CLI::ValidationError(
       times_option,
-      fmt::format("several pictures need names of their own: write {} in the name, as in {} {}-{}.png",
+      fmt::format("several pictures need different names: write {} in the name, as in {} {}-{}.png",
                   k_time_mark, name_option, pictures.snapshot.stem().string(), k_time_mark));
 }
 
@@ -226,12 +231,13 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures) {
 
 std::string picture_help() {
   std::string text =
-      "Pictures: --camera top is a map, and fit one of where robots are; perspective, follow:all (where "
-      "robots are) and\n"
-      "follow:NAME (a robot in the middle) show solids; window is the camera of the world's own window. "
-      "--center, --angle\n"
-      "and --across change any of them. A .svg or .pdf holds paths and letters, of maps alone.\n"
-      "Layers, those in brackets only where --layers asks for them; -NAME leaves one out:\n";
+      "Pictures: --camera top draws a map, fit a map of the area with robots. perspective, follow:all (the "
+      "area with\n"
+      "robots) and follow:NAME (one robot in the centre) draw solids. window is the camera of the world's "
+      "window.\n"
+      "--center, --angle and --across change any of them. A .svg or .pdf holds vector graphics, of maps "
+      "only.\n"
+      "Layers (those in brackets are drawn only if --layers names them; -NAME omits a layer):\n";
   for (const PictureLayer& layer : picture_layers())
     text += fmt::format("  {:<13} {}\n", layer.on ? std::string(layer.name) : fmt::format("[{}]", layer.name),
                         layer.text);

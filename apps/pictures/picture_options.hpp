@@ -12,41 +12,41 @@ class App;
 
 namespace troupe::apps {
 
-/// Which pictures a run leaves, and how they look.
+/// The pictures that a run writes, and their look.
 struct PictureFiles {
   std::filesystem::path snapshot;     ///< empty: none
-  std::vector<double> snapshot_at_s;  ///< empty: at the end
+  std::vector<double> snapshot_at_s;  ///< world times, s; empty: at the end
   std::filesystem::path film;         ///< a film, or frames with `%06d` for their number; empty: none
   double fps = 30;
-  double film_speed = 1;  ///< simulated seconds a second of film
+  double film_speed = 1;  ///< simulated seconds per second of film
   PictureOptions look;
 };
 
-/// In the names of snapshots this stands for the simulated time.
+/// Placeholder for the simulated time in the names of snapshots.
 inline constexpr std::string_view k_time_mark = "{time}";
 /// The files of all snapshots, in the order of their times.
 std::vector<std::filesystem::path> snapshot_files(const PictureFiles& pictures);
-/// True for a film that is written as pictures, one a frame.
+/// Whether a film is written as one picture per frame.
 bool is_frames(const std::filesystem::path& film);
-/// The file of one of them, counted from 0.
+/// The file of a frame, counted from 0.
 std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame);
 
-/// Adds --snapshot, --film and add_look_options(); `pictures` must outlive `app`. What is wrong is a
+/// Adds --snapshot, --snapshot-at, --film and add_look_options(); `pictures` must outlive `app`. Errors are
 /// CLI::ParseError.
 void add_picture_options(CLI::App& app, PictureFiles& pictures);
 
-// What other commands that draw share with it: an option each, by the name that they have there.
+// Parts for other commands that draw. `option` is the name of the option in that command.
 
-/// Adds what says how pictures look: --size, --camera, --layers, ...
+/// Adds the options of the look of pictures: --size, --camera, --layers, ...
 void add_look_options(CLI::App& app, PictureOptions& look);
 /// Adds --film, --fps and --film-speed.
 void add_film_options(CLI::App& app, PictureFiles& pictures);
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text);
 void set_times(PictureFiles& pictures, const char* option, const std::string& text);
-/// Several times need {time} in the name.
+/// Throws CLI::ValidationError if several times are given without {time} in the name.
 void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option);
 
-/// What --layers takes, and what cameras there are, for a command's help.
+/// The cameras and the values of --layers, for a command's help.
 std::string picture_help();
 
 }  // namespace troupe::apps

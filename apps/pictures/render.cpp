@@ -33,15 +33,15 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_render_footer = R"(
-A world is drawn as it begins, a checkpoint as it was saved, a recording as it ended; --at draws other times: a world is
-run until then, a checkpoint resumed, and of a recording the last frame that is not later is taken. --for S is --at S for
-worlds and checkpoints, and the end of their films. A recording needs no other file; it can show what was recorded
-(troupe run --record-fields): scans want ranges, the outlines of stalled robots want stall.
+Draws a world at its start, a checkpoint at the time it was saved, a recording at its end. --at draws other times: a
+world is run until then, a checkpoint is resumed, and of a recording the last frame that is not later is drawn. For
+worlds and checkpoints, --for S means --at S, and is the end of their films. A recording needs no other file, but shows
+only recorded fields (troupe run --record-fields): scans need ranges, outlines of stalled robots need stall.
 )";
 
 constexpr const char* k_examples = R"(
-Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 ended early by Ctrl-C or SIGTERM, what was
-drawn until then is whole.
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM, files
+written until then are complete.
 
 Examples:
   troupe render worlds/cave-simple.json -o cave.png --camera perspective
@@ -50,7 +50,8 @@ Examples:
   troupe render day.h5 --film day.mp4 --film-speed 60 --layers trails
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
-/// Times in order, or the one the input stands at. Who is stopped on the way there draws nothing of it.
+/// Draws the given times in order, or the current time. If a signal stops the run before a time, that time is
+/// not drawn.
 template <class TakeAt>
 void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
   const std::vector<fs::path> files = snapshot_files(options.pictures);
@@ -62,7 +63,7 @@ void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_a
   }
 }
 
-/// Steps to a time, or to a signal.
+/// Steps to a time, or until a signal.
 void run_until(Simulation& simulation, double time_s, Progress& progress,
                const std::function<void()>& after_each) {
   while (simulation.tick() < engine::ticks_until(time_s, simulation.tick_s()) && !stop_requested()) {
@@ -76,7 +77,7 @@ void draw_simulation(const RenderOptions& options, Simulation& simulation) {
   Pictures pictures(simulation, options.pictures.look);
   const auto& times = options.pictures.snapshot_at_s;
   if (!times.empty() && engine::ticks_until(times.front(), simulation.tick_s()) < simulation.tick())
-    throw InputError(fmt::format("{}: error: {} {:g}: the run is at {:g} s already", options.world.string(),
+    throw InputError(fmt::format("{}: error: {} {:g}: the run is already at {:g} s", options.world.string(),
                                  options.for_s ? "--for" : "--at", times.front(), simulation.time_s()));
   pictures.rehearse(snapshot_files(options.pictures).front());
   const RunSpeed speed(simulation.time_s());
@@ -102,7 +103,7 @@ void film_simulation(const RenderOptions& options, Simulation& simulation) {
   fmt::print("{}\n", film.result());
 }
 
-/// Trails and coverage are made of the frames before.
+/// Shows earlier frames to `pictures`, which need them for trails and coverage.
 void see_history(RecordedRun& run, Pictures& pictures) {
   if (pictures.history_s() == 0) return;
   const std::size_t last = run.frame_index();
@@ -112,12 +113,13 @@ void see_history(RecordedRun& run, Pictures& pictures) {
   }
 }
 
-/// Refuses the layer `speed`: a recording does not have the speed of the run, and a film shows its own.
+/// Throws InputError for the layer "speed": a recording does not contain the speed of its run. A film of a
+/// recording shows its own speed.
 void refuse_speed(const RenderOptions& options) {
   const std::string list = "," + options.pictures.look.layers + ",";
   if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;
   throw InputError(
-      fmt::format("{}: error: the layer \"speed\" is drawn of worlds and checkpoints, not of recordings",
+      fmt::format("{}: error: the layer \"speed\" is for worlds and checkpoints, not for recordings",
                   options.world.string()));
 }
 
@@ -152,13 +154,14 @@ void film_recording(const RenderOptions& options, RecordedRun& run) {
   fmt::print("{}\n", film.result());
 }
 
-/// What a checkpoint or a recording holds already.
+/// Throws InputError if an option other than `allowed` was given: a checkpoint or a recording already fixes
+/// it.
 void refuse_given(const RenderOptions& options, std::span<const std::string_view> allowed,
                   std::string_view what) {
   for (const std::string& option : options.given)
     if (std::ranges::find(allowed, option) == allowed.end())
-      throw InputError(
-          fmt::format("{}: error: {} is for worlds: this is a {}", options.world.string(), option, what));
+      throw InputError(fmt::format("{}: error: {} is only for worlds, and this is a {}",
+                                   options.world.string(), option, what));
 }
 
 Simulation load(const RenderOptions& options, bool is_checkpoint) {
@@ -174,11 +177,11 @@ void render_checked(const RenderOptions& options) {
   const PictureFiles& wanted = options.pictures;
   std::vector<fs::path> outputs = snapshot_files(wanted);
   outputs.push_back(wanted.film);
-  check_outputs({{options.world, "what is to be drawn"}}, outputs);
+  check_outputs({{options.world, "the input"}}, outputs);
   check_film(wanted);
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (!is_checkpoint && is_hdf5(options.world)) {
-    refuse_given(options, {}, "recording; --at draws one of its times");
+    refuse_given(options, {}, "recording; --at selects one of its times");
     RecordedRun run(options.world);
     if (!wanted.snapshot.empty()) draw_recording(options, run);
     if (!wanted.film.empty()) film_recording(options, run);
@@ -206,7 +209,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->option_text(" ")
       ->required();
   add_value(command, "-o,--output", "FILE",
-            "The picture, a .png, .svg or .pdf; {time} in its name stands for the simulated time",
+            "Output, a .png, .svg or .pdf; {time} in the name stands for the simulated time",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });
   CLI::Option* const at =
       add_value(command, "--at", "T,...", "Simulated times to draw, s",
@@ -215,7 +218,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_look_options(command, options.pictures.look);
   add_run_settings(command, options);
   command.get_option("--for")->excludes(at);
-  add_value(command, "--threads", "N", "Worker threads (default: one for each processor it may use)",
+  add_value(command, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   command.final_callback([&command, &options] {
     PictureFiles& pictures = options.pictures;

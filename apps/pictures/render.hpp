@@ -13,15 +13,15 @@ class App;
 
 namespace troupe::apps {
 
-/// What the command line of `troupe render` asks for.
+/// Options of `troupe render`.
 struct RenderOptions : WorldOptions {
-  PictureFiles pictures;           ///< of `world`: a world, a checkpoint or a recording
-  std::vector<std::string> given;  ///< options that say how a world is run, as they were given
+  PictureFiles pictures;           ///< pictures of `world`: a world, a checkpoint or a recording
+  std::vector<std::string> given;  ///< names of the given options that apply only to running a world
 };
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.
 void add_render_options(CLI::App& command, RenderOptions& options);
-/// Draws what was asked for.
+/// `troupe render`: draws the pictures and the film.
 ExitCode render_pictures(const RenderOptions& options);
 
 }  // namespace troupe::apps

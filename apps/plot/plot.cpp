@@ -17,13 +17,13 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_plot_footer = R"(
-DIR is the folder of a sweep whose study says "series": true. The lines are means over the runs that have a value at that
-time, and the bands around them one standard deviation of those runs. Without --by there is a line for each combination
+DIR is the folder of a sweep whose study has "series": true. Each line is the mean over the runs that have a value at
+that time; the band around it is one standard deviation of those runs. Without --by there is one line per combination
 of the parameters that differ.
 
-python3 and matplotlib draw it: that of TROUPE_PYTHON, else the first on the path.
+Needs python3 with matplotlib: the interpreter in TROUPE_PYTHON, else the first python3 on PATH.
 
-Exit codes: 0 drawn; 1 failed, or there is no python3 or matplotlib; 2 bad input or usage.
+Exit codes: 0 plotted; 1 failed, or python3 or matplotlib is missing; 2 bad input or usage.
 
 Examples:
   troupe sweep apps/examples/study/coverage.json -o results
@@ -45,18 +45,18 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
           "DIR", [&options](const std::string& text) { options.folder = text; }, "Folder of a sweep")
       ->option_text(" ")
       ->required();
-  add_text(command, "--measure", "NAME", "What is drawn (default: the first measure)", options.measure);
-  add_text(command, "--by", "NAME,...", "Parameters that tell lines apart (default: those that differ)",
+  add_text(command, "--measure", "NAME", "Measure to plot (default: the first)", options.measure);
+  add_text(command, "--by", "NAME,...", "Parameters with a line per value (default: those that differ)",
            options.by);
-  add_text(command, "--title", "TEXT", "Above the picture", options.title);
-  add_value(command, "-o,--out", "FILE", "The picture, a .png, .svg or .pdf (default: DIR/MEASURE.png)",
+  add_text(command, "--title", "TEXT", "Title above the plot", options.title);
+  add_value(command, "-o,--out", "FILE", "Output, a .png, .svg or .pdf (default: DIR/MEASURE.png)",
             [&options](const std::string& text) { options.out = file_name("--out", text); });
 }
 
 ExitCode plot(const PlotOptions& options) {
   const char* const chosen = std::getenv("TROUPE_PYTHON");
   const std::string python = chosen && *chosen ? chosen : "python3";
-  // "=" keeps a value that begins with a minus from being taken for an option.
+  // With "=", a value that begins with a minus is not parsed as an option.
   std::vector<std::string> words = {python, "-c", std::string(k_plot_script)};
   const auto add = [&words](const char* name, const std::string& value) {
     if (!value.empty()) words.push_back(fmt::format("{}={}", name, value));

@@ -11,7 +11,7 @@ class App;
 
 namespace troupe::apps {
 
-/// What the command line of `troupe plot` asks for. Empty: as python/troupe/plot.py chooses.
+/// Options of `troupe plot`. For empty ones python/troupe/plot.py has defaults.
 struct PlotOptions {
   std::filesystem::path folder;
   std::string measure;
@@ -22,8 +22,8 @@ struct PlotOptions {
 
 /// Adds the options of `plot`; parsing fills `options`, which must outlive `command`.
 void add_plot_options(CLI::App& command, PlotOptions& options);
-/// Draws a measure of a sweep: becomes python3, with the script that the program holds. Returns only where
-/// there is no python3.
+/// Plots a measure of a sweep: replaces the process by python3 with the embedded script. Returns only if
+/// python3 cannot be started.
 ExitCode plot(const PlotOptions& options);
 
 }  // namespace troupe::apps

@@ -4,7 +4,7 @@
 
 namespace troupe::apps {
 
-/// python/troupe/plot.py.
+/// The text of python/troupe/plot.py.
 extern const std::string_view k_plot_script;
 
 }  // namespace troupe::apps

@@ -1,5 +1,5 @@
-// Bundles index.html, style.css and src/ into replay.html, and live_index.html with them into live.html: files that need
-// nothing else. Called by scripts/replay-page.
+// Bundles index.html, style.css and src/ into replay.html, and live_index.html, style.css and src/ into live.html, which
+// are self-contained. Called by scripts/replay-page.
 
 import { createHash } from "node:crypto";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
@@ -7,7 +7,7 @@ import { build, transform } from "esbuild";
 
 const read = (name) => readFileSync(new URL(name, import.meta.url), "utf8");
 
-// What it was made of: tests/replay_page_test.py computes it again, and so knows whether the bundle is of these sources.
+// A hash of the sources. tests/replay_page_test.py recomputes it to check that the bundles are up to date.
 const sources = ["build.mjs", "index.html", "live_index.html", "package-lock.json", "package.json", "style.css"];
 sources.push(...readdirSync(new URL("src", import.meta.url)).map((name) => `src/${name}`));
 const hash = createHash("sha256");
@@ -16,7 +16,7 @@ for (const name of sources.sort()) hash.update(`${name}\n${read(name)}\n`);
 const style = await transform(read("style.css"), { loader: "css", minify: true });
 
 const license = read("node_modules/three/LICENSE").trim();
-if (license.includes("--")) throw new Error("the license cannot stand in a comment of HTML");
+if (license.includes("--")) throw new Error('the license contains "--", which HTML comments do not allow');
 const head = `<!--
 Made by Troupe (Apache License 2.0), with three.js ${JSON.parse(read("node_modules/three/package.json")).version}:
 
@@ -38,9 +38,9 @@ async function bundle(entry, index, made) {
   });
   const parts = { STYLE: style.code.trim(), SCRIPT: script.outputFiles[0].text.trim() };
   for (const text of Object.values(parts))
-    if (text.includes("@RECORDING@")) throw new Error("only index.html may say where the recording goes");
+    if (text.includes("@RECORDING@")) throw new Error("only index.html may contain @RECORDING@");
   const page = read(index)
-    .replace("<style>", () => `${head}\n<style>`) // behind the character set, which must stand in the first 1,024 bytes
+    .replace("<style>", () => `${head}\n<style>`) // after the character set, which must be in the first 1,024 bytes
     .replace(/@(STYLE|SCRIPT)@/g, (_, name) => parts[name]);
   writeFileSync(new URL(made, import.meta.url), page);
   console.log(`apps/replay_page/${made}: ${Math.round(page.length / 1000)} kB`);

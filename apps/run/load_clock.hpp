@@ -7,18 +7,18 @@
 
 namespace troupe::apps {
 
-/// How a run's ticks load the workers, from the marks of a simulation's on_phase(), on_loop() and on_task().
-/// Loops between ticks (hashes, measures) do not count. Two looks at a clock a task, which takes some tens of
-/// microseconds.
+/// Measures how a run's ticks load the workers, from the callbacks on_phase(), on_loop() and on_task() of a
+/// simulation. Loops between ticks (hashes, measures) are not counted. Reads a clock twice per task; a task
+/// takes tens of microseconds.
 class LoadClock {
  public:
-  /// A tick is under way, or none is.
+  /// Call with true when a tick begins and with false when it has ended.
   void tick(bool is_under_way) {
     if (is_under_way == is_tick_) return;
     is_tick_ = is_under_way;
     mark(tick_, is_under_way, ticks_s_);
   }
-  /// A parallel loop begins or ends; on the thread that steps.
+  /// Call when a parallel loop begins or ends, on the stepping thread.
   void loop(bool begins) {
     if (!is_tick_) return;
     mark(loop_, begins, loops_s_);
@@ -31,17 +31,17 @@ class LoadClock {
     }
     longest_s_ += longest;
   }
-  /// A task of the loop begins or ends; on its worker.
+  /// Call when a task of the loop begins or ends, on its worker thread.
   void task(bool begins) {
-    if (!is_tick_) return;  // written between loops only
+    if (!is_tick_) return;  // no race: is_tick_ is written only between loops
     Worker& worker = workers_.own();
     mark(worker.begin, begins, worker.busy_s);
   }
 
-  /// The part of the ticks' wall time that no parallel loop covers, 0 to 1: more workers do not shorten it.
+  /// Fraction of the ticks' wall time outside parallel loops, 0 to 1. More workers do not shorten it.
   double serial_share() const { return ticks_s_ > 0 ? 1 - loops_s_ / ticks_s_ : 0; }
-  /// The busiest worker's time in the tasks of a loop by the mean of all `threads` workers, all loops taken
-  /// together: 1 where all have the same work, `threads` where one did everything.
+  /// The busiest worker's time in the tasks of a loop divided by the mean of all `threads` workers, summed
+  /// over all loops: 1 if all have equal work, `threads` if one worker did everything.
   double imbalance(unsigned threads) const { return busy_s_ > 0 ? threads * longest_s_ / busy_s_ : 0; }
 
  private:
@@ -64,7 +64,7 @@ class LoadClock {
   double ticks_s_ = 0;
   double loops_s_ = 0;
   double busy_s_ = 0;
-  double longest_s_ = 0;  // of each loop the busiest worker's
+  double longest_s_ = 0;  // sum over loops of the busiest worker's time
   PerThread<Worker> workers_;
 };
 

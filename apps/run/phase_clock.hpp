@@ -9,7 +9,7 @@
 
 namespace troupe::apps {
 
-/// Wall time in each phase, from a world's marks between them: what its on_phase() calls.
+/// Sums the wall time of each phase. An object of this class is a callback for on_phase() of a world.
 class PhaseClock {
  public:
   using Clock = std::chrono::steady_clock;

@@ -25,12 +25,12 @@ class RecordOutput : public ClonedOutput<RecordOutput> {
   void add_options(CLI::App& app, RunOptions& options) override {
     add_value(app, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
               [&options](const std::string& text) { options.record = file_name("--record", text); });
-    add_value(app, "--record-every", "S", "Simulated seconds from frame to frame (default: 0.1)",
+    add_value(app, "--record-every", "S", "Simulated seconds between frames (default: 0.1)",
               [&options](const std::string& text) {
                 options.recording.every_s = positive_seconds("--record-every", text, "a time");
               });
     add_value(app, "--record-fields", "A,B,...",
-              "What of it: pose (with shown colours), velocity, stall, ranges, ..., or all (default: pose)",
+              "Recorded fields: pose (with shown colours), velocity, ranges, ..., or all (default: pose)",
               [&options](const std::string& text) {
                 options.recording.fields = split(text, ',');
                 if (std::ranges::count(options.recording.fields, "") > 0)

@@ -4,7 +4,8 @@
 
 namespace troupe::apps {
 
-/// --record, --record-every, --record-fields: RunOptions::record and ::recording, which the recorder reads.
+/// The output of --record, --record-every and --record-fields, which fill RunOptions::record and ::recording
+/// for the recorder.
 std::unique_ptr<RunOutput> record_output();
 
 }  // namespace troupe::apps

@@ -43,7 +43,7 @@ std::string summary_text(const Report& report) {
   };
 
   if (report.stopped)
-    text += fmt::format("stopped early, at {:.10g} of {:.10g} s\n", s.time_s, report.end_s);
+    text += fmt::format("stopped early at {:.10g} of {:.10g} s\n", s.time_s, report.end_s);
   else if (!report.stopped_by.empty())
     text += fmt::format("finished at {:.10g} of {:.10g} s: {}\n", s.time_s, report.end_s, report.stopped_by);
   else
@@ -55,9 +55,10 @@ std::string summary_text(const Report& report) {
        fmt::format("{} s, after {} s of loading", four_digits(report.wall_s), four_digits(report.load_s)));
   line("times real time", four_digits(report.times_real_time()));
   if (report.rate > 0)
-    line("held back", fmt::format("{} s, to {:.10g} x real time", four_digits(report.waited_s), report.rate));
-  line("cost", fmt::format("{} ns a robot and tick", four_digits(report.ns_per_robot_tick())));
-  line("beams", fmt::format("{} a tick", four_digits(report.beams_per_tick())));
+    line("waited",
+         fmt::format("{} s, to keep {:.10g} x real time", four_digits(report.waited_s), report.rate));
+  line("cost", fmt::format("{} ns per robot and tick", four_digits(report.ns_per_robot_tick())));
+  line("beams", fmt::format("{} per tick", four_digits(report.beams_per_tick())));
   std::string shares;
   for (std::size_t i = 0; i < k_phases; ++i)
     shares +=
@@ -116,7 +117,7 @@ std::string summary_json(const Report& report) {
   json["velocity_hash"] = hash_text(report.hashes.velocity);
   json["sensor_hash"] = hash_text(report.hashes.sensor);
   json["memory_hash"] = hash_text(report.hashes.memory);
-  // Options keep their own type where they are numbers or switches: a seed reads as one.
+  // Options that are numbers or switches keep that type in JSON: a seed is a number.
   for (const auto& [key, value] : report.options) {
     if (json.contains(key)) continue;
     const auto parsed = nlohmann::ordered_json::parse(value, nullptr, false);
@@ -126,7 +127,7 @@ std::string summary_json(const Report& report) {
       json[key] = value;
   }
   json["version"] = version_line();
-  // A file name need not be UTF-8, and the object must come out all the same.
+  // File names need not be UTF-8; replacing invalid bytes keeps dump() from throwing.
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -10,31 +10,31 @@
 
 namespace troupe::apps {
 
-/// How a run went: what the closing summary and --json are made of.
+/// Results of a run, for the closing summary and --json.
 struct Report {
   std::string world;
   std::string title;
   Statistics statistics;
   Simulation::Hashes hashes;
-  std::uint64_t first_tick = 0;  ///< where this part of the run began; counters are those since tick 0
+  std::uint64_t first_tick = 0;  ///< first tick of this part of the run; counters are since tick 0
   double tick_s = 0;
-  double end_s = 0;  ///< where the run was to end, s of world time
-  bool stopped = false;
-  std::string stopped_by;  ///< the condition of the world with which it was over; empty: it went to end_s
+  double end_s = 0;        ///< requested end, world time, s
+  bool stopped = false;    ///< stopped before end_s by a signal or --wall-limit
+  std::string stopped_by;  ///< the condition of the world's `stop_when` that ended the run; empty: none
   unsigned threads = 0;
-  double load_s = 0;    ///< wall time from the file to the first tick
-  double wall_s = 0;    ///< wall time of all ticks, with what watches them (hash log, progress)
-  double rate = 0;      ///< times real time, that the run was held back to; 0: it was not
-  double waited_s = 0;  ///< part of wall_s in which it was held back
-  /// Part of wall_s in each phase; the rest went into watching.
+  double load_s = 0;    ///< wall time of loading
+  double wall_s = 0;    ///< wall time of all ticks, with the observers (hash log, progress)
+  double rate = 0;      ///< limit of the speed, times real time; 0: no limit
+  double waited_s = 0;  ///< part of wall_s spent waiting because of `rate`
+  /// Part of wall_s in each phase; the rest was spent in observers.
   std::array<double, k_phases> phase_s{};
-  double serial_share = 0;  ///< of the ticks' wall time: LoadClock
-  double imbalance = 0;     ///< of the workers' load: LoadClock
+  double serial_share = 0;  ///< LoadClock::serial_share()
+  double imbalance = 0;     ///< LoadClock::imbalance()
   std::uint64_t peak_rss_bytes = 0;
-  std::string checkpoint;  ///< where the last state was saved; empty: nowhere
-  std::vector<std::pair<std::string, std::string>> options;  ///< as they took effect
+  std::string checkpoint;                                    ///< file with the last state; empty: none
+  std::vector<std::pair<std::string, std::string>> options;  ///< effective options
 
-  /// Ratios are 0 where their denominator is: no ticks, no robots, no measurable time.
+  /// Ratios are 0 if their denominator is 0: no ticks, no robots, no measurable time.
   double times_real_time() const;
   double ns_per_robot_tick() const;
   double beams_per_tick() const;
@@ -42,10 +42,10 @@ struct Report {
   std::uint64_t ticks_here() const { return statistics.ticks - first_tick; }
 };
 
-/// Aligned lines for people, the last one ended.
+/// The summary as aligned lines; ends with a line break.
 std::string summary_text(const Report& report);
 
-/// The same as one flat JSON object, keys in a fixed order, with a line end.
+/// The summary as one flat JSON object with keys in a fixed order; ends with a line break.
 std::string summary_json(const Report& report);
 
 }  // namespace troupe::apps

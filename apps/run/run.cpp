@@ -30,7 +30,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The options of each world: with outputs of its own.
+/// The options of each world, with {world} replaced in the names of outputs. Throws InputError if several
+/// worlds would write the same file.
 std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
   std::vector<RunOptions> each;
   for (const fs::path& world : options.worlds) {
@@ -41,8 +42,8 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
       const std::string name = with_world(output->string(), world);
       if (options.worlds.size() > 1 && name == output->string())
         throw InputError(fmt::format(
-            "troupe run: error: of several worlds each needs outputs of its own: write {} in the name, as in "
-            "{}-{}; it stands for the world's name",
+            "troupe run: error: several worlds need different outputs: write {} in the name, as in {}-{}; it "
+            "stands for the world's name",
             k_world_mark, k_world_mark, output->filename().string()));
       *output = name;
     }
@@ -50,7 +51,7 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
   return each;
 }
 
-/// What has to be right before anything is loaded; and, since a world may name a recording, once it is.
+/// Checks inputs and outputs: before loading, and again after it, because a world may name a recording.
 void check_files(const std::vector<RunOptions>& each) {
   std::vector<Input> inputs;
   std::vector<fs::path> outputs;
@@ -62,7 +63,7 @@ void check_files(const std::vector<RunOptions>& each) {
   check_outputs(inputs, outputs);
 }
 
-/// Every world, or what is wrong with all of them.
+/// Loads every world. Throws InputError with the errors of all worlds.
 Runs load(const std::vector<RunOptions>& each) {
   Runs runs;
   std::string wrong;
@@ -77,8 +78,7 @@ Runs load(const std::vector<RunOptions>& each) {
   return runs;
 }
 
-/// The world whose next tick comes first: worlds of several tick lengths go on side by side. None when all
-/// are at their ends.
+/// The world whose next tick ends first, since tick lengths may differ. Null if all have reached their ends.
 WorldRun* next_of(const Runs& runs) {
   WorldRun* next = nullptr;
   for (const auto& run : runs)
@@ -86,10 +86,10 @@ WorldRun* next_of(const Runs& runs) {
   return next;
 }
 
-/// Steps all worlds to their ends, to a signal, or until `is_over`.
+/// Steps all worlds to their ends or until `is_over`.
 void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool show_progress) {
   const WorldRun& last = **std::ranges::max_element(
-      runs, {}, [](const auto& run) { return run->report().end_s; });  // it is in no other's way
+      runs, {}, [](const auto& run) { return run->report().end_s; });  // the progress bar shows this one
   for (const auto& run : runs) run->begin();
   {
     Progress progress(last.simulation().time_s(), last.report().end_s, show_progress);
@@ -121,7 +121,7 @@ ExitCode run_checked(const RunOptions& options) {
     const bool tells_time = std::ranges::any_of(runs, [](const auto& run) { return run->tells_time(); });
     step_to_end(runs, is_over, !options.quiet && !tells_time);
   } catch (...) {
-    // A log that cannot be written any more ends the run, but costs no state.
+    // A failing output ends the run, but the state is still saved.
     for (const auto& run : runs) run->save_at_least();
     throw;
   }

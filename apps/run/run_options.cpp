@@ -18,27 +18,28 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_run_footer = R"(
-The end: --for S is a time on the world's clock, counted from tick 0; it beats the world's quit_time, and one of the
-two must be given. The run ends with the first tick whose time is S or later.
+End: --for S is a world time in seconds, counted from tick 0. It overrides the world's quit_time; one of the two must be
+given. The run ends with the first tick whose time is S or later.
 
---session repeats a session of troupe view: its acts are done at their ticks. Without --for the run ends where the
-session did. A session of another run, of which the first line tells, is refused; so is an act that cannot be done.
+--session repeats a session of troupe view: its acts are applied at their ticks. Without --for the run ends where the
+session ended. A session whose first line describes another run is refused, and so is an act that is not possible.
 
-Several worlds run side by side, each to its own end: the one whose next tick comes first goes next. All are loaded
-before any begins, and none changes another. Outputs have {world} in their names then, which stands for the world's
-name: --hash-log {world}.log. The summaries follow one another, with --json a line each.
+Several worlds run side by side, each to its own end, in the order of the times of their ticks. All are loaded before
+the first tick, and they do not interact. The names of outputs must then contain {world}, which stands for the world's
+name: --hash-log {world}.log. The summaries are printed in turn, with --json one line each.
 
-A run is as fast as it can be. --rate 1 holds it back to real time, --rate world to what the world asks for (speedup).
+A run is as fast as possible by default. --rate 1 limits it to real time, --rate world to the world's speedup.
 
 Outputs are checked before the first tick. Errors and warnings name the file and line: maze.world:41: error: ...
-The result depends on the world, --seed, --raytracer, --robots and --set alone: not on --threads, --tile-size or --simd.
+Results depend only on the world, --seed, --raytracer, --robots, --spare, --session and --set, not on --threads,
+--tile-size or --simd.
 
-A checkpoint holds the state and the whole world; troupe resume needs nothing else to go on, with the same bits as a run
-that never stopped. It is written beside its name and renamed when it is whole: whenever the program is killed, the last
-one is there. One that exists is refused without --force.
+A checkpoint contains the state and the world. troupe resume needs no other file and continues with the same bits as an
+uninterrupted run. It is written to a temporary file and then renamed, so that the last checkpoint survives a kill at
+any time. An existing file is refused without --force.
 
 Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or
---wall-limit: the tick is finished, and the summary and all files are written, the checkpoint among them.
+--wall-limit: the tick is finished, and the summary and all files, including the checkpoint, are written.
 )";
 
 constexpr const char* k_run_examples = R"(
@@ -62,15 +63,16 @@ std::string resume_footer() {
   for (std::size_t at = 0; (at = changeable.find("; ", at)) != changeable.npos;)
     changeable.replace(at, 2, ";\n  ");
   return fmt::format(R"(
-Goes on where the checkpoint was saved, with the same bits as a run that never stopped, on any number of threads and
-without the world's own files. --for S is a time on the world's clock, counted from tick 0 as in troupe run. Outputs are
-those of run. A hash log, a recording or a table that is there already goes on behind the checkpoint's tick, without a
-gap or a repeat; another one begins at it. The checkpoint may be written again under its own name without --force.
+Continues a run from its checkpoint with the same bits as an uninterrupted run, on any number of threads and without the
+world's files. --for S is a world time, counted from tick 0 as in troupe run. The outputs are those of run. An existing
+hash log, recording or table is continued after the checkpoint's tick, without gaps or repetitions; a new one begins at
+that tick. --checkpoint may name the same checkpoint without --force.
 
---set changes what keeps the shape of the state, from here on; h5dump -d /world CHECKPOINT shows the stored world:
+--set changes values that keep the layout of the state, from this tick on; h5dump -d /world CHECKPOINT prints the stored
+world:
   {}
 
-A file that is no checkpoint, was cut off, is damaged, or comes from a newer version is refused with the reason.
+A file that is not a checkpoint, was cut off, is damaged, or comes from a newer version is refused with the reason.
 
 Exit codes: those of troupe run.
 
@@ -82,32 +84,31 @@ Examples:
                      changeable);
 }
 
-/// How a world is run, and what comes out of it: what `run` and `resume` share.
+/// Adds the options of threads and outputs, which `run` and `resume` share.
 void add_output_options(CLI::App& app, RunOptions& options) {
-  add_value(app, "--threads", "N", "Worker threads (default: one for each processor it may use)",
+  add_value(app, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
-  add_value(app, "--tile-size", "M", "Edge of the tiles that threads share out, m (default: chosen)",
+  add_value(app, "--tile-size", "M", "Edge length of the tiles that threads process, m (default: automatic)",
             [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
   options.outputs.add_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {
     app.add_flag(name, on, help)->disable_flag_override();
   };
-  add_switch("--force", options.force, "Replace a checkpoint or a recording that is there already");
-  add_switch("--json", options.json,
-             "Print the summary as one flat JSON object, and nothing else, on stdout");
-  add_switch("--quiet", options.quiet, "Print errors only (and the JSON that --json asks for)");
+  add_switch("--force", options.force, "Replace an existing checkpoint or recording");
+  add_switch("--json", options.json, "Print only the summary, as one flat JSON object, on standard output");
+  add_switch("--quiet", options.quiet, "Print only errors (and the JSON object of --json)");
 }
 
 void add_session_option(CLI::App& app, RunOptions& options) {
   add_value(app, "--session", "FILE.jsonl",
-            "Repeat what was done to the world in a session of troupe view, to the same bits (docs/live.md)",
+            "Repeat the acts of a session of troupe view, with the same bits (docs/live.md)",
             [&options](const std::string& text) { options.session = text; });
 }
 
-/// What the wall clock has to do with it.
+/// Adds the options that concern wall time.
 void add_clock_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--rate", "R|world",
-            "Not faster than R times real time; world: than its speedup (default: as fast as possible)",
+            "Limit the speed to R times real time; world: to its speedup (default: no limit)",
             [&options](const std::string& text) {
               constexpr double k_least = 0.001;
               const std::optional<double> rate = finite(text);
@@ -119,7 +120,7 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
               options.rate = rate.value_or(0);
             });
   app.add_flag("--clock", options.clock,
-               "Tell the time on the way, a line every 100 ticks, or as often as the world says")
+               "Print the time during the run, one line every 100 ticks or as set in the world")
       ->disable_flag_override();
 }
 
@@ -139,7 +140,7 @@ void add_run_options(CLI::App& run, RunOptions& options) {
          [&options](const std::vector<std::string>& names) {
            options.worlds.assign(names.begin(), names.end());
          },
-         "World files: Stage's .world, or .json; several run side by side")
+         "World files: Stage's .world, or .json; several worlds run side by side")
       ->option_text("...")
       ->required();
   add_run_settings(run, options);
@@ -158,17 +159,17 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
       ->option_text(" ")
       ->required();
   add_end_option(resume, options);
-  add_set_option(resume, "Change a value of the stored world: a JSON pointer into it; repeatable",
+  add_set_option(resume, "Change a value of the stored world: a JSON pointer and a value; repeatable",
                  options.simulation.set);
   resume
       .add_flag("--across-versions", options.across_versions,
-                "Though another version of Troupe wrote the checkpoint")
+                "Resume even if another version of Troupe wrote the checkpoint")
       ->disable_flag_override();
   add_plugin_path_option(resume, options.simulation.plugin_path);
   add_simd_option(resume);
   resume
       .add_flag("--across-plugins", options.across_plugins,
-                "Though its plug-ins have been rebuilt since it was written")
+                "Resume even if plug-ins were rebuilt since the checkpoint")
       ->disable_flag_override();
   add_session_option(resume, options);
   add_clock_options(resume, options);

@@ -12,36 +12,38 @@
 
 namespace troupe::apps {
 
-/// What the command line of `troupe run`, or of `troupe resume`, asks for.
+/// Options of `troupe run` and `troupe resume`.
 struct RunOptions : WorldOptions {
-  /// All worlds of the call, or the checkpoint; `world` is the one that a part of the run is about.
+  /// All worlds of the command line, or the checkpoint; `world` is the one of a single WorldRun.
   std::vector<std::filesystem::path> worlds;
   RunOutputs outputs;
   std::filesystem::path checkpoint;          ///< empty: none
-  std::optional<double> checkpoint_every_s;  ///< not given: at the end alone
-  std::optional<double> wall_limit_s;
-  std::filesystem::path record;  ///< empty: where the world says, if it does
+  std::optional<double> checkpoint_every_s;  ///< simulated time; not given: only at the end
+  std::optional<double> wall_limit_s;        ///< wall time
+  std::filesystem::path record;              ///< empty: that of the world, if any
   RecordingOptions recording;
-  std::filesystem::path session;  ///< acts that are repeated; empty: none
-  bool force = false;             ///< outputs that exist may be replaced
-  bool clock = false;             ///< the time is told even where the world does not ask for it
-  double rate = 0;                ///< times real time, at most; 0: as fast as possible
-  bool world_rate = false;        ///< instead: as the world says
-  /// `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tiles and `set` count.
+  std::filesystem::path session;  ///< session to repeat; empty: none
+  bool force = false;             ///< replace existing outputs
+  bool clock = false;             ///< print the time even if the world does not ask for it
+  double rate = 0;                ///< limit of the speed, times real time; 0: as fast as possible
+  bool world_rate = false;        ///< use the world's rate instead
+  /// For `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tile size, `set` and the
+  /// plug-in path are used.
   bool across_versions = false;
   bool across_plugins = false;
   bool json = false;
   bool quiet = false;
 };
 
-/// In the names of outputs this stands for the world's name, without folder and ending.
+/// Placeholder in the names of outputs for the world's name, without folder and extension.
 inline constexpr std::string_view k_world_mark = "{world}";
+/// The name with the placeholder replaced.
 std::string with_world(std::string name, const std::filesystem::path& world);
 
 /// Adds the options of `run`; parsing fills `options`, which must outlive `command`.
-/// A value that is not what an option takes is a CLI::ValidationError that says what would be right.
+/// Parsing throws CLI::ValidationError with the allowed values for an invalid value.
 void add_run_options(CLI::App& command, RunOptions& options);
-/// The same for `resume`, whose outputs are those of `run`.
+/// Adds the options of `resume`, with the outputs of `run`.
 void add_resume_options(CLI::App& command, RunOptions& options);
 
 }  // namespace troupe::apps

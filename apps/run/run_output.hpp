@@ -17,34 +17,34 @@ namespace troupe::apps {
 struct RunOptions;
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
-/// Opens the files of an output, and adds what writes them behind the observers that are there.
+/// Opens the files of an output and appends its observers to those given.
 using OpenOutput = std::function<void(Observers&)>;
 
-/// An output of a run, with what the command line says of it. A new one is a class in a file of its own, and
-/// a row in run_outputs.cpp.
+/// An output of a run, with its command-line options. To add one, write a class in a file of its own and add
+/// a row to run_outputs.cpp.
 class RunOutput {
  public:
   virtual ~RunOutput() = default;
   virtual std::unique_ptr<RunOutput> clone() const = 0;
 
-  /// Adds its options to `run` or `resume`. Parsing fills this object and `options`, which must outlive
-  /// `app`.
+  /// Adds its options to `run` or `resume`. Parsing fills this object and `options`; both must outlive `app`.
   virtual void add_options(CLI::App& app, RunOptions& options) = 0;
-  /// The names of its files and folders, in which {world} may stand; empty ones are not written. `options`
-  /// are those that hold this output.
+  /// The names of its files and folders, which may contain {world}; empty names are not written. `options` is
+  /// the object that holds this output.
   virtual std::vector<std::filesystem::path*> names(RunOptions& options) = 0;
-  /// The files that it would write, each of which must be writable. Throws OutputError for what else is wrong
-  /// with its names. Creates nothing.
+  /// The files that it will write; the caller checks that they are writable. Throws OutputError for other
+  /// errors in its names. Creates nothing.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
-  /// A world that is loaded may name a file that the command line does not. Throws InputError.
+  /// Takes the name of the file from the loaded world if the command line has none. Throws InputError.
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
-  /// Before any file is opened: what cannot be drawn, measured or written costs no run. The result may be
-  /// null: there is nothing to open. `simulation` outlives what it opens. Throws InputError.
+  /// Called before any file is opened, so that errors in drawing, measuring or writing are reported before
+  /// the run. Null if there is nothing to open. `simulation` outlives the opened observers. Throws
+  /// InputError.
   virtual OpenOutput prepare(const RunOptions& options, Simulation& simulation,
                              std::uint64_t end_tick) const = 0;
 };
 
-/// Gives an output its clone().
+/// Base class that implements clone().
 template <class Output>
 class ClonedOutput : public RunOutput {
  public:
@@ -53,7 +53,7 @@ class ClonedOutput : public RunOutput {
   }
 };
 
-/// One of each output.
+/// All outputs of a run, one of each kind.
 class RunOutputs {
  public:
   RunOutputs();
@@ -66,12 +66,12 @@ class RunOutputs {
   std::vector<std::filesystem::path*> names(RunOptions& options);
   std::vector<std::filesystem::path> files(const RunOptions& options) const;
   void take_names_from_world(RunOptions& options, const Simulation& simulation) const;
-  /// What opens them, in the order in which they observe a tick.
+  /// The functions that open them, in the order in which they observe a tick.
   std::vector<OpenOutput> prepare(const RunOptions& options, Simulation& simulation,
                                   std::uint64_t end_tick) const;
 
  private:
-  std::vector<std::unique_ptr<RunOutput>> all_;  // in the order of the table
+  std::vector<std::unique_ptr<RunOutput>> all_;  // in the order of the table in run_outputs.cpp
 };
 
 }  // namespace troupe::apps

@@ -1,4 +1,4 @@
-// The table of what a run writes.
+// The table of the outputs of a run.
 
 #include "apps/observers/camera_pictures.hpp"
 #include "apps/observers/checkpointing.hpp"
@@ -16,8 +16,8 @@
 namespace troupe::apps {
 namespace {
 
-/// order: observers of a lower one see a tick first. A checkpoint comes behind all others: it is saved when
-/// they have written what came before it.
+/// `order`: observers with a lower number observe a tick first. The checkpoint is last, because the other
+/// outputs must be flushed before it is saved.
 struct Row {
   std::unique_ptr<RunOutput> (*make)();
   int order;

@@ -38,14 +38,14 @@ Simulation load(const RunOptions& options) {
   return Simulation(options.world, given);
 }
 
-/// As end_of(), but a session may say when it ended.
+/// As end_of(), but without --for a run ends at the end of its session.
 double end_of_run(const RunOptions& options, const Simulation& simulation, const SessionReplay* session) {
   if (!options.for_s && session && session->end_tick())
     return static_cast<double>(*session->end_tick()) * simulation.tick_s();
   return end_of(options, simulation);
 }
 
-/// How fast the run may be, times real time; 0: as fast as it can.
+/// Limit of the speed, times real time; 0: no limit.
 double rate_of(const RunOptions& options, const Simulation& simulation) {
   return options.world_rate ? simulation.world().spec().watch.rate : options.rate;
 }
@@ -71,7 +71,7 @@ WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulatio
   report_.rate = rate_of(options_, simulation_);
   ticks_ = engine::ticks_until(report_.end_s, report_.tick_s);
   if (ticks_ < report_.first_tick)
-    throw InputError(fmt::format("{}: error: the run is at {:g} s already: {:g} s lies before that",
+    throw InputError(fmt::format("{}: error: the run is already at {:g} s, past its end at {:g} s",
                                  options_.world.string(), simulation_.time_s(), report_.end_s));
   report_.threads = simulation_.threads();
   report_.checkpoint = options_.checkpoint.string();
@@ -94,7 +94,7 @@ void WorldRun::open_outputs(std::function<bool()> is_over) {
   for (const OpenOutput& open : prepared_) open(observers_);
   for (const auto& observer : observers_)
     if (TickWatcher* watcher = observer->tick_watcher()) watchers_.push_back(watcher);
-  // What writes no file comes behind what does.
+  // Observers that write no file come after those that do.
   if (tells_time())
     observers_.push_back(
         std::make_unique<ClockLines>(simulation_.world().spec().watch.clock_ticks, simulation_));
@@ -156,7 +156,7 @@ void WorldRun::save_at_least() const {
   try {
     if (is_intact_)
       for (const auto& observer : observers_) observer->save_at_least(simulation_);
-  } catch (const std::runtime_error&) {  // what went wrong first is told
+  } catch (const std::runtime_error&) {  // the first error is reported
   }
 }
 

@@ -18,11 +18,11 @@ namespace troupe::apps {
 
 class Pacer;
 
-/// One world of a run, loaded. Its owner steps it.
+/// One loaded world of a run, with its observers. The caller steps it.
 class WorldRun {
  public:
-  /// Loads the world, or resumes it, and tells its warnings. `options` names one world, and its outputs as
-  /// they are. Throws InputError.
+  /// Loads or resumes the world and prints its warnings. `options` names one world, and outputs without
+  /// {world}. Throws InputError.
   explicit WorldRun(RunOptions options);
   ~WorldRun();
   WorldRun(const WorldRun&) = delete;
@@ -30,33 +30,34 @@ class WorldRun {
 
   const RunOptions& options() const { return options_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Its options, with the names of files that the world itself gives. Throws InputError.
+  /// Adds the names of files that the world specifies and returns the options. Throws InputError.
   const RunOptions& take_names_from_world();
 
-  /// Before the first tick: what cannot be drawn, measured or written costs no run. `is_over` tells a
-  /// waiting run to end.
+  /// Prepares the outputs before the first tick, so that errors in them are reported before the run.
   void rehearse();
+  /// Opens the outputs. `is_over` returns true if the run was asked to stop; it ends a wait early.
   void open_outputs(std::function<bool()> is_over);
-  /// Tells the time in lines of its own, beside which a progress bar has no place.
+  /// Whether the run prints lines with the time; a progress bar would interfere with them.
   bool tells_time() const;
-  /// What is about to run, on standard output.
+  /// Prints the effective options on standard output.
   void print_options() const;
 
-  /// Observes the tick it stands at; then a tick each time.
+  /// Observes the current tick. Call it once, before the first step().
   void begin();
+  /// Computes and observes the next tick.
   void step();
   bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
-  /// World time at the end of its next tick, s.
+  /// World time at the end of the next tick, s.
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
-  /// Writes what observers still hold, and fills in the report.
+  /// Finishes the observers and fills in the report.
   void finish();
-  /// Where another part of the run failed: the state is saved if it was to be, whatever else goes wrong.
+  /// For when another part of the run failed: writes the checkpoint, if there is one. Ignores further errors.
   void save_at_least() const;
 
   const Report& report() const { return report_; }
-  /// The summary, on standard output, as text or JSON; `is_one_of_several` says which world it is.
+  /// Prints the summary on standard output, as text or JSON; with the world's name if it is one of several.
   void print_summary(bool is_one_of_several) const;
-  /// What observers do last.
+  /// Calls after_summary() of the observers.
   void after_summary() const;
 
  private:
@@ -67,14 +68,14 @@ class WorldRun {
   Simulation simulation_;
   std::unique_ptr<SessionReplay> session_;
   Report report_;
-  std::uint64_t ticks_ = 0;           // at which it ends
+  std::uint64_t ticks_ = 0;           // the last tick
   std::vector<OpenOutput> prepared_;  // outputs that are not open yet
   Observers observers_;
-  std::vector<TickWatcher*> watchers_;  // those of them that phases and tasks are told
+  std::vector<TickWatcher*> watchers_;  // the observers that are notified of phases and tasks
   const Pacer* pacer_ = nullptr;
   PhaseClock phases_;
   LoadClock load_;
-  bool is_intact_ = true;  // false after a step that failed: its state is of no use
+  bool is_intact_ = true;  // false after a failed step: its state is invalid
 };
 
 }  // namespace troupe::apps

@@ -32,13 +32,12 @@ std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {
 
 [[noreturn]] void refuse_other_study(const fs::path& file) {
   throw OutputError(
-      fmt::format("{}: error: these runs are of another study, another state of its world, or another "
-                  "version of the program: choose "
-                  "another folder with -o, or remove this one",
+      fmt::format("{}: error: these runs are of another study, a changed world or another version of the "
+                  "program: choose another folder with -o, or remove this one",
                   file.string()));
 }
 
-/// The whole lines of a file.
+/// The complete lines of a file.
 std::vector<std::string> whole_lines(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::vector<std::string> lines;
@@ -83,7 +82,7 @@ SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_
   try {
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
       throw OutputError(
-          fmt::format("{}: error: another process is at work on this part of the study", file.string()));
+          fmt::format("{}: error: another process is running this part of the study", file.string()));
     const std::vector<std::string> lines = whole_lines(file);
     if (!lines.empty() && lines.front() != head_of(study)) refuse_other_study(file);
     std::size_t whole = 0;
@@ -104,11 +103,11 @@ SweepJournal::~SweepJournal() { close(descriptor_); }
 
 void SweepJournal::add(const SweepOutcome& outcome) {
   const std::string line = line_of(outcome) + "\n";
-  errno = ENOSPC;  // what a write that stops in the middle does not say
+  errno = ENOSPC;  // a partial write sets no errno
   if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
       fsync(descriptor_) != 0)
     throw std::runtime_error(
-        fmt::format("{}: error: run {} cannot be noted: {}", file_.string(), outcome.run, reason()));
+        fmt::format("{}: error: run {} cannot be written: {}", file_.string(), outcome.run, reason()));
 }
 
 std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::string_view study) {
@@ -117,14 +116,14 @@ std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::s
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(k_prefix) || !name.ends_with(k_ending)) continue;
     const std::vector<std::string> lines = whole_lines(entry.path());
-    if (lines.empty()) continue;  // begun by a process that died at once
+    if (lines.empty()) continue;  // its process was killed before the first line
     if (lines.front() != head_of(study)) refuse_other_study(entry.path());
     for (std::size_t i = 1; i < lines.size(); ++i) try {
         SweepOutcome outcome = outcome_of(lines[i]);
         outcomes.insert_or_assign(outcome.run, std::move(outcome));
       } catch (const Json::exception&) {
         throw OutputError(
-            fmt::format("{}:{}: error: this is no line of a sweep", entry.path().string(), i + 1));
+            fmt::format("{}:{}: error: not a line of a sweep journal", entry.path().string(), i + 1));
       }
   }
   return outcomes;

@@ -10,30 +10,30 @@
 
 namespace troupe::apps {
 
-/// What one run of a study came to.
+/// The result of one run of a study.
 struct SweepOutcome {
   std::size_t run = 0;
   std::uint64_t seed = 0;
   std::uint64_t ticks = 0;
   double time_s = 0;
   std::string stopped_by;      ///< the condition of the world's `stop_when` that ended it; empty: none
-  std::vector<double> values;  ///< a number a column of measures; NaN where there is none
+  std::vector<double> values;  ///< one per column of measures; NaN: no value
   std::string state_hash;
 };
 
-/// The runs that one process has finished: a line of JSON each, on the disk before the next one begins, so
-/// that a sweep that is killed loses what was under way and nothing else.
+/// The finished runs of one process, one line of JSON each. A line is on the disk before the process starts
+/// the next run, so that a killed sweep loses only its unfinished runs.
 class SweepJournal {
  public:
-  /// Opens a journal, or begins it; a line that was cut off is dropped. `study` says which study, of which
-  /// world, by which program: it must be that of the journal. Throws OutputError, also where another process
-  /// writes it.
+  /// Opens or creates a journal and drops an incomplete last line. `study` identifies the study, its world
+  /// and the program, and must equal that of the journal. Throws OutputError, also if another process writes
+  /// the journal.
   SweepJournal(const std::filesystem::path& file, std::string_view study);
   ~SweepJournal();
   SweepJournal(const SweepJournal&) = delete;
   SweepJournal& operator=(const SweepJournal&) = delete;
 
-  /// Throws std::runtime_error where it cannot be written.
+  /// Writes a finished run. Throws std::runtime_error if that fails.
   void add(const SweepOutcome& outcome);
 
  private:
@@ -41,11 +41,12 @@ class SweepJournal {
   int descriptor_ = -1;
 };
 
-/// The outcomes in all journals of a folder, by run. Throws OutputError where one is of another study.
+/// The outcomes in all journals of a folder, by run. Throws OutputError if a journal belongs to another
+/// study.
 std::map<std::size_t, SweepOutcome> read_journals(const std::filesystem::path& folder,
                                                   std::string_view study);
 
-/// The journal of part i of n, counted from 1.
+/// The journal of part `part` of `parts`, counted from 1.
 std::filesystem::path journal_file(const std::filesystem::path& folder, std::size_t part, std::size_t parts);
 
 }  // namespace troupe::apps

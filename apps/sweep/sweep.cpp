@@ -45,18 +45,18 @@ using worldio::Statistic;
 using worldio::Study;
 
 constexpr const char* k_sweep_footer = R"(
-A study names a world, the values that differ from run to run (a grid, or samples drawn at random), seeds, and measures:
-docs/sweeps.md. Runs are made side by side, each on one thread, and noted in DIR as they end. A sweep that was stopped or
-killed goes on when it is called again; when all runs are there, DIR has the table, a row a run: table.csv and table.h5; and
-with "series": true the measures over time: series.csv, which troupe plot draws. They are
-the same whatever the number of runs at once, and however often the sweep was killed.
+A study names a world, the parameters that vary between runs (a grid or random samples), seeds and measures
+(docs/sweeps.md). Runs are made in parallel, each on one thread, and saved in DIR when they finish. To continue a sweep
+that was stopped or killed, call it again. When all runs are finished, DIR holds the table with one row per run,
+table.csv and table.h5, and with "series": true the measures over time, series.csv, which troupe plot draws. The tables
+depend neither on the number of parallel runs nor on interruptions.
 
-Several machines share a study with --part: in a SLURM array of eight jobs,
+With --part, several machines share a study, as in a SLURM array of eight jobs:
   sbatch --array=1-8 --wrap 'troupe sweep study.json -o results --part $SLURM_ARRAY_TASK_ID/8'
-The last one to end writes the table.
+The process that finishes last writes the table.
 
-Exit codes: 0 done (with --part: this part of it); 1 runs failed, which the table's column `error` and the messages name;
-2 bad study or usage; 3 stopped by Ctrl-C or SIGTERM.
+Exit codes: 0 finished (with --part: this part); 1 runs failed, see the messages and the table's column `error`; 2 bad
+study or usage; 3 stopped by Ctrl-C or SIGTERM.
 
 Examples:
   troupe sweep apps/examples/study/coverage.json -o results
@@ -71,7 +71,7 @@ SimulationOptions options_of(const Study& study, const Study::Run& run, const Sw
   return simulation;
 }
 
-/// The statistics of each column, over what is looked at: a value that is not there (NaN) counts in none.
+/// The statistics of each column over the sampled values. Missing values (NaN) count only as the last value.
 class Statistics {
  public:
   explicit Statistics(std::size_t columns) : columns_(columns) {}
@@ -117,18 +117,18 @@ class Statistics {
 double end_of(const Study& study, const Simulation& simulation) {
   if (study.for_s) return *study.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
-  throw InputError(fmt::format(
-      "{}: error: nothing says when a run ends: give \"for_s\" in the study, or the world's quit time",
-      study.world.string()));
+  throw InputError(
+      fmt::format("{}: error: no end time: give \"for_s\" in the study, or set quit_time in the world",
+                  study.world.string()));
 }
 
-/// What a run left.
+/// The results of a run.
 struct Made {
   SweepOutcome outcome;
-  std::string series;  ///< its rows, where the study wants them
+  std::string series;  ///< its rows of series.csv; empty if the study has no series
 };
 
-/// Makes a run; nothing where it was stopped on the way.
+/// Makes a run; nothing if a signal stopped it.
 std::optional<Made> make(const Study& study, std::size_t index, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(index), options));
   Measures measures(simulation, study.measures);
@@ -159,9 +159,9 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
               .series = std::move(series)};
 }
 
-/// Loads the world of the first run, so that what is wrong with the world is told before any run. Returns
-/// what says which study it is, and of which world (its images too), wherever they lie; and the columns of
-/// the measures.
+/// Loads the world of the first run, so that errors in the world are reported before any run. Returns a hash
+/// of the study, its world with images, and the version, which does not depend on where the files are; and
+/// the columns of the measures.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(0), options));
   const Measures measures(simulation, study.measures);
@@ -174,7 +174,7 @@ std::pair<std::string, std::vector<std::string>> identify(const Study& study, co
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }
 
-/// Says how far a sweep is, on a terminal.
+/// Prints the number of finished runs on a terminal.
 class Count {
  public:
   Count(std::size_t done, std::size_t all, bool wanted)
@@ -209,11 +209,12 @@ void keep_series(const fs::path& file, const std::string& rows) {
   }
 }
 
-/// Makes these runs, several at once, and notes each as it ends. Returns what failed, and why.
+/// Makes the given runs in parallel and writes each to the journal when it finishes. Returns the errors of
+/// failed runs, by run.
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
                                             const SweepOptions& options, SweepJournal& journal) {
   std::map<std::size_t, std::string> failed;
-  std::exception_ptr fault;  // that ends all
+  std::exception_ptr fault;  // a write error, which ends the sweep
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   Count count(study.run_count() - runs.size(), study.run_count(), !options.quiet);
@@ -228,13 +229,13 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       } catch (const std::exception& thrown) {
         error = thrown.what();
       } catch (...) {  // a plug-in may throw anything
-        error = "an exception that is no std::exception";
+        error = "an exception that is not a std::exception";
       }
       const std::lock_guard lock(mutex);
       if (!error.empty()) failed.emplace(runs[i], error);
       if (!made) continue;
       try {
-        // Before the journal: a run that is noted has its rows.
+        // Before the journal, so that every run in the journal has its rows.
         if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
         journal.add(made->outcome);
         count.add_one();
@@ -251,7 +252,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
            options.runs_at_once > 0 ? options.runs_at_once : partition::processors_allowed(), runs.size());
        ++w)
     workers.emplace_back(work);
-  workers.clear();  // waits
+  workers.clear();  // joins the threads
   if (fault) std::rethrow_exception(fault);
   return failed;
 }
@@ -278,7 +279,7 @@ ExitCode sweep_checked(const SweepOptions& options) {
     return k_finished;
   }
   if (options.folder.empty())
-    throw InputError("troupe sweep: error: -o DIR is required: the folder for the runs and the table");
+    throw InputError("troupe sweep: error: -o DIR is required, the folder for the runs and the table");
   const auto [identity, measures] = identify(study, options);
   check_folder(options.folder);
   const fs::path csv = options.folder / "table.csv";
@@ -302,7 +303,7 @@ ExitCode sweep_checked(const SweepOptions& options) {
       write_csv(table, csv);
       if (study.series) write_series(table, measures, options.folder);
       if (worldio::has_hdf5()) write_hdf5(table, hdf5);
-    } catch (const OutputError& error) {  // not bad usage any more: the runs are made and noted
+    } catch (const OutputError& error) {  // not bad usage: the runs are finished and saved
       fmt::print(stderr, "{}\n", error.what());
       return k_failed;
     }
@@ -314,7 +315,7 @@ ExitCode sweep_checked(const SweepOptions& options) {
       fmt::print(": {}{}\n", csv.string(),
                  study.series ? ", " + (options.folder / "series.csv").string() : std::string());
     else
-      fmt::print("; the table follows when all are\n");
+      fmt::print("; the table is written when all are done\n");
   }
   if (stop_requested()) return k_stopped;
   return table.failed.empty() ? k_finished : k_failed;
@@ -329,14 +330,14 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
           "STUDY", [&options](const std::string& text) { options.study = text; }, "Study, in JSON")
       ->option_text(" ")
       ->required();
-  add_value(command, "-o,--out", "DIR", "Folder for the runs and the table; it may be there already",
+  add_value(command, "-o,--out", "DIR", "Folder for the runs and the table; may exist",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--out", text, "the name of a folder");
               options.folder = text;
             });
-  add_value(command, "--threads", "N", "Runs at once (default: one for each processor it may use)",
+  add_value(command, "--threads", "N", "Parallel runs (default: one per available processor)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
-  add_value(command, "--part", "I/N", "Make only every N-th run, from the I-th on",
+  add_value(command, "--part", "I/N", "Make only every N-th run, beginning with the I-th",
             [&options](const std::string& text) {
               const auto slash = text.find('/');
               const auto part = number<std::size_t>(text.substr(0, slash));
@@ -348,8 +349,9 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
               options.part = *part;
               options.parts = *parts;
             });
-  command.add_flag("--list", options.list, "Print the runs, and make none")->disable_flag_override();
-  command.add_flag("--quiet", options.quiet, "Print errors only")->disable_flag_override();
+  command.add_flag("--list", options.list, "Print the list of runs without making them")
+      ->disable_flag_override();
+  command.add_flag("--quiet", options.quiet, "Print only errors")->disable_flag_override();
   add_plugin_path_option(command, options.plugin_path);
   add_simd_option(command);
 }

@@ -12,13 +12,14 @@ class App;
 
 namespace troupe::apps {
 
+/// Options of `troupe sweep`.
 struct SweepOptions {
   std::filesystem::path study;
-  std::filesystem::path folder;  ///< journals, and the table
-  unsigned runs_at_once = 0;     ///< 0: one for each processor it may use
-  std::size_t part = 1;          ///< of `parts`: this process makes every parts-th run
+  std::filesystem::path folder;  ///< folder for journals and tables
+  unsigned runs_at_once = 0;     ///< 0: one per available processor
+  std::size_t part = 1;          ///< this process makes runs part - 1, part - 1 + parts, ...
   std::size_t parts = 1;
-  bool list = false;  ///< print the runs, and make none
+  bool list = false;  ///< only print the runs
   bool quiet = false;
   std::vector<std::filesystem::path> plugin_path;
 };
@@ -26,7 +27,8 @@ struct SweepOptions {
 /// Adds the options of `sweep`; parsing fills `options`, which must outlive `command`.
 void add_sweep_options(CLI::App& command, SweepOptions& options);
 
-/// Makes the runs of a study that are not in its folder yet, and the table when all are.
+/// `troupe sweep`: makes the runs of a study that are not in its folder yet, and the table when all are
+/// finished.
 ExitCode sweep(const SweepOptions& options);
 
 }  // namespace troupe::apps

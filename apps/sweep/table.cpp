@@ -29,7 +29,7 @@ using Texts = std::vector<std::string>;
 
 struct Column {
   std::string name;
-  std::variant<Numbers, Counts, Texts> cells;  // one a run
+  std::variant<Numbers, Counts, Texts> cells;  // one per run
 };
 
 std::optional<double> number_of(const std::string& json) {
@@ -39,13 +39,13 @@ std::optional<double> number_of(const std::string& json) {
   return value;
 }
 
-/// A value of a parameter as people write it: a JSON text without its quotes.
+/// The value of a parameter for the table: a JSON string without its quotes.
 std::string plain(const std::string& json) {
   const bool quoted = json.size() >= 2 && json.front() == '"' && json.find('\\') == json.npos;
   return quoted ? json.substr(1, json.size() - 2) : json;
 }
 
-/// Of a parameter's JSON texts, one a run: numbers where all are.
+/// The column of a parameter from its JSON texts, one per run; a column of numbers if all are numbers.
 Column parameter_column(const std::string& name, const Texts& values) {
   Numbers numbers;
   Texts texts;
@@ -153,9 +153,9 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
     std::string head = "run,time_s";
     for (const std::string& measure : measures) head += "," + csv_cell(measure);
     write(head + "\n");
-    for (const auto& [run, outcome] : table.outcomes) {  // in their order
+    for (const auto& [run, outcome] : table.outcomes) {  // in the order of runs
       const std::optional<std::string> rows = worldio::read_file(series_file(folder, run));
-      if (!rows) refuse_output(series_file(folder, run), "it is there no more");
+      if (!rows) refuse_output(series_file(folder, run), "the file was removed");
       write(*rows);
     }
     whole.sync();

@@ -11,13 +11,13 @@
 
 namespace troupe::apps {
 
-/// Names of the columns that the measures of a study have, beside SweepOutcome::values: `coverage`, or with a
-/// statistic other than the last value `coverage_mean`.
+/// Names of the columns of SweepOutcome::values: `coverage` for the last value, `coverage_mean` for another
+/// statistic.
 std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
                                          const std::vector<worldio::Statistic>& statistics);
 
-/// What all runs of a study came to: a row a run, in their order. `failed`: of runs that could not be made,
-/// why; they have no outcome.
+/// The results of all runs of a study, one row per run, in the order of runs. `failed` holds the errors of
+/// failed runs, which have no outcome.
 struct SweepTable {
   const worldio::Study& study;
   std::vector<std::string> measures;  ///< measure_columns()
@@ -25,19 +25,20 @@ struct SweepTable {
   std::map<std::size_t, std::string> failed;
 };
 
-/// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`, as pandas reads it without
-/// options. Written whole or not at all. Throws OutputError.
+/// Writes `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`, which pandas reads
+/// without options. Replaces the file only when it is complete. Throws OutputError.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
-/// `run,time_s,MEASURES...`: a row for each look of each run, of the files that runs have left. `measures`:
-/// as the world names them. Written whole or not at all. Throws OutputError.
+/// Writes `run,time_s,MEASURES...`, one row per sample of each run, from the files of series_file().
+/// `measures` are the columns of Measures. Replaces the file only when it is complete. Throws OutputError.
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
                   const std::filesystem::path& folder);
-/// The rows of one run, in a file of its own until all are there.
+/// The file with the rows of one run, until write_series() joins them.
 std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
-/// Appends the row of a look.
+/// Appends the row of one sample.
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
 
-/// The same columns as datasets of the group /table, and their order as /columns (docs/sweeps.md).
+/// Writes the columns of write_csv() as datasets of the group /table, and their order as /columns
+/// (docs/sweeps.md). Throws OutputError.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace troupe::apps

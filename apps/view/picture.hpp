@@ -10,26 +10,26 @@
 
 namespace troupe::apps {
 
-/// An instant of a running world, as viewers see it: copied by the thread that steps, encoded by the
-/// server's.
+/// The state of a running world that viewers see. Copied by the stepping thread, encoded by the server's
+/// thread.
 struct Picture {
-  std::uint64_t number = 0;  ///< pictures that were made, this one included
-  std::string state;         ///< members of the JSON text that goes with it, for every viewer
+  std::uint64_t number = 0;  ///< number of the picture, from 1
+  std::string state;         ///< members of the JSON text that is sent with it to every client
   std::map<std::uint64_t, std::string>
-      own;  ///< more members, by client: what it asked to inspect and to plot
-  /// x, y (k_replay_step_m) and heading (k_replay_turn steps a turn, from 0; k_gone: it is not in the world)
-  /// of each robot of the page, and z where heights may change: an axis after the other.
+      own;  ///< further members per client: the inspected robot and the plotted measure
+  /// For each robot of the page, all x, then all y (in steps of k_replay_step_m), all headings (k_replay_turn
+  /// steps per turn, from 0; k_gone: not in the world), and all z if heights can change.
   std::vector<std::int32_t> poses;
-  std::vector<std::uint8_t> colors;  ///< red, green, blue of each robot; empty where no body shows colours
+  std::vector<std::uint8_t> colors;  ///< red, green, blue of each robot; empty if no body shows colours
 };
 inline constexpr std::int32_t k_gone = -1;
 
-/// Fills poses and colours; `order` and `has_z` are those of worldio::LivePage.
+/// Fills the poses and colours of a picture. `order` and `has_z` are those of worldio::LivePage.
 void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
           Picture& picture);
 
-/// The binary frame of a picture for a viewer that knows `base`, which becomes what it then knows
-/// (docs/live.md). An empty base: the viewer knows nothing.
+/// The binary frame of a picture (docs/live.md), encoded as the difference from `base`, the last picture that
+/// the client received (empty: none). Sets `base` to this picture.
 std::string encode(const Picture& picture, std::size_t robots, std::vector<std::int32_t>& base,
                    std::vector<std::uint8_t>& base_colors);
 

@@ -1,4 +1,4 @@
-// The one file that knows Boost.Beast.
+// The only file that includes Boost.Beast.
 
 #include "apps/view/server.hpp"
 
@@ -30,17 +30,16 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using beast::error_code;
 
-constexpr std::size_t k_most_connections =
-    128;                                     // that have shown no token: the oldest makes room for the newest
-constexpr std::size_t k_most_clients = 16;   // that have
-constexpr std::size_t k_most_header = 8192;  // bytes of a request
-constexpr std::size_t k_most_message = 65536;   // bytes of a text of a client
-constexpr std::size_t k_most_waiting = 256;     // texts for a client that does not read
-constexpr int k_most_in_flight = 2;             // pictures that a client has been sent and not drawn
-constexpr std::chrono::seconds k_handshake{5};  // from the connection to the token
-constexpr std::chrono::seconds k_idle{30};      // without a word, ping and pong included
+constexpr std::size_t k_most_connections = 128;  // without a token; a new one then replaces the oldest
+constexpr std::size_t k_most_clients = 16;       // connections with a token
+constexpr std::size_t k_most_header = 8192;      // bytes of a request
+constexpr std::size_t k_most_message = 65536;    // bytes of a text from a client
+constexpr std::size_t k_most_waiting = 256;      // texts queued for a client
+constexpr int k_most_in_flight = 2;              // pictures sent to a client and not drawn yet
+constexpr std::chrono::seconds k_handshake{5};   // from the connection to the token
+constexpr std::chrono::seconds k_idle{30};       // without any frame, pings and pongs included
 
-/// The page may talk to its own server, and to nothing else. `host` is_loopback().
+/// The Content-Security-Policy: the page may connect only to its own server. `host` satisfies is_loopback().
 std::string policy(std::string_view host) {
   return fmt::format(
       "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -48,7 +47,7 @@ std::string policy(std::string_view host) {
       host);
 }
 
-/// Whether a Host header names this machine, with any port (a tunnel has its own).
+/// Whether a Host header names this machine, with any port (a tunnel has another port).
 bool is_loopback(std::string_view host) {
   const std::size_t colon = host.rfind(':');
   if (colon != host.npos && host.find(']', colon) == host.npos) {
@@ -59,7 +58,7 @@ bool is_loopback(std::string_view host) {
   return host == "127.0.0.1" || host == "localhost" || host == "[::1]";
 }
 
-/// In a time that does not tell how much of it is right.
+/// Compares in constant time, so that timing does not reveal how many characters match.
 bool same_token(std::string_view a, std::string_view b) {
   unsigned differs = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
@@ -80,7 +79,7 @@ struct ViewServer::Impl {
   tcp::acceptor acceptor{context};
   std::map<std::uint64_t, std::shared_ptr<Connection>> connections;  // by client, the oldest first
   std::uint64_t last_client = 0;
-  std::size_t clients = 0;  // that have shown a token
+  std::size_t clients = 0;  // connections that have sent a valid token
   std::thread thread;
 
   Impl(const Options& given, ViewBackend& to) : options(given), backend(to) {}
@@ -88,14 +87,14 @@ struct ViewServer::Impl {
   void make_room();
 };
 
-/// One connection: a request of HTTP, which may become a WebSocket.
+/// One connection: an HTTP request that may be upgraded to a WebSocket.
 class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Impl& server, std::uint64_t id, tcp::socket socket)
       : server_(server), id_(id), socket_(std::move(socket)), timer_(server.context) {}
 
   void begin() {
-    timer_.expires_after(k_handshake);  // until the token is shown: a connection that says nothing is none
+    timer_.expires_after(k_handshake);  // closes a connection that sends no token
     timer_.async_wait([self = shared_from_this()](error_code error) {
       if (!error && !self->is_client_) self->close();
     });
@@ -115,7 +114,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     write();
   }
 
-  /// Writes what comes next, unless a write is under way.
+  /// Starts writing the next frame, unless a write is in progress.
   void write() {
     if (is_writing_ || is_closed_ || !is_client_) return;
     if (texts_.empty() && in_flight_ < k_most_in_flight) {
@@ -166,22 +165,23 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   void answer(const http::request<http::empty_body>& request) {
     host_ = view_of(request[http::field::host]);
     if (!is_loopback(host_)) {
-      server_.backend.refused("a request with the Host of another machine");
-      return respond(http::status::forbidden, "The Host of this request is not this machine.\n");
+      server_.backend.refused("a request whose Host header is not this machine");
+      return respond(http::status::forbidden, "The Host header of this request is not this machine.\n");
     }
     if (websocket::is_upgrade(request)) {
       const std::string_view origin = view_of(request[http::field::origin]);
       if (!origin.empty() && origin != "http://" + host_) {
-        server_.backend.refused("a WebSocket that a page of another origin opened");
-        return respond(http::status::forbidden, "The Origin of this request is another page.\n");
+        server_.backend.refused("a WebSocket opened by a page of another origin");
+        return respond(http::status::forbidden, "The Origin header of this request is another page.\n");
       }
       if (request.target() != "/live")
-        return respond(http::status::not_found, "There is no such WebSocket.\n");
+        return respond(http::status::not_found, "Unknown path: the WebSocket is at /live.\n");
       return upgrade(request);
     }
     if (request.method() != http::verb::get)
-      return respond(http::status::method_not_allowed, "Only GET is known.\n");
-    if (request.target() != "/") return respond(http::status::not_found, "There is one page: /\n");
+      return respond(http::status::method_not_allowed, "Only GET is supported.\n");
+    if (request.target() != "/")
+      return respond(http::status::not_found, "Unknown path: the only page is /.\n");
     respond(http::status::ok, server_.options.page, "text/html; charset=utf-8");
   }
 
@@ -203,7 +203,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     socket_ws_.emplace(std::move(socket_));
     socket_ws_->set_option(websocket::stream_base::timeout{k_handshake, k_idle, true});
     socket_ws_->read_message_max(k_most_message);
-    socket_ws_->auto_fragment(false);  // one frame a message: programs that read them stay simple
+    socket_ws_->auto_fragment(false);  // one frame per message keeps programs that read them simple
     socket_ws_->async_accept(request, [self = shared_from_this()](error_code error) {
       if (error) return self->close();
       self->read();
@@ -214,7 +214,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     incoming_.clear();
     socket_ws_->async_read(incoming_, [self = shared_from_this()](error_code error, std::size_t) {
       if (error == websocket::error::message_too_big)
-        self->server_.backend.refused("a message of more than 64 kB");
+        self->server_.backend.refused("a message longer than 64 kB");
       if (error || self->is_closed_) return self->close();
       if (!self->socket_ws_->got_text()) {
         self->server_.backend.refused("a binary message");
@@ -229,12 +229,12 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     if (is_client_) return server_.backend.received(id_, may_steer_, text);
     may_steer_ = same_token(text, server_.options.token);
     if (!may_steer_ && !same_token(text, server_.options.look_token)) {
-      server_.backend.refused("a WebSocket without the right token");
+      server_.backend.refused("a WebSocket without a valid token");
       return close();
     }
     if (server_.clients >= k_most_clients) {
       server_.backend.refused(
-          fmt::format("viewer {}: {} are open already", k_most_clients + 1, k_most_clients));
+          fmt::format("viewer {}: at most {} can be connected", k_most_clients + 1, k_most_clients));
       return close();
     }
     is_client_ = true;
@@ -265,11 +265,11 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::optional<http::response<http::string_body>> response_;
   std::string host_;
-  std::deque<std::string> texts_;  // that wait, before the poses
-  std::string poses_;              // that wait; empty: none
+  std::deque<std::string> texts_;  // queued texts, sent before the poses
+  std::string poses_;              // queued frame of poses; empty: none
   std::string outgoing_;
   bool is_writing_ = false;
-  bool is_client_ = false;  // it has shown a token
+  bool is_client_ = false;  // has sent a valid token
   bool may_steer_ = false;
   bool is_closed_ = false;
   int in_flight_ = 0;
@@ -281,7 +281,7 @@ void ViewServer::Impl::make_room() {
   const auto oldest =
       std::ranges::find_if(connections, [](const auto& each) { return !each.second->is_client(); });
   const std::shared_ptr<Connection> connection = oldest->second;
-  backend.refused(fmt::format("more than {} connections that show no token", k_most_connections));
+  backend.refused(fmt::format("more than {} connections without a token", k_most_connections));
   connection->close();
 }
 
@@ -309,8 +309,8 @@ ViewServer::ViewServer(const Options& options, ViewBackend& backend)
     impl_->acceptor.bind(here);
     impl_->acceptor.listen();
   } catch (const boost::system::system_error& error) {
-    throw std::runtime_error(
-        fmt::format("127.0.0.1:{}: error: cannot listen there: {}", options.port, error.code().message()));
+    throw std::runtime_error(fmt::format("127.0.0.1:{}: error: cannot listen on this port: {}", options.port,
+                                         error.code().message()));
   }
 }
 
@@ -325,7 +325,7 @@ void ViewServer::stop() {
   if (!impl_->thread.joinable()) return;
   asio::post(impl_->context, [this] {
     impl_->acceptor.close();
-    const auto all = impl_->connections;  // closing takes them out
+    const auto all = impl_->connections;  // a copy, because close() erases from the map
     for (const auto& [client, connection] : all) connection->close();
     impl_->context.stop();
   });

@@ -8,38 +8,39 @@
 
 namespace troupe::apps {
 
-/// What a viewer is sent for a picture: a text frame, then a binary one.
+/// The two frames of a picture: a text frame, then a binary frame.
 struct ViewFrames {
   std::string state;
   std::string poses;
 };
 
-/// What a server serves. All calls come on the server's thread.
+/// Receives the events of a server. All calls are on the server's thread.
 class ViewBackend {
  public:
   virtual ~ViewBackend() = default;
-  /// A viewer has shown its token. The result is the first text that it is sent.
+  /// A client has sent a valid token. Returns the first text to send to it.
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
-  /// A text that it sent.
+  /// A client has sent a text.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
+  /// A client has disconnected.
   virtual void closed(std::uint64_t client) = 0;
-  /// The newest picture, as this client needs it; nothing where it has been sent that already.
+  /// The newest picture, encoded for this client; nothing if it was already sent.
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
-  /// Something was refused; the text says what.
+  /// The server has refused `what`, a request or a message.
   virtual void refused(const std::string& what) = 0;
 };
 
-/// Serves one page and its WebSocket on 127.0.0.1, on a thread of its own (docs/live.md, "Wire protocol").
+/// Serves one page and its WebSocket on 127.0.0.1, on a separate thread (docs/live.md, "Wire protocol").
 class ViewServer {
  public:
   struct Options {
-    std::uint16_t port = 0;  ///< 0: any that is free
-    std::string page;        ///< the HTML
-    std::string token;       ///< that opens everything
-    std::string look_token;  ///< that opens looking
+    std::uint16_t port = 0;  ///< 0: any free port
+    std::string page;        ///< HTML of the page
+    std::string token;       ///< token for full control
+    std::string look_token;  ///< token for read-only access
   };
-  /// Listens when this returns, and accepts nothing before start(). `backend` outlives it. Throws
-  /// std::runtime_error where the port cannot be had, and in builds without TROUPE_VIEW.
+  /// Starts the server, which listens when this returns. `backend` must outlive it. Throws std::runtime_error
+  /// if the port is not available, and in builds without TROUPE_VIEW.
   ViewServer(const Options& options, ViewBackend& backend);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
@@ -50,11 +51,12 @@ class ViewServer {
   /// Closes every connection; the backend is not called any more when this returns.
   void stop();
   std::uint16_t port() const;
-  /// Sends a text, from any thread. A client that does not read is cut off when too many wait.
+  /// Sends a text. May be called on any thread. A client that does not read is disconnected when too many
+  /// texts wait.
   void send(std::uint64_t client, std::string text);
-  /// There is a new picture; from any thread.
+  /// Announces a new picture. May be called on any thread.
   void offer();
-  /// A client has drawn a picture: it may be sent another. On the server's thread.
+  /// A client has drawn a picture, so that another may be sent. Call it on the server's thread.
   void drawn(std::uint64_t client);
 
  private:

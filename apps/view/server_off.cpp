@@ -1,4 +1,4 @@
-// In builds without TROUPE_VIEW.
+// Replaces server.cpp in builds without TROUPE_VIEW.
 
 #include "apps/view/server.hpp"
 
@@ -15,7 +15,7 @@ ViewServer::~ViewServer() = default;
 void ViewServer::start() {}
 void ViewServer::stop() {}
 std::uint16_t ViewServer::port() const { return 0; }
-// NOLINTNEXTLINE(performance-unnecessary-value-param): the server that serves keeps it
+// NOLINTNEXTLINE(performance-unnecessary-value-param): server.cpp keeps it
 void ViewServer::send(std::uint64_t, std::string) {}
 void ViewServer::offer() {}
 void ViewServer::drawn(std::uint64_t) {}

@@ -27,21 +27,21 @@ namespace {
 using engine::Act;
 using Json = nlohmann::ordered_json;
 
-constexpr int k_wire = 1;  // version of the protocol
+constexpr int k_wire = 1;  // version of the wire protocol
 constexpr std::chrono::milliseconds k_picture{33};
-constexpr std::chrono::milliseconds k_nap{50};  // Ctrl-C in a wait must not have to wait itself
+constexpr std::chrono::milliseconds k_nap{50};  // longest wait, so that Ctrl-C takes effect soon
 constexpr std::chrono::seconds k_most_behind{1};
-constexpr std::size_t k_spare = 3;             // one is filled, one is encoded, one is the newest
-constexpr std::size_t k_most_messages = 1024;  // that wait for the simulation
+constexpr std::size_t k_spare = 3;             // one being filled, one being encoded, one the newest
+constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
 constexpr std::uint64_t k_most_steps = 1000000000;
 constexpr double k_least_rate = 0.001;
 constexpr double k_most_rate = 1e6;
 
-/// 128 random bits, 32 hex digits.
+/// 128 random bits as 32 hex digits.
 std::string make_token() {
   std::array<unsigned char, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("troupe view: error: the system gives no random numbers for a token");
+    throw std::runtime_error("troupe view: error: no random numbers for a token (getrandom failed)");
   std::string token;
   for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
   return token;
@@ -55,7 +55,7 @@ std::string members_of(const Json& json) {
   return text.substr(1, text.size() - 2);
 }
 
-/// Names of measures that need no parameters.
+/// Names of the measures without required parameters.
 Json plain_measures(const Simulation& simulation) {
   Json names = Json::array();
   for (const engine::MeasureKind& kind : simulation.registry().measures)
@@ -96,7 +96,7 @@ View::View(Simulation& simulation, const Options& options, std::function<bool()>
   has_z_ = page.has_z;
   has_colors_ = std::ranges::any_of(
       world.types(), [](const engine::BodyType& type) { return engine::color_device(type, 0) != nullptr; });
-  Json populations = Json::array();  // of which bodies may be added
+  Json populations = Json::array();  // populations to which bodies can be added
   for (const engine::ReserveSpec& reserve : world.spec().reserves) populations.push_back(reserve.population);
   greeting_ = fmt::format(
       R"("wire":{},"version":{},"tick_s":{},"colors":{},"measures":{},"populations":{},"header":{})", k_wire,
@@ -148,16 +148,16 @@ void View::received(std::uint64_t client, bool may_steer, std::string_view text)
   const Json json = Json::parse(text, nullptr, false);
   const auto what = json.is_object() ? json.value("do", Json()) : Json();
   if (!what.is_string()) {
-    refused("a message that says nothing to do");
-    return server_->send(client, R"({"type":"refused","reason":"a message is an object with \"do\""})");
+    refused("a message without \"do\"");
+    return server_->send(client, R"({"type":"refused","reason":"a message must be an object with \"do\""})");
   }
   if (what == "drawn") return server_->drawn(client);
   const auto id = json.value("id", Json());
   const std::string said = id.is_number_unsigned() ? fmt::format(R"("id":{},)", id.get<std::uint64_t>()) : "";
   if (!may_steer && what != "inspect" && what != "plot") {
-    refused("an act of a viewer that may only look");
-    return server_->send(
-        client, fmt::format(R"({{"type":"refused",{}"reason":"this address is for looking only"}})", said));
+    refused("an act of a read-only viewer");
+    return server_->send(client,
+                         fmt::format(R"({{"type":"refused",{}"reason":"this address is read-only"}})", said));
   }
   bool is_full = false;
   {
@@ -167,7 +167,7 @@ void View::received(std::uint64_t client, bool may_steer, std::string_view text)
   }
   if (is_full)
     return server_->send(
-        client, fmt::format(R"({{"type":"refused",{}"reason":"too much is asked for at once"}})", said));
+        client, fmt::format(R"({{"type":"refused",{}"reason":"too many messages are waiting"}})", said));
   wake_.notify_one();
 }
 
@@ -185,7 +185,7 @@ std::optional<ViewFrames> View::picture(std::uint64_t client) {
       fmt::format(R"({{"type":"state","picture":{},{}{}{}}})", newest->number, newest->state,
                   own == newest->own.end() ? "" : ",", own == newest->own.end() ? "" : own->second),
       encode(*newest, order_.size(), known.poses, known.colors)};
-  const std::scoped_lock lock(mutex_);  // publish() looks there whether the picture is spare
+  const std::scoped_lock lock(mutex_);  // publish() reads the use count of the picture
   newest.reset();
   return frames;
 }
@@ -200,7 +200,7 @@ void View::run() {
   session_.end(simulation_);
 }
 
-/// Waits until the next tick is due, or as long as the world is paused, and does what comes in.
+/// Waits until the next tick is due, or while the world is paused, and executes messages.
 void View::before_tick() {
   for (;;) {
     take_messages();
@@ -209,7 +209,7 @@ void View::before_tick() {
     if (is_over_() || (playing_ && (rate_ == 0 || now >= due_))) break;
     auto until = now + k_nap;
     if (playing_) until = std::min(until, due_);
-    if (is_changed_) until = std::min(until, now + k_picture / 4);  // no picture was spare
+    if (is_changed_) until = std::min(until, now + k_picture / 4);  // no spare picture was free
     std::unique_lock lock(mutex_);
     wake_.wait_until(lock, until,
                      [this] { return !messages_.empty() || !arrived_.empty() || !gone_.empty(); });
@@ -281,13 +281,13 @@ void View::obey(const Message& message) {
     const auto number = [&](const char* key, double least, double most) {
       const Json value = json.value(key, Json());
       if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
-        throw ActRefused(fmt::format("\"{}\" is to be a number from {:g} to {:g}", key, least, most));
+        throw ActRefused(fmt::format("\"{}\" must be a number from {:g} to {:g}", key, least, most));
       return value.get<double>();
     };
     const auto name = [&](const char* key) {
       const Json value = json.value(key, Json());
       if (value.is_null()) return std::string();
-      if (!value.is_string()) throw ActRefused(fmt::format("\"{}\" is to be a name", key));
+      if (!value.is_string()) throw ActRefused(fmt::format("\"{}\" must be a name", key));
       return value.get<std::string>();
     };
     if (what == "play") {
@@ -297,7 +297,7 @@ void View::obey(const Message& message) {
       steps_ = 0;
       line_.clear();
     } else if (what == "pause") {
-      if (playing_) steps_ = 1;  // pauses as the tick under way ends, whose line is then known
+      if (playing_) steps_ = 1;  // pauses after the next tick, because the hash log line is then known
     } else if (what == "step") {
       steps_ = json.contains("ticks")
                    ? static_cast<std::uint64_t>(number("ticks", 1, static_cast<double>(k_most_steps)))
@@ -307,7 +307,7 @@ void View::obey(const Message& message) {
     } else if (what == "rate") {
       const double rate = number("rate", 0, k_most_rate);
       if (rate > 0 && rate < k_least_rate)
-        throw ActRefused(fmt::format("\"rate\" is 0, for as fast as possible, or from {:g} to {:g}",
+        throw ActRefused(fmt::format("\"rate\" must be 0 (as fast as possible) or from {:g} to {:g}",
                                      k_least_rate, k_most_rate));
       rate_ = rate;
       due_ = Clock::now();
@@ -343,7 +343,7 @@ void View::obey(const Message& message) {
   }
 }
 
-/// A robot has one holder.
+/// Performs an act. A robot can be driven by only one viewer.
 void View::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
   if (const auto holder = holders_.find(act.whom);
@@ -355,7 +355,7 @@ void View::carry_out(std::uint64_t client, const Act& act) {
   if (act.kind == Act::Kind::release) holders_.erase(act.whom);
 }
 
-/// What a viewer that went away held is released.
+/// Releases the robots that a disconnected viewer held.
 void View::release_all(std::uint64_t client) {
   std::erase_if(holders_, [&](const auto& holder) {
     if (holder.second != client) return false;
@@ -396,7 +396,7 @@ std::string View::inspection(BodyId id) {
       const engine::StateField& field = table.fields()[f];
       Json values = Json::array();
       const std::byte* cell = table.cell<std::byte>(at, f).data();
-      constexpr std::uint32_t k_most_values = 2048;  // of a picture of a camera more are of no use as numbers
+      constexpr std::uint32_t k_most_values = 2048;  // more numbers, of a camera image, are of no use
       for (std::uint32_t c = 0; c < std::min(field.columns, k_most_values); ++c)
         values.push_back(number_in(field, cell + c * engine::element_size(field.element)));
       fields.push_back(
@@ -405,7 +405,7 @@ std::string View::inspection(BodyId id) {
     json["components"].push_back({{"name", table.component()}, {"fields", std::move(fields)}});
   }
   json["eyes"] = Json::object();
-  std::map<std::string, int> met;  // as in a page's header
+  std::map<std::string, int> met;  // duplicate names get suffixes, as in the header of the page
   for (const engine::BodyType::Device& device : world.type(row).devices) {
     std::string name = worldio::hdf5_name(device.name);
     if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
@@ -442,7 +442,7 @@ void View::publish() {
     for (const std::shared_ptr<Picture>& spare : spare_)
       if (spare.use_count() == 1) picture = spare;
   }
-  if (!picture) return;  // the server is still at it
+  if (!picture) return;  // the server still uses all of them
   picture->number = ++pictures_;
   take(simulation_.world(), order_, has_z_, has_colors_, *picture);
   picture->state = state_members();

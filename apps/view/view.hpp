@@ -23,27 +23,28 @@
 
 namespace troupe::apps {
 
-/// Shows a simulation to browsers, and does what they ask for. The simulation's thread calls run(); it never
-/// waits for a viewer. docs/live.md has the protocol.
+/// Shows a simulation in browsers and executes their commands. The simulation's thread calls run(); it never
+/// waits for a viewer. docs/live.md describes the protocol.
 class View : private ViewBackend {
  public:
   struct Options {
-    std::uint16_t port = 0;        ///< 0: any that is free
-    double rate = 1;               ///< times real time, at most; 0: as fast as it can
-    std::filesystem::path folder;  ///< where the session is written
+    std::uint16_t port = 0;        ///< 0: any free port
+    double rate = 1;               ///< limit of the speed, times real time; 0: no limit
+    std::filesystem::path folder;  ///< folder for the session file
   };
-  /// Listens, and begins a session. Throws std::runtime_error. `is_over` ends run().
+  /// Starts the server and a session. run() ends when `is_over` returns true. Throws std::runtime_error.
   View(Simulation& simulation, const Options& options, std::function<bool()> is_over);
   ~View() override;
 
-  /// `http://127.0.0.1:PORT/#TOKEN`, and the one for looking only.
+  /// `http://127.0.0.1:PORT/#TOKEN`, for full control.
   std::string address() const { return address_of(token_); }
+  /// The address for read-only access.
   std::string look_address() const { return address_of(look_token_); }
   const std::filesystem::path& session() const { return session_.file(); }
 
-  /// Steps the simulation as viewers ask for, from the first that may steer on, until `is_over`, or the
-  /// world's own end. Throws as Simulation::step() does, and std::runtime_error where the session cannot be
-  /// written.
+  /// Steps the simulation as viewers command, beginning with the first viewer that may steer, until `is_over`
+  /// or the world's `stop_when`. Throws as Simulation::step() does, and std::runtime_error if the session
+  /// cannot be written.
   void run();
 
  private:
@@ -55,18 +56,18 @@ class View : private ViewBackend {
   struct Client {
     bool may_steer = false;
     std::optional<BodyId> inspected;
-    std::string plotted;                 // a measure; empty: none
-    std::unique_ptr<Measures> measures;  // of that
+    std::string plotted;                 // the plotted measure; empty: none
+    std::unique_ptr<Measures> measures;  // computes `plotted`
   };
 
-  // On the server's thread.
+  // Called on the server's thread.
   std::string opened(std::uint64_t client, bool may_steer) override;
   void received(std::uint64_t client, bool may_steer, std::string_view text) override;
   void closed(std::uint64_t client) override;
   std::optional<ViewFrames> picture(std::uint64_t client) override;
   void refused(const std::string& what) override;
 
-  // On the simulation's.
+  // Called on the simulation's thread.
   std::string address_of(const std::string& token) const;
   void before_tick();
   void after_tick();
@@ -84,38 +85,38 @@ class View : private ViewBackend {
   std::function<bool()> is_over_;
   std::string token_;
   std::string look_token_;
-  std::vector<std::uint32_t> order_;  // robots of the page
+  std::vector<std::uint32_t> order_;  // ids of the robots of the page
   bool has_z_ = false;
   bool has_colors_ = false;
-  std::string greeting_;  // members of the first text
+  std::string greeting_;  // JSON members of the first text to a client
   SessionLog session_;
 
-  // Of the simulation's thread.
+  // Used only by the simulation's thread.
   std::map<std::uint64_t, Client> clients_;
   std::map<std::string, std::uint64_t> holders_;  // robot -> client
   bool playing_ = false;
   bool has_begun_ = false;
-  std::uint64_t steps_ = 0;  // until it pauses; 0: it does not
+  std::uint64_t steps_ = 0;  // ticks until the next pause; 0: no pause
   double rate_ = 1;
-  std::string line_;  // of the hash log, of the tick at which it paused
+  std::string line_;  // line of the hash log for the tick at which the world is paused
   bool is_changed_ = true;
-  Clock::time_point due_;        // of the next tick
-  Clock::time_point published_;  // the last picture
+  Clock::time_point due_;        // when the next tick is due
+  Clock::time_point published_;  // when the last picture was published
   Clock::time_point measured_;
   double measured_s_ = 0;  // world time at measured_
-  double reached_ = 0;     // times real time
+  double reached_ = 0;     // current speed, times real time
   std::uint64_t pictures_ = 0;
 
-  // Between the two.
+  // Shared by both threads, guarded by mutex_.
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<Message> messages_;
-  std::map<std::uint64_t, bool> arrived_;  // clients that opened: whether they may steer
+  std::map<std::uint64_t, bool> arrived_;  // new clients and whether they may steer
   std::vector<std::uint64_t> gone_;
   std::vector<std::shared_ptr<Picture>> spare_;
   std::shared_ptr<const Picture> newest_;
 
-  // Of the server's thread.
+  // Used only by the server's thread.
   struct Known {
     std::uint64_t number = 0;
     std::vector<std::int32_t> poses;
@@ -124,7 +125,7 @@ class View : private ViewBackend {
   std::map<std::uint64_t, Known> known_;
   std::set<std::string> told_;
 
-  std::unique_ptr<ViewServer> server_;  // last: its thread uses all of the above
+  std::unique_ptr<ViewServer> server_;  // last, because its thread uses the members above
 };
 
 }  // namespace troupe::apps

@@ -24,18 +24,18 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_view_footer = R"(
-Shows the world in a browser: the program prints an address of this machine, which opens a page. There the world plays,
-pauses and goes on tick by tick; robots are selected, inspected, dragged, turned, driven, disabled, removed and added.
-It begins with the first page that is opened, at --rate times real time, and ends with Ctrl-C.
+Shows the world in a browser: the program prints the address of a page on this machine. The page plays, pauses and
+single-steps the world and selects, inspects, drags, turns, drives, disables, removes and adds robots. The run begins
+when the first page is opened, at --rate times real time, and ends with Ctrl-C.
 
-The address holds a token: any client that has it may do all of this. A second one is for looking only. For a world on
-another machine, call ssh -L 8000:127.0.0.1:PORT HOST, and open http://127.0.0.1:8000/#TOKEN here.
+The address contains a token that grants full control; a second address is read-only. To view a world on another
+machine, run ssh -L 8000:127.0.0.1:PORT HOST and open http://127.0.0.1:8000/#TOKEN.
 
-A checkpoint (troupe run --checkpoint) is taken up where it was saved; its session is repeated by troupe resume --session.
-Whatever is done is written to WORLD.session.jsonl (then WORLD.session-2.jsonl, ...), and
-troupe run WORLD --session WORLD.session.jsonl repeats it to the same bits. docs/live.md has the rest.
+WORLD may be a checkpoint (troupe run --checkpoint), which continues where it was saved. All acts are written to
+WORLD.session.jsonl (then WORLD.session-2.jsonl, ...), and troupe run WORLD --session WORLD.session.jsonl repeats them
+with the same bits; for a checkpoint, troupe resume --session does. See docs/live.md.
 
-Exit codes: 0 ended by the world's own stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C or SIGTERM.
+Exit codes: 0 ended by --for or the world's stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C or SIGTERM.
 
 Examples:
   troupe view worlds/cave-simple.json
@@ -45,8 +45,8 @@ Examples:
 constexpr double k_least_rate = 0.001;
 constexpr double k_most_rate = 1e6;
 
-/// A page that leads to the address, which only this user can read: the words of a command are for all to
-/// see.
+/// A temporary page that redirects to the address and that only this user can read. The address itself must
+/// not be an argument of a command, which all users can see.
 class Redirect {
  public:
   explicit Redirect(const std::string& address) {
@@ -71,14 +71,14 @@ class Redirect {
   Redirect(const Redirect&) = delete;
   Redirect& operator=(const Redirect&) = delete;
 
-  /// Has the desktop open it; says so where there is none.
+  /// Opens the page with xdg-open; prints a warning if that is not installed.
   void open() const {
     std::string program = "xdg-open";
     std::string file = file_.string();
     char* const words[] = {program.data(), file.data(), nullptr};
     pid_t child = 0;
     if (posix_spawnp(&child, "xdg-open", nullptr, nullptr, words, environ) != 0) {
-      fmt::print(stderr, "troupe view: warning: there is no xdg-open: open the address yourself\n");
+      fmt::print(stderr, "troupe view: warning: xdg-open not found: open the address in a browser\n");
       return;
     }
     std::thread([child] {
@@ -91,16 +91,16 @@ class Redirect {
   fs::path file_;
 };
 
-/// Throws InputError. A checkpoint goes on as it was saved: as mortal as its world, with the spare bodies
-/// that it had.
+/// Loads the world or checkpoint. A checkpoint keeps its spare bodies and whether bodies can be removed.
+/// Throws InputError.
 Simulation load(const ViewOptions& options) {
   const SimulationOptions& simulation = options.simulation;
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (is_checkpoint &&
       (simulation.seed || simulation.ranging || !simulation.robots.empty() || simulation.spare > 0))
     throw InputError(
-        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are for worlds: this is a "
-                    "checkpoint, whose run has them",
+        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are only for worlds: a checkpoint "
+                    "keeps those of its run",
                     options.world.string()));
   if (is_checkpoint)
     return Simulation::resume(options.world, {.threads = options.simulation.threads,
@@ -114,8 +114,7 @@ Simulation load(const ViewOptions& options) {
 
 ExitCode view_checked(const ViewOptions& options) {
   if (!options.folder.empty() && !fs::is_directory(options.folder))
-    throw InputError(
-        fmt::format("{}: error: --out is to be a folder that is there", options.folder.string()));
+    throw InputError(fmt::format("{}: error: --out must be an existing folder", options.folder.string()));
   Simulation simulation = load(options);
   for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
   stop_on_signals();
@@ -123,14 +122,14 @@ ExitCode view_checked(const ViewOptions& options) {
     return stop_requested() || (options.for_s && simulation.time_s() >= *options.for_s);
   };
   View view(simulation, {.port = options.port, .rate = options.rate, .folder = options.folder}, is_over);
-  fmt::print("{}\n  view          {}\n  looking only  {}\n  session       {}\n", simulation.title(),
+  fmt::print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
              view.address(), view.look_address(), view.session().string());
   std::fflush(stdout);
   std::optional<Redirect> redirect;
   if (options.open) redirect.emplace(view.address()).open();
   view.run();
   fmt::print("{}\n",
-             simulation.hash_log_line());  // of the tick at which it ended: so does a run of the session
+             simulation.hash_log_line());  // of the last tick; a repetition of the session prints the same
   return stop_requested() ? k_stopped : k_finished;
 }
 
@@ -139,15 +138,15 @@ ExitCode view_checked(const ViewOptions& options) {
 void add_view_options(CLI::App& view, ViewOptions& options) {
   view.footer(k_view_footer);
   add_world_options(view, options);
-  add_value(view, "--threads", "N", "Worker threads (default: one for each processor it may use)",
+  add_value(view, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
-  add_value(view, "--port", "N", "Of 127.0.0.1, where browsers find it (default: 0, any that is free)",
+  add_value(view, "--port", "N", "Port on 127.0.0.1 (default: 0, any free port)",
             [&options](const std::string& text) {
               const auto port = number<std::uint16_t>(text);
               if (!port) refuse("--port", text, "a port from 0 to 65535");
               options.port = *port;
             });
-  add_value(view, "--rate", "R", "Not faster than R times real time; 0: as fast as possible (default: 1)",
+  add_value(view, "--rate", "R", "Limit the speed to R times real time; 0: no limit (default: 1)",
             [&options](const std::string& text) {
               const auto rate = finite(text);
               if (!rate || (*rate != 0 && (*rate < k_least_rate || *rate > k_most_rate)))
@@ -156,9 +155,9 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
                     fmt::format("0, or a rate from {} to {:g}, times real time", k_least_rate, k_most_rate));
               options.rate = *rate;
             });
-  add_value(view, "--out", "DIR", "Folder that the session is written to (default: this one)",
+  add_value(view, "--out", "DIR", "Folder for the session file (default: the working folder)",
             [&options](const std::string& text) { options.folder = file_name("--out", text); });
-  view.add_flag("--open", options.open, "Open it in the desktop's browser")->disable_flag_override();
+  view.add_flag("--open", options.open, "Open the page in the default browser")->disable_flag_override();
 }
 
 ExitCode view_world(const ViewOptions& options) {

@@ -8,17 +8,17 @@
 
 namespace troupe::apps {
 
-/// What the command line of `troupe view` asks for.
+/// Options of `troupe view`.
 struct ViewOptions : WorldOptions {
   std::uint16_t port = 0;
-  double rate = 1;               ///< times real time, at most; 0: as fast as possible
-  std::filesystem::path folder;  ///< of what is written; empty: the one that it is called in
-  bool open = false;             ///< a browser is opened
+  double rate = 1;               ///< limit of the speed, times real time; 0: no limit
+  std::filesystem::path folder;  ///< folder for the session file; empty: the working folder
+  bool open = false;             ///< open a browser
 };
 
 /// Adds the options of `view`; parsing fills `options`, which must outlive `command`.
 void add_view_options(CLI::App& command, ViewOptions& options);
-/// Shows a world in browsers until Ctrl-C.
+/// `troupe view`: shows a world in browsers until Ctrl-C, --for or its own end.
 ExitCode view_world(const ViewOptions& options);
 
 }  // namespace troupe::apps

@@ -1,4 +1,4 @@
-"""The program on 64-bit Arm: cross-built, and run under qemu's emulation of processors unlike one another."""
+"""The program on 64-bit Arm: cross-built, and run under qemu's emulation of various processors."""
 
 import re
 import shutil
@@ -16,14 +16,14 @@ TOOLS = ("aarch64-linux-gnu-g++", "qemu-aarch64")
 
 @dataclass(frozen=True)
 class Processor:
-    cpu: str  # as qemu's -cpu
+    cpu: str  # the value of qemu's -cpu
     about: str
-    kernels: str  # the instruction set that it must dispatch to
-    # Time of a tick of the first world under emulation, on Zen 4; for the estimate only.
+    kernels: str  # the instruction set to which kernels must be dispatched
+    # Time of a tick of the first world under emulation on Zen 4, for the estimate.
     tick_s: float
 
 
-# From the most telling to the dearest. `max` is qemu's own processor, with everything that it can emulate.
+# From the most informative to the slowest. `max` is qemu's own processor, with all features that it can emulate.
 PROCESSORS = (
     Processor("cortex-a57", "no SVE", "neon", 0.3),
     Processor("a64fx", "SVE of 512 bits", "sve", 0.5),
@@ -38,11 +38,11 @@ def check_tools():
     if not PACKAGES.exists():
         missing.append(str(SYSROOT.relative_to(ROOT)))
     if missing:
-        raise Fault(f"no {' and no '.join(missing)}; scripts/setup --aarch64 gets all that it takes")
+        raise Fault(f"missing: {', '.join(missing)}; scripts/setup --aarch64 installs them")
 
 
 def versions():
-    """Of what the outcome may depend on."""
+    """The versions of the tools and packages on which the result may depend."""
     packages = dict(line.split()[:2] for line in PACKAGES.read_text().splitlines()[1:])
     first_lines = [subprocess.run([tool, "--version"], capture_output=True, text=True).stdout.splitlines()[0] for tool in TOOLS]
     return [*first_lines, *(f"{name} {packages[name]}" for name in ("libc6", "libstdc++6", "libhwy1", "libtbb12"))]
@@ -50,7 +50,7 @@ def versions():
 
 @dataclass(frozen=True)
 class Moved(Variant):
-    """Begins on this machine's own processor; what was saved there goes on under the emulator."""
+    """Runs until the checkpoint on this machine's processor, and resumes it under the emulator."""
 
     def _call(self, arguments):
         begins = arguments[0] == "run"
@@ -58,7 +58,7 @@ class Moved(Variant):
 
 
 def emulated(processor, threads, kind=Variant):
-    """A variant whose kernels the program chooses itself: they must run on the processor's best instruction set."""
+    """A variant in which the program selects the kernels; it must select the processor's best instruction set."""
     return kind(f"{threads} thread{'s' if threads > 1 else ''}", FOLDER / "bin" / "troupe", threads,
                 emulator=("qemu-aarch64", "-L", SYSROOT, "-cpu", processor.cpu), simd=processor.kernels)
 
@@ -70,18 +70,18 @@ def proof_of(processor):
 
 
 def move_of(processor, ticks):
-    # The log's header is of the part that ran here.
+    # simd is not checked: the header of the log is that of the part on this machine.
     variant = replace(emulated(processor, 2, Moved), restarts=(ticks // 2,), simd="")
     return Proof(f"T2 resumed on aarch64, {processor.cpu.partition(',')[0]}", "saved by x86-64 in the middle; 2 threads",
                  (variant,))
 
 
-# Multiplication and addition, rounded once: scalar ones, NEON's and SVE's, and of complex numbers and matrices.
+# Fused multiply-add instructions: scalar, NEON, SVE, and those for complex numbers and matrices.
 FUSED = re.compile(r"\t(fn?m(add|sub|ad|sb|la|ls)|fml[as]l[2bt]?|fcmla|fmmla)\t")
 
 
 def fused_instructions(text):
-    """Lines of objdump's output that hold one."""
+    """The lines of objdump's output with a fused multiply-add."""
     return [line for line in text.splitlines() if FUSED.search(line)]
 
 

@@ -1,4 +1,4 @@
-"""Programs built in other ways: by other compilers and levels, and with a fault planted in a copy of the sources."""
+"""Builds of the program with other compilers and optimisation levels, and with a fault planted in a copy of the sources."""
 
 import os
 import pathlib
@@ -25,13 +25,13 @@ def _build(sources, folder, options, targets):
     print(f"building {folder.relative_to(ROOT)} ...", flush=True)
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     _run(["cmake", "-S", sources, "-B", folder, "-G", "Ninja", *launcher, *options])
-    # Else ccache passes over all that includes a precompiled header.
+    # Otherwise ccache skips sources with a precompiled header.
     _run(["cmake", "--build", folder, "--target", *targets], env={**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"})
     return folder / "bin" / "troupe"
 
 
 def compiled(compiler, level):
-    """The program by this compiler at this level, in a folder of its own under build/."""
+    """Builds the program with this compiler and level in a folder under build/; returns its path."""
     folder = ROOT / "build" / "prove" / f"{compiler}{level}"
     options = [f"-DCMAKE_CXX_COMPILER={compiler}", "-DCMAKE_BUILD_TYPE=None", f"-DCMAKE_CXX_FLAGS={level}",
                "-DTROUPE_TESTS=OFF", "-DTROUPE_PERF=OFF", "-DTROUPE_PYTHON=OFF", "-DCMAKE_UNITY_BUILD=ON"]
@@ -39,18 +39,18 @@ def compiled(compiler, level):
 
 
 def planted_faults():
-    """(name, what it does) of each of tests/planted: the text before the first line of the patch."""
+    """(name, description) of each patch in tests/planted; the description is the text before the diff."""
     return [(file.stem, file.read_text().split("\ndiff ")[0].strip()) for file in sorted(PLANTED.glob("*.patch"))]
 
 
 def with_planted(name):
-    """The program, and that with the hostile scheduler, with one fault planted."""
+    """Builds the program, and the one with the hostile scheduler, with one planted fault."""
     sources = ROOT / "build" / "planted" / name
     files = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     for file in filter(None, files.split("\0")):
         copy_if_changed(ROOT / file, sources / file)
     patch = PLANTED / f"{name}.patch"
-    for file in patched_files(patch):  # what an earlier run patched
+    for file in patched_files(patch):  # undoes the patch of an earlier run
         shutil.copyfile(ROOT / file, sources / file)
     _run(["patch", "--strip=1", "--quiet", "--fuzz=0", "--no-backup-if-mismatch", "--input", patch], cwd=sources)
     return _build(sources, sources / "build" / "release", ["-DCMAKE_BUILD_TYPE=Release", "-DTROUPE_PERF=OFF"],
@@ -71,7 +71,7 @@ def copy_if_changed(source, target):
 
 
 def calls_libm(program):
-    """Whether tests/symbols_test.py finds functions of libm in what computes a program's state."""
+    """Whether tests/symbols_test.py finds functions of libm in the libraries that compute a program's state."""
     folder = pathlib.Path(program).parent.parent
     libraries = [library for library in sorted(folder.glob("*/libtroupe_*.a")) if library.parent.name != "render"]
     test = [ROOT / "tests" / "symbols_test.py", *libraries]

@@ -1,19 +1,19 @@
-"""What is done to a random world that must not change a bit of it, as plain data: a world that fails is run again from these.
+"""Checks of random worlds: conditions that must not change results, as plain data, so that a failing check can be run again.
 
-A check is {"check": name, ...}. The caller compares lines of hash logs, one for each tick, with those of the plain run:
-one thread, tiles as chosen, one step after another.
+A check is {"check": name, ...}. Its runner compares the lines of hash logs, one per tick, with those of the plain run: one
+thread, automatic tiles, one step at a time.
 """
 
 import random
 
 THREADS = (1, 2, 3, 8)
-TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: as chosen
+TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: automatic
 # Checks that are an option of `troupe check`, with one thread and one tile size.
 OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia"}
 
 
 def plan(seed, index, ticks, program_only=False, controllers=False):
-    """The checks of the world of this index."""
+    """The checks for the world with this index."""
     draws = random.Random(f"checks {seed} {index}")
     chain = {"at": sorted(draws.sample(range(ticks), min(ticks, draws.choice((1, 2, 2, 3, 5))))),
              "threads": [draws.choice(THREADS) for _ in range(6)], "tiles": [draws.choice(TILES) for _ in range(6)]}
@@ -37,7 +37,7 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
 
 
 def difference(expected, got, whole=True):
-    """Where lines part: (tick, words), or nothing. The lines say "TICK STATE group=... group=..."; `got` may begin later."""
+    """The first difference, (tick, text), or None. Lines have the form "TICK STATE group=... group=..."; `got` may begin later."""
     start = 0
     if got and expected:
         first = int(got[0].split()[0])

@@ -1,16 +1,16 @@
-"""Which kinds random worlds had, and which of them were born, died, were carried, ... in a run: counted, not guessed."""
+"""Counts the kinds in random worlds, and the events (born, dies, carried, ...) of each kind in their runs."""
 
 import re
 from collections import Counter
 
 from .random_worlds import PART_FAMILIES, pairs_of
 
-# What the program's events say of a body.
+# Names of the program's events.
 EVENTS = {"birth": "born", "death": "dies", "fails": "disabled", "recovers": "enabled"}
 
 
 def parts_of(one):
-    """(family, kind) of all that bodies of a type carry."""
+    """(family, kind) of all parts of a type."""
     parts = [("drive", one["drive"]["kind"])] if "drive" in one else []
     for family, key in (("sensor", "sensors"), ("device", "devices"), ("controller", "controllers")):
         parts += [(family, part["kind"]) for part in one.get(key, ())]
@@ -31,7 +31,7 @@ class Coverage:
         return next((each["type"] for each in world.get("populations", ()) if each["name"] == stem), None)
 
     def add(self, world, told):
-        """A world that was run, and what the worker told of it."""
+        """Adds a world and the worker's report of its run."""
         types = world["types"]
         populated = {each["type"] for each in world.get("populations", ())} | {each["type"] for each in world.get("models", ())}
         for name in populated:
@@ -78,7 +78,7 @@ class Coverage:
                 for part in one.get(key, ()) if part["name"] == name]
 
     def missing(self):
-        """Names of what has not occurred."""
+        """Names of kinds, rules, actions and pairs that have not occurred."""
         names = [f"{kind.family} {kind.name}" for kind in self.kinds.all() if not self.kind_counts[kind.family, kind.name]]
         names += [f"placement rule {rule}" for rule in self.kinds.rules if not self.rules[rule]]
         names += [f"intervention {action}" for action in self.kinds.actions if not self.actions[action]]
@@ -90,4 +90,4 @@ class Coverage:
         kinds = [kind for kind in self.kinds.all() if self.kind_counts[kind.family, kind.name]]
         return (f"{len(kinds)} of {len(self.kinds.all())} kinds, "
                 f"{sum(self.pairs[pair] > 0 for pair in self.wanted_pairs)} of {len(self.wanted_pairs)} pairs of a kind of "
-                f"{', '.join(PART_FAMILIES)} and what happens to it")
+                f"{', '.join(PART_FAMILIES)} and an event")

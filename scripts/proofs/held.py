@@ -1,12 +1,12 @@
-"""Proofs in worlds: all runs of a world are compared with its first one, line by line, and with the golden hash."""
+"""Runs proofs: compares all runs of a world with its first run, line by line, and with the golden hash."""
 
 from .runs import Fault, difference, state_of
 from .table import Progress, print_row
 
 
 def hold(world, proofs, ticks, folder, golden=None):
-    """Runs the variants of the proofs in one world and prints a row of the table for each proof. Yields each proof with what is
-    wrong with it, as texts. Compared with the golden hash, too, where there is one to be."""
+    """Runs the variants of the proofs in one world and prints one row of the table per proof. Yields each proof with its faults, as
+    texts. If `golden` is given, also compares the first run with the golden hash."""
     progress = Progress(sum(len(proof.variants) for proof in proofs))
     expected = None
     for proof in proofs:
@@ -37,7 +37,7 @@ def hold(world, proofs, ticks, folder, golden=None):
 def compare_golden(world, ticks, state, golden, where):
     known = golden.get((world.key, None, ticks))
     if known is None:
-        return [f"{world.key}: no golden hash of tick {ticks}; scripts/prove --golden makes it"]
+        return [f"{world.key}: no golden hash of tick {ticks}; scripts/prove --golden writes it"]
     if known != state:
         return [f"{where}: tick {ticks} has the state {state}, the golden hash is {known}"]
     return []

@@ -1,4 +1,4 @@
-"""What a world may be made of, as the program itself lists it: every kind, with the schema of its parameters."""
+"""All kinds of parts of a world with the schemas of their parameters, as listed by the program."""
 
 import json
 import subprocess
@@ -6,7 +6,7 @@ import subprocess
 from .runs import Fault
 
 FAMILIES = ("drive", "sensor", "device", "controller", "measure", "fault")
-# Keys that every sensor, device or controller has besides its own parameters.
+# Keys of every sensor, device or controller in addition to its own parameters.
 COMMON = {"kind", "name", "pose", "active", "joint", "on", "color", "obstacle", "ranger_return", "fiducial_return",
           "fiducial_key", "gripper_return", "blob_return", "pushable", "blocks", "of", "update_period_s", "update_period_ms"}
 
@@ -22,10 +22,10 @@ class Kind:
             alternatives = [one["required"][0] for one in group.get("oneOf", []) if len(one.get("required", ())) == 1]
             other_units.update(alternatives[1:])
             if len(alternatives) == len(group.get("oneOf", [])) and alternatives:
-                self.required.append(alternatives[0])  # one of them must be given
+                self.required.append(alternatives[0])  # exactly one of the alternatives is required
         parameters = {key: value for key, value in schema.get("properties", {}).items()
                       if key not in COMMON and key not in other_units}
-        # Between two updates; of a device with a period of its own (update_period_s) it is a parameter.
+        # period_s is the update period, except in a device with update_period_s, where it is a parameter.
         own_period = "update_period_s" in schema.get("properties", {})
         if family not in ("measure", "fault") and not own_period:
             parameters.pop("period_s", None)
@@ -63,7 +63,7 @@ class Kinds:
 
     def _add(self, family, schema):
         name = schema.get("properties", {}).get("kind", {}).get("const")
-        if name is not None:  # else what a plug-in may bring
+        if name is not None:  # None: the placeholder for plug-ins
             self._families[family][name] = Kind(family, name, schema)
 
     def of(self, family):
@@ -79,7 +79,7 @@ class Kinds:
 
 
 def kinds_of(program):
-    """The kinds that a program knows: `troupe describe --schema`."""
+    """The kinds of a program, from `troupe describe --schema`."""
     done = subprocess.run([str(program), "describe", "--schema"], capture_output=True, text=True)
     if done.returncode != 0:
         raise Fault(f"{program} describe --schema failed: {done.stderr.strip()}")

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Runs checks of worlds with Troupe's Python module, all variants in one process: a JSON text a line comes in, one goes out.
+"""Runs checks of worlds with Troupe's Python module, all variants in one process. Reads and writes one JSON text per line.
 
     in   {"world": {...}, "folder": "...", "program": "...", "ticks": 40, "checks": [...], "cover": true}
     out  {"invalid": "..."}, or {"failures": [{"check": {...}, "tick": 7, "text": "..."}], "events": [[type, robot, other], ...],
           "refused": [...], "alive": [names at each checkpoint]}
 
-A process of its own, since a world may end it. scripts/proofs/random_proof.py starts it.
+It is a separate process because a world may crash it. scripts/proofs/random_proof.py starts it.
 """
 
 import json
@@ -34,7 +34,7 @@ class Job:
         return troupe.Simulation(self.world, threads=threads, tile_size_m=tile or 0.0, name=self.name, **options)
 
     def steps(self, simulation, ticks, each=None):
-        """The lines of the ticks from here to `ticks`; a step that fails ends them with a line that says so."""
+        """The lines of the ticks from the current one to `ticks`; a step that fails ends them with an error line."""
         lines = [simulation.hash_log_line().strip()]
         while simulation.tick < ticks:
             tick = simulation.tick
@@ -47,13 +47,13 @@ class Job:
             lines.append(simulation.hash_log_line().strip())
         return lines
 
-    # ---- each returns its lines, or a list of several
+    # ---- checks; each yields one or more lists of lines
 
     def threads(self, check):
         yield self.steps(self.simulation(check["threads"], check["tile"]), self.ticks)
 
     def checkpoints(self, check):
-        """Saved and gone on with, saved and resumed, again and again."""
+        """Saves and continues, then saves and resumes repeatedly."""
         file = self.folder / "chain.h5"
         simulation = self.simulation(check["threads"][0], check["tiles"][0])
         for i, at in enumerate(check["at"]):
@@ -62,7 +62,7 @@ class Job:
             if "error" in lines[-1].split()[1:2]:
                 return
             simulation.save(file)
-            if i == 0:  # what saves is not changed by it
+            if i == 0:  # saving must not change the simulation
                 yield self.steps(simulation, self.ticks)
             simulation = troupe.Simulation.resume(file, threads=check["threads"][i + 1], tile_size_m=check["tiles"][i + 1])
             if self.cover:
@@ -77,7 +77,7 @@ class Job:
         yield self.steps(simulation, self.ticks)
 
     def steps_of(self, check):
-        """Several ticks in a call: only the last of each is compared."""
+        """Several ticks per call; only the last tick of each call is compared."""
         simulation = self.simulation(check["threads"])
         while simulation.tick < self.ticks:
             try:
@@ -106,7 +106,7 @@ class Job:
         yield lines
 
     def converted(self, check):
-        """Written by `troupe convert`, and read again. In Stage's format without what that cannot say."""
+        """Converts the world with `troupe convert` and runs the result. For Stage's format, removes features that it lacks."""
         source, target = self.folder / "source.json", self.folder / f"converted.{check['to']}"
         world = self.world
         options = {}
@@ -141,7 +141,7 @@ class Job:
             raise RuntimeError(f"troupe check: exit code {done.returncode}: {(told + done.stderr).strip()[:1500]}")
 
     def failure(self, check):
-        """None, or what is wrong: {"check", "tick", "text"}."""
+        """None, or the failure: {"check", "tick", "text"}."""
         run = {"threads": self.threads, "checkpoints": self.checkpoints, "reset": self.reset, "steps": self.steps_of,
                "observed": self.observed, "converted": self.converted, "program": self.program_check,
                "amnesia": self.program_check, "controllers": self.program_check}[check["check"]]
@@ -173,7 +173,7 @@ class Job:
 
 
 def main():
-    # What a library prints must not stand among the answers.
+    # Output of libraries must not mix with the answers.
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     print(json.dumps({"ready": troupe.version_line()}), file=answers, flush=True)

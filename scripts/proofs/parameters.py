@@ -1,8 +1,8 @@
-"""Parameters of kinds, drawn at random: from their schemas, and, where several belong together, by a rule for the kind."""
+"""Random parameters of kinds: from their schemas, and for related parameters by a rule for the kind."""
 
 import math
 
-# What decides how many numbers the state has, or which state there is: `set` may not change it.
+# Parameters that determine the layout of the state; `set` may not change them.
 SHAPE = {"transducers", "bumpers", "width", "height", "payload", "directions", "image_width", "image_height", "points_m",
          "localization", "localization_origin_m", "localization_origin_heading_rad", "odom_error", "odom_heading", "most",
          "paddle_size", "size_m", "type", "drive", "source", "sink", "map", "task", "task2", "task3", "task4", "task5", "task6",
@@ -11,14 +11,14 @@ SHAPE = {"transducers", "bumpers", "width", "height", "payload", "directions", "
          "most_blobs", "when_empty", "min_position", "max_position", "axis"}
 SHAPE_OF = {"ranger": {"intensity"}, "dynamic": {"count", "reach_m"}}
 
-# What else may be set of a controller: names of models that are there.
+# Further settings of controllers, with names of models in the world.
 SET_OF = {"fasr2": [{"task2": ""}, {"task": "green"}], "collector": [{"sink": "sink1"}, {"charger": 9}, {"puck": 2}],
           "fasr": [{"source": "sink", "sink": "source"}]}
 COLORS = ("red", "SteelBlue", "gold", "LimeGreen", "black", "white", "gray40")
 
 
 def settable(kind):
-    """The parameters that may change while a world runs."""
+    """The parameters that `set` may change during a run."""
     return sorted({key for one in SET_OF.get(kind.name, ()) for key in one}
                   | kind.parameters.keys() - SHAPE - SHAPE_OF.get(kind.name, set()))
 
@@ -28,7 +28,7 @@ def rounded(value):
 
 
 class Values:
-    """Values that fit a schema."""
+    """Random values that match a schema."""
 
     def __init__(self, kinds, draws):
         self._kinds, self._draws = kinds, draws
@@ -78,7 +78,7 @@ class Values:
         return int(self._draws.randint(max(low, 0), max(low, min(high, max(3, 2 * default)))))
 
     def _number(self, schema):
-        """Mostly near the default; the bounds, too, where they are near and belong to the range."""
+        """A number, mostly near the default; sometimes a bound, if it is near and allowed."""
         low, high = self._bounds(schema)
         default = schema.get("default", 0.5)
         default = default if isinstance(default, (int, float)) else 0.5
@@ -93,21 +93,21 @@ class Values:
 
 
 class Parameters:
-    """Draws the parameters of a part. A world's generator derives from it: `draws`, `values`, `kinds`, `world`, `tick_s` and `reserves`
-    (populations of which bodies may be born) are its own."""
+    """Draws the parameters of a part. The generator of worlds derives from it and provides `draws`, `values`, `kinds`, `world`,
+    `tick_s` and `reserves` (populations with bodies that can be born)."""
 
     def chance(self, p):
         return self.draws.random() < p
 
     def parameters(self, kind, given=None, often=0.35):
-        """Of a kind: the required ones, and some others."""
+        """Parameters of a kind: the required ones and some others."""
         chosen = {key: self.values.of(schema, key) for key, schema in kind.parameters.items()
                   if key in kind.required or self.chance(often)}
         chosen.update(given or {})
         return self._mended(kind, chosen, given or {})
 
     def _mended(self, kind, chosen, given):
-        """What no schema says: limits that belong together, names of what is in this world, and sizes that keep worlds small."""
+        """Adjusts what schemas cannot express: related limits, names in this world, and sizes that keep worlds small."""
         draws = self.draws
         for key in list(chosen):
             if "_min_" in key or key.startswith("turn_min"):

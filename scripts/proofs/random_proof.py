@@ -1,5 +1,5 @@
-"""Random worlds, checked: worlds are made (random_worlds.py), run in many ways (checks.py), what occurs in them is counted
-(coverage.py), and a world that fails is shrunk (shrink.py) and kept."""
+"""Checks random worlds: makes worlds (random_worlds.py), runs them in many ways (checks.py), counts what occurs in them
+(coverage.py), and shrinks (shrink.py) and keeps worlds that fail."""
 
 import json
 import os
@@ -22,10 +22,10 @@ from .table import clock
 
 KEPT = ROOT / "build" / "prove" / "random"
 WORKER = pathlib.Path(__file__).resolve().parent / "library_worker.py"
-# From so many worlds on, what has not occurred is a fault of the generator.
+# From this number of worlds on, everything must have occurred; else the generator has a fault.
 COMPLETE_AT = 2000
 LEAST_VALID = 0.9
-# A check hangs that takes so much processor time, or comes to no end for so long on a machine that has other work.
+# A check counts as hanging after this much processor time, or after this much wall time on a busy machine.
 TIMEOUT_CPU_S = 60
 TIMEOUT_S = 900
 MOST_KEPT = 10
@@ -36,7 +36,7 @@ def module_folder(preset):
 
 
 def interpreter_of(folder):
-    """An interpreter that loads the module in this folder, or nothing."""
+    """An interpreter that can load the module in this folder, or None."""
     for interpreter in (sys.executable, "/usr/bin/python3"):
         if not os.path.exists(interpreter) or not folder.is_dir():
             continue
@@ -48,7 +48,7 @@ def interpreter_of(folder):
 
 
 class Library:
-    """Runs checks in a process with the Python module, which is started again where a world ends it."""
+    """Runs checks in a process with the Python module; restarts the process if a world crashes it."""
 
     program_only = False
 
@@ -60,7 +60,7 @@ class Library:
         self._process = None
 
     def _start(self):
-        # What malloc hands out is filled, so that a value that is read before it is set differs from run to run.
+        # MALLOC_PERTURB_ fills allocated memory, so that reads of uninitialised values change results.
         environment = {**os.environ, "PYTHONPATH": str(self.module), "MALLOC_PERTURB_": "165"}
         self._process = subprocess.Popen([self.interpreter, WORKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                          stderr=open(self.folder / "worker.log", "w"), cwd=self.folder, env=environment)
@@ -68,7 +68,7 @@ class Library:
         self._answer()
 
     def _cpu_s(self):
-        """What the process has taken of the processor."""
+        """Processor time of the process, s."""
         try:
             fields = pathlib.Path(f"/proc/{self._process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         except OSError:
@@ -76,13 +76,13 @@ class Library:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def _answer(self):
-        """("told", the next line), or ("crash" or "hangs", what is known of it)."""
+        """("told", the next answer), or ("crash" or "hangs", a text)."""
         end, cpu_end = time.monotonic() + TIMEOUT_S, self._cpu_s() + TIMEOUT_CPU_S
         output = self._process.stdout.fileno()
         while b"\n" not in self._pending:
             if not select.select([output], [], [], 1)[0]:
                 if time.monotonic() > end or self._cpu_s() > cpu_end:
-                    return "hangs", f"no end after {TIMEOUT_CPU_S} s of the processor's time or {TIMEOUT_S} s"
+                    return "hangs", f"not finished after {TIMEOUT_CPU_S} s of processor time or {TIMEOUT_S} s"
                 continue
             got = os.read(output, 1 << 20)
             if not got:
@@ -103,7 +103,7 @@ class Library:
         if how == "told":
             return told
         self.close()
-        if len(checks) > 1:  # which of them it is
+        if len(checks) > 1:  # find the check that fails
             told = {"failures": [], "events": [], "refused": [], "resumed": [], "ticks": ticks, "stopped": ""}
             for check in checks:
                 one = self.run(world, ticks, [check])
@@ -120,7 +120,7 @@ class Library:
 
 
 class Program:
-    """Runs checks with the program alone: `troupe check`, and runs that are saved and resumed."""
+    """Runs checks with only the program: `troupe check`, and runs that are saved and resumed."""
 
     program_only = True
 
@@ -183,14 +183,14 @@ class Program:
 
 
 class RandomProof:
-    """Makes worlds and checks them until so many are done, or so much time has passed."""
+    """Makes and checks worlds up to a number of worlds or a time limit."""
 
     def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print,
                  kinds=None, sound=None, least=0):
         self.runner, self.seed, self.count, self.seconds, self.first = runner, seed, count, seconds, first
-        self.least = least  # worlds, however long they take
+        self.least = least  # least number of worlds, whatever time they take
         self.controllers, self.kept, self.shrink, self.say = controllers, kept, shrink, say
-        # Where given, a program in which worlds that differ do not count: a fault was planted in the other one.
+        # If given, a program without the planted fault: worlds that fail in it too are not counted.
         self.sound = sound
         self.kinds = kinds or kinds_of(runner.program)
         self.coverage = Coverage(self.kinds)
@@ -199,7 +199,7 @@ class RandomProof:
         (runner.folder / PLAN).write_bytes(plan_image())
 
     def run(self, stop_at_first=False):
-        """The faults, in words."""
+        """Runs the proof; returns the faults as texts."""
         pairs, start = pairs_of(self.kinds), time.monotonic()
         shown = start
         while (self.count is None or self.made < self.count) and \
@@ -241,7 +241,7 @@ class RandomProof:
         return self.failed
 
     def report(self):
-        """Lines: how many worlds, of which seed, what occurred."""
+        """Yields lines with the number of worlds, the seed, and what occurred."""
         yield (f"random worlds: {self.made} of seed {self.seed}"
                f"{f' from {self.first} on' if self.first else ''}, {self.valid} could be loaded "
                f"({100 * self.valid / max(1, self.made):.1f} %), {self.checks} checks, {self.differing} of them differ, "
@@ -254,7 +254,7 @@ class RandomProof:
             yield f"  not loaded, {times}: {text}"
 
     def _found(self, index, world, ticks, failures):
-        """Keeps a world, made small for the first of the checks in which it differs."""
+        """Keeps a world, shrunk for the first check in which it differs."""
         self.differing += 1
         failure = failures[0]
         others = "".join(f"; also in {other['check']['check']}" for other in failures[1:])
@@ -276,7 +276,7 @@ class RandomProof:
         where = folder.relative_to(ROOT) if folder.is_relative_to(ROOT) else folder
         command = f"scripts/prove --random-again {shlex.quote(str(where))}"
         text = (f"random world {index} of seed {self.seed}, {json.dumps(failure['check'])}: {failure['text']}{others}\n"
-                f"  {trials} trials shrank it to {where}/world.json, {case['ticks']} ticks; again: {command}")
+                f"  shrunk in {trials} trials to {where}/world.json, {case['ticks']} ticks; to run it again: {command}")
         self.say(text)
         self.failed.append(text)
 
@@ -286,7 +286,7 @@ def is_same(failure, check):
 
 
 def shrunk(runner, case, tick=None):
-    """The case made small, and how many trials that took. The ticks and the ticks of checkpoints shrink with the world."""
+    """The shrunk case and the number of trials. The number of ticks and the ticks of checkpoints shrink with the world."""
 
     def fails(document):
         if set(document) != set(case) or document["ticks"] < 1 or "check" not in document["check"]:
@@ -307,7 +307,7 @@ def shrunk(runner, case, tick=None):
         return any(is_same(failure, check) for failure in told.get("failures", ()))
 
     shrinker = Shrinker(fails)
-    for ticks in (tick, tick + 1) if tick else ():  # no further than to where it differs
+    for ticks in (tick, tick + 1) if tick else ():  # stop at the first difference
         cut = {**case, "ticks": ticks}
         if fails(cut):
             case = cut
@@ -316,13 +316,13 @@ def shrunk(runner, case, tick=None):
 
 
 def again(runner, folder, say=print):
-    """Runs a case that was kept. Whether it still differs."""
+    """Runs a kept case again; returns whether it still differs."""
     folder = pathlib.Path(folder)
     try:
         case = json.loads((folder / "case.json").read_text())
         world = json.loads((folder / "world.json").read_text())
     except (OSError, ValueError) as error:
-        raise Fault(f"{folder}: no case that was kept: {error}")
+        raise Fault(f"{folder}: not a kept case: {error}")
     (runner.folder / PLAN).write_bytes(plan_image())
     told = runner.run(world, case["ticks"], [case["check"]])
     if "invalid" in told:

@@ -14,9 +14,9 @@ TICK_S = (0.1, 0.1, 0.05, 0.02, 0.25, 1.0)
 MOST_BODIES = 30
 EVENTS = ("born", "dies", "disabled", "enabled", "moved", "set", "carried", "resumed")
 PART_FAMILIES = ("drive", "sensor", "device", "controller")
-PLAN = "plan.pgm"  # an image of walls, beside the world
+PLAN = "plan.pgm"  # an image of walls, in the folder of the world
 
-# The devices that a controller needs, and may take: (kind, parameters on which it insists).
+# The devices that a controller needs or can use: (kind, required parameters).
 SCANNER = ("ranger", {"transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 9}]})
 RING = ("ranger", {"transducers": [{"pose": {"heading_deg": 45 * i}, "range_max_m": 2} for i in range(8)]})
 RING_OF_12 = ("ranger", {"transducers": [{"pose": {"heading_deg": 30 * i}, "range_max_m": 2} for i in range(12)]})
@@ -33,31 +33,31 @@ NEEDS = {
     "chain": [RADIO, SCANNER, ("led", {})], "brazil_nut": [("light_sensor", {"directions": 8}), RADIO],
     "clustering": [SCANNER], "informed_aggregation": GROUND_RADIO_SCANNER,
 }
-# A controller that is not listed above gets one of everything.
+# The devices of a controller that is not listed above.
 EVERYTHING = [RING, SCANNER, RADIO, ("ground", {}), ("light_sensor", {"directions": 8}), ("fiducial", {}), ("flags", {}),
               ("power_pack", {}), ("gripper", {}), ("led", {})]
 COMPANIONS = {"power_contact": "power_pack", "spawner": "flags"}
-# These stand still, beside a body's own controller or alone.
+# Controllers that do not drive; a body may have another controller too.
 STANDS = {"source", "sink"}
 MODELS_NEEDED = {"fasr": ("source", "sink"), "fasr2": ("red_source", "red_sink", "green_source", "green_sink"),
                  "collector": ("sink", "sink1")}
 
 
 def focus_of(pairs, seed, index):
-    """The pair (kind, event) that the world of this index is to show: all of them, in an order that follows from the seed."""
+    """The pair (kind, event) on which the world of this index focuses: all pairs in turn, in an order that depends on the seed."""
     order = list(range(len(pairs)))
     random.Random(f"foci {seed} {index // len(pairs)}").shuffle(order)
     return pairs[order[index % len(pairs)]]
 
 
 def pairs_of(kinds):
-    """Every (family, kind, event) that can be: nothing is set of a kind that has nothing to set."""
+    """Every possible (family, kind, event); `set` only for kinds with parameters that can be set."""
     return [(family, name, event) for family in PART_FAMILIES for name, kind in sorted(kinds.of(family).items())
             for event in EVENTS if event != "set" or settable(kind)]
 
 
 class Generator(Parameters):
-    """One world. `world` is the document, `ticks` how far it is to run."""
+    """Makes one world. `world` is the document, `ticks` the length of its run."""
 
     def __init__(self, kinds, seed, index, focus):
         self.kinds = kinds
@@ -97,7 +97,7 @@ class Generator(Parameters):
                            {"points_m": [[0.05, 0.07], [0.12, 0.07], [0.12, 0.1], [0.05, 0.1]], "z_m": [0, 0.05]}]}
 
     def wanted_devices(self, controller):
-        """(kind, parameters) of what a controller needs, and of some more."""
+        """(kind, parameters) of the devices that a controller needs, and of some others."""
         wanted = list(NEEDS.get(controller, EVERYTHING)) if controller else []
         rest = [*self.kinds.of("sensor"), *self.kinds.of("device")]
         for _ in range(self.draws.choice((0, 1, 1, 2, 3))):
@@ -105,14 +105,14 @@ class Generator(Parameters):
         return wanted
 
     def _with_companions(self, devices):
-        """What a kind cannot do without on its own body, before it."""
+        """The devices, each preceded by the devices that it needs on the same body."""
         for kind, given in devices:
             if kind in COMPANIONS:
                 yield COMPANIONS[kind], {}
             yield kind, given
 
     def robot(self, name, part=None, mortal_pack=False):
-        """Adds a type that drives, unless its controller stands; with this part, (family, kind), among others."""
+        """Adds a type that contains the given part, (family, kind). It drives unless its controller is one of STANDS."""
         family, wanted = part or (None, None)
         controllers = self.kinds.of("controller")
         controller = wanted if family == "controller" else self.draws.choice([*controllers, None, "waypoints", "wander", "script"])
@@ -145,8 +145,8 @@ class Generator(Parameters):
         return name
 
     def _fitting(self, devices):
-        """What fits on one body: one of what has a body of its own, as they would be in each other's way, and one pack and list
-        of flags."""
+        """The devices that fit on one body: at most one device with an outline, because they would overlap, and at most one power
+        pack and list of flags."""
         alone = set()
         for kind, given in devices:
             group = "body" if kind in ("gripper", "wheels", "actuator") else kind
@@ -157,7 +157,7 @@ class Generator(Parameters):
             yield kind, given
 
     def _mount(self, one):
-        """A sensor on an actuator, now and then."""
+        """Sometimes puts a sensor on an actuator."""
         actuators = [device["name"] for device in one["devices"] if device["kind"] == "actuator"]
         if actuators and one["sensors"] and self.chance(0.5):
             self.draws.choice(one["sensors"])["on"] = actuators[0]
@@ -167,7 +167,7 @@ class Generator(Parameters):
         if controller in self.kinds.of("controller"):
             made.append({"kind": controller, **self.parameters(self.kinds.of("controller")[controller])})
             if one.get("drive", {}).get("kind") != "omni":
-                for goal in made[0].get("goals", ()):  # others do not go straight
+                for goal in made[0].get("goals", ()):  # other drives do not go straight
                     goal.pop("speed_mps", None)
         operable = [device for device in one["devices"] if device["kind"] in ("gripper", "actuator")]
         if operable and controller != "collector" and (controller == "operate" or self.chance(0.6)):
@@ -203,7 +203,7 @@ class Generator(Parameters):
     # ---- the scene
 
     def _ring(self):
-        """Spots for single models, 1.4 m apart, outside of where populations are placed."""
+        """Positions for single models, 1.4 m apart, outside the area of populations."""
         edge = self.half - 0.9
         count = max(1, int(2 * edge / 1.4))
         line = [-edge + 2 * edge * i / count for i in range(count)]
@@ -212,7 +212,7 @@ class Generator(Parameters):
         return spots
 
     def model(self, name, of_type, heading=None):
-        """A single body, at the next spot; nothing where there is none left."""
+        """A single body at the next free position; None if there is none."""
         if not self._spots or self.bodies >= MOST_BODIES:
             return None
         x, y = self._spots.pop()
@@ -240,7 +240,7 @@ class Generator(Parameters):
             world["floorplans"] = [{"name": "cave", "bitmap": PLAN, "size_m": [2 * half, 2 * half, 0.6], "boundary": self.chance(0.5)}]
 
     def place(self):
-        """A rule with what it needs, for bodies near the middle."""
+        """A placement rule with its parameters, for bodies near the centre."""
         rule = self.draws.choice(self.kinds.rules)
         inner = self.inner
         region = [[rounded(-inner), rounded(-inner)], [rounded(inner), rounded(inner)]]
@@ -309,7 +309,7 @@ class Generator(Parameters):
                 del world[key]
 
     def _fixtures(self):
-        """What controllers look for, and what bears, kills, charges and shines."""
+        """Adds the objects that controllers look for, and sources, sinks, chargers and lights."""
         world = self.world
         used = {controller["kind"] for one in world["types"].values() for controller in one.get("controllers", ())}
         flat = {"size_m": [0.5, 0.5, 0.01], "obstacle": False, "ranger_return": -1}
@@ -341,7 +341,7 @@ class Generator(Parameters):
             self.model("tile", "tile")
 
     def _grips(self, of_type):
-        """Up to two catchers with a body of the type between their paddles, on which these close."""
+        """Adds up to two catchers whose grippers close on a body of the type between their paddles."""
         world = self.world
         world["types"][of_type]["gripper_return"] = True
         world["types"]["catcher"] = {
@@ -352,7 +352,7 @@ class Generator(Parameters):
             catcher = self.model(f"catcher{i}", "catcher", heading=0)
             if catcher is None or self.bodies >= MOST_BODIES:
                 return
-            # The paddles reach from 0.1 + 0.306 = 0.406 m to 1 m before the catcher's origin, 0.8 m apart.
+            # The paddles reach from 0.1 + 0.306 = 0.406 m to 1 m in front of the catcher's origin, 0.8 m apart.
             x, y = catcher["pose"]["x_m"], catcher["pose"]["y_m"]
             if x > 0:
                 catcher["pose"]["heading_deg"] = 180
@@ -360,13 +360,13 @@ class Generator(Parameters):
                 "x_m": rounded(x + (-0.72 if x > 0 else 0.72)), "y_m": y}})
             self.bodies += 1
 
-    # ---- what happens
+    # ---- events
 
     def time(self, low=1, high=None):
         return rounded(self.tick_s * self.draws.randint(low, max(low, high or self.ticks - 2)))
 
     def whom(self, many=True):
-        """Mostly bodies of the focus."""
+        """A group of bodies, mostly of the focus."""
         populations = [each["name"] for each in self.world["populations"] if each["count"]]
         whom = {"population": "f"} if self.chance(0.7) else {"population": self.draws.choice(populations)}
         if self.chance(0.15):
@@ -376,7 +376,7 @@ class Generator(Parameters):
         return whom
 
     def _happenings(self, focus):
-        """Entries of `at`: that of the focus, and others."""
+        """Entries of `at`: those of the focus, and others."""
         actions = self.kinds.actions
         meant = {"born": ["add"], "dies": ["remove"], "disabled": ["disable"], "enabled": ["disable", "enable"], "moved": ["move"],
                  "set": ["set"]}.get(focus, [])
@@ -388,7 +388,7 @@ class Generator(Parameters):
             if entry:
                 time = self.time(1, self.ticks // 2) if action == "disable" else self.time(3)
                 entries.append({"time_s": time, **entry})
-        for entry in entries:  # what was disabled earlier is enabled later
+        for entry in entries:  # enable in the second half, after disable
             if "enable" in entry:
                 entry["time_s"] = self.time(self.ticks // 2)
         self.draws.shuffle(entries)
@@ -479,14 +479,14 @@ class Generator(Parameters):
 
 
 def make_world(kinds, seed, index, pairs=None):
-    """(world, ticks, focus) of an index."""
+    """(world, ticks, focus) for an index."""
     focus = focus_of(pairs or pairs_of(kinds), seed, index)
     made = Generator(kinds, seed, index, focus)
     return made.world, made.ticks, focus
 
 
 def plan_image():
-    """The bytes of the image that worlds have as a floor plan: free but for its edge and two short walls."""
+    """The bytes of the image that worlds use as a floor plan: empty except for its edge and two short walls."""
     size = 64
     pixels = bytearray([255] * size * size)
     for i in range(size):

@@ -1,4 +1,4 @@
-"""Runs of the program, and what their hash logs say."""
+"""Runs of the program and their hash logs."""
 
 import os
 import pathlib
@@ -10,21 +10,21 @@ GOLDEN = ROOT / "worlds" / "golden_hashes.txt"
 
 
 class Fault(Exception):
-    """Nothing could be proved or disproved."""
+    """An error because of which nothing could be proved or disproved."""
 
 
 @dataclass(frozen=True)
 class World:
     file: str
     tick_s: float = 0.1
-    # Cost of a tick against that of the first world, per thread; for the estimate of the time left only.
+    # Cost of a tick relative to the first world, per thread; for the estimate of the remaining time.
     weight: float = 1.0
-    # Ray engine, where it is not the world's own.
+    # Ranging engine, if not the world's own.
     ranging: str = ""
 
     @property
     def key(self):
-        """What the golden file calls it."""
+        """Its key in the golden file."""
         return f"{self.file}:{self.ranging}" if self.ranging else self.file
 
     @property
@@ -38,33 +38,33 @@ class World:
 
 @dataclass(frozen=True)
 class Variant:
-    """One way of running a world that must not change a bit."""
+    """One way of running a world that must not change results."""
 
     label: str
     program: pathlib.Path
     threads: int = 1
     tile_m: float = 0
-    options: tuple = ()  # further ones of the program
+    options: tuple = ()  # further options of the program
     environment: dict = field(default_factory=dict)
-    folder: pathlib.Path = None  # to run in
-    restarts: tuple = ()  # ticks at which the run is saved, and resumed by another process
-    emulator: tuple = ()  # what runs the program
-    simd: str = ""  # instruction set that its kernels must run on
+    folder: pathlib.Path = None  # working folder
+    restarts: tuple = ()  # ticks at which the run is saved and resumed by another process
+    emulator: tuple = ()  # command that runs the program
+    simd: str = ""  # instruction set on which its kernels must run
 
     def lines(self, world, ticks, folder, robots=None):
-        """The lines of its hash log without the header, which may differ: a line a tick, from tick 0."""
+        """The lines of its hash log without the header, which may differ: one per tick, from tick 0."""
         log = folder / "run.log"
         source = ["run", *world.arguments, *(["--robots", robots] if robots is not None else [])]
         for end in (*self.restarts, ticks):
             checkpoint = folder / f"tick-{end}.h5"
             save = ["--checkpoint", checkpoint, "--force"] if end != ticks else []
             self._call([*source, "--for", f"{end * world.tick_s:.9g}", "--hash-log", log, *save])
-            source = ["resume", checkpoint]  # the log goes on, too
+            source = ["resume", checkpoint]  # also continues the log
         if self.simd and self.simd != (ran := simd_of(log)):
-            raise Fault(f"{self.label}: kernels must run on {self.simd}, they ran on {ran}")
+            raise Fault(f"{self.label}: kernels must run on {self.simd}, but ran on {ran}")
         lines = read_log(log)
         if len(lines) != ticks + 1:
-            raise Fault(f"{world.file}: {ticks} ticks were asked for, the hash log has {len(lines)} lines")
+            raise Fault(f"{world.file}: expected {ticks + 1} lines in the hash log, found {len(lines)}")
         return lines
 
     def _call(self, arguments):
@@ -82,7 +82,7 @@ def read_log(log):
 
 
 def simd_of(log):
-    """The instruction set that a hash log's header names."""
+    """The instruction set in the header of a hash log."""
     head = (line for line in pathlib.Path(log).read_text().splitlines() if line.startswith("# simd: "))
     return next(head, "# simd: an unknown one").removeprefix("# simd: ")
 
@@ -92,7 +92,7 @@ def state_of(line):
 
 
 def difference(expected, got):
-    """Where two hash logs part, in words; nothing when they agree."""
+    """The first difference between two hash logs, as a text; empty if they agree."""
     for a, b in zip(expected, got):
         if a == b:
             continue

@@ -1,7 +1,7 @@
-"""The manifest of the shipped worlds, worlds/scenes.json: what each world is for, and which runs use it.
+"""The manifest of the shipped worlds, worlds/scenes.json: the purpose of each world, and the runs that use it.
 
-The keys of a row are described in docs/worlds.md. tests/support/scenes.cpp reads the same file for the tests in C++ and for
-perf; it checks `tests` and `perf`, this module everything else.
+docs/worlds.md describes the keys of a row. tests/support/scenes.cpp reads the same file for the tests in C++ and for perf. It
+checks `tests` and `perf`; this module checks everything else.
 """
 
 import json
@@ -18,7 +18,7 @@ OPTIONAL = {"excluded": str, "slow": bool, "prove": list, "golden": list, "tests
 PROVE = {"weight": (int, float), "ranging": str, "quick": bool}
 GOLDEN = {"robots": int, "ticks": int, "ranging": str}
 SOAK = {"for_s": int, "resets": bool}
-# A picture of one time, or a run that is recorded and drawn from several sides.
+# A picture of one time, or a run that is recorded and drawn in several views.
 PICTURE = {"name": str, "at_s": (int, float), "look": str}
 RECORDED = {"name": str, "for_s": (int, float), "record": str, "views": dict}
 
@@ -33,7 +33,7 @@ def shipped(folder=None):
 
 
 class Scenes:
-    """The rows of a manifest, checked. Raises Fault, with every finding, for one that is wrong."""
+    """The rows of a manifest. Checks them and raises Fault with all findings."""
 
     def __init__(self, file=FILE):
         self.file, self.faults = file, []
@@ -54,7 +54,7 @@ class Scenes:
             raise Fault("\n".join(f"{file}: error: {fault}" for fault in self.faults))
 
     def _check(self, at, value, required, optional=()):
-        """Checks the keys of an object and the types of their values; whether that can be read on."""
+        """Checks the keys of an object and the types of their values; returns whether they are correct."""
         before = len(self.faults)
         if not isinstance(value, dict):
             self.faults.append(f"{at or '/'}: expected an object, found {json.dumps(value)}")
@@ -92,18 +92,18 @@ class Scenes:
                                "reason why there is none (excluded)")
 
     def proved(self, quick=False):
-        """The worlds that scripts/prove holds to its proofs; quick: the small ones among them."""
+        """The worlds of scripts/prove; quick: only the small ones."""
         return tuple(World(row["world"], weight=run["weight"], ranging=run.get("ranging", ""))
                      for row in self.rows for run in row.get("prove", []) if run.get("quick") or not quick)
 
     def golden_runs(self):
-        """What the golden file holds: (key, robots, ticks). First the runs of the proofs, then those of the tests, then those of
-        builds with sanitizers, which are slow."""
+        """The entries of the golden file, (key, robots, ticks): first the runs of the proofs, then those of the tests, then
+        the short ones for slow builds (sanitizers)."""
         runs = [run for part in (proof_runs, test_runs, slow_runs) for row in self.rows for run in part(row)]
         return tuple(dict.fromkeys(runs))
 
     def slow(self):
-        """Worlds of which a run of some seconds takes minutes."""
+        """Worlds for which a run of a few seconds takes minutes."""
         return tuple(row["world"] for row in self.rows if row.get("slow"))
 
     def soaked(self):
@@ -111,7 +111,7 @@ class Scenes:
         return tuple((row["world"], row["soak"]["for_s"]) for row in self.rows if "for_s" in row.get("soak", {}))
 
     def reset(self):
-        """The worlds that scripts/soak resets again and again in one process."""
+        """The worlds that scripts/soak resets repeatedly in one process."""
         return tuple(row["world"] for row in self.rows if row.get("soak", {}).get("resets"))
 
     def pictures(self):
@@ -132,7 +132,7 @@ def of_path(row, path):
 
 
 def key_of(row, run):
-    """What the golden file calls the world of a run."""
+    """The key of a run's world in the golden file."""
     return World(row["world"], ranging=run.get("ranging", "")).key
 
 

@@ -1,12 +1,12 @@
-"""Makes a world that fails as small as it can while it still fails: delta debugging (Zeller and Hildebrandt, 2002) on the lists
-of its document, then each key and each number by itself."""
+"""Shrinks a failing world as far as it still fails: delta debugging (Zeller and Hildebrandt, 2002) on the lists of its document,
+then each key and each number separately."""
 
 import copy
 import time
 
 
 def paths_of(value, path=()):
-    """(path, value) of everything within, outermost first."""
+    """(path, value) of the value and everything in it, outermost first."""
     yield path, value
     if isinstance(value, dict):
         for key in list(value):
@@ -23,14 +23,14 @@ def at(document, path):
 
 
 def put(document, path, value):
-    """A copy with another value there."""
+    """A copy with another value at the path."""
     changed = copy.deepcopy(document)
     at(changed, path[:-1])[path[-1]] = value
     return changed
 
 
 def without(document, path, count=1):
-    """A copy without this key, or without so many members of a list from here on."""
+    """A copy without this key, or without `count` members of a list from this index on."""
     changed = copy.deepcopy(document)
     holder = at(changed, path[:-1])
     if isinstance(holder, list):
@@ -49,7 +49,7 @@ def exists(document, path):
 
 
 class Shrinker:
-    """`fails(document)` says whether a document still fails; it is asked `most_trials` times, or for `most_s` seconds, at most."""
+    """`fails(document)` returns whether a document still fails; it is called at most `most_trials` times or for `most_s` seconds."""
 
     def __init__(self, fails, most_trials=1500, most_s=120):
         self._fails, self._left, self._end = fails, most_trials, time.monotonic() + most_s
@@ -68,7 +68,7 @@ class Shrinker:
         return self._fails(document)
 
     def _lists(self, document):
-        """Removes members of lists, many at once where that goes."""
+        """Removes members of lists, many at once if possible."""
         for path, value in list(paths_of(document)):
             if not isinstance(value, list) or not exists(document, path):
                 continue
@@ -93,7 +93,7 @@ class Shrinker:
         return document
 
     def _numbers(self, document):
-        """Whole numbers towards 0, others rounded."""
+        """Moves whole numbers towards 0 and rounds others."""
         for path, value in list(paths_of(document)):
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not exists(document, path):
                 continue
@@ -113,7 +113,7 @@ class Shrinker:
     def shrunk(self, document):
         while True:
             before = repr(document)
-            # Large pieces first: what they take along need not be tried.
+            # Large pieces first: their contents then need not be tried.
             for way in (self._lists, self._keys, self._lists, self._numbers):
                 document = way(document)
             if repr(document) == before or self._left <= 0 or time.monotonic() > self._end:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Loads worlds, runs and resets them, saves and resumes them, and cuts recordings off, again and again, in one process that
-never ends by itself. Prints a line of counts, as JSON, about once a second; scripts/soak starts it.
+"""Repeatedly loads worlds, runs and resets them, saves and resumes them, and cuts recordings off, in one process without end.
+Prints a line of counts, as JSON, about once a second. scripts/soak starts it.
 
-    soak_worker.py FOLDER WORLD...    FOLDER: for its files
+    soak_worker.py FOLDER WORLD...    FOLDER: folder for its files
 """
 
 import json
@@ -12,7 +12,7 @@ import time
 
 import troupe
 
-RESETS = 400  # of a world, until the next one has its turn
+RESETS = 400  # resets of a world before the next world
 TICKS = 12
 
 
@@ -56,7 +56,7 @@ class Soaker:
             self.tell()
 
     def save(self, name, simulation, turn, ends):
-        """Saves, and goes on with what was saved, with its recording, which was cut off."""
+        """Saves, resumes the checkpoint, and continues its recording, which is cut at the checkpoint."""
         checkpoint, recording = self.folder / "checkpoint.h5", self.folder / "recording.h5"
         simulation.reset()
         self.counts["resets"] += 1
@@ -67,7 +67,7 @@ class Soaker:
                 frames.observe()
             simulation.save(checkpoint)
             simulation.step()
-            frames.observe()  # beyond the checkpoint: it is taken back
+            frames.observe()  # after the checkpoint: the resumed run removes it
         resumed = troupe.Simulation.resume(checkpoint, threads=1 + (turn + 1) % 3)
         self.counts["saves"] += 1
         with troupe.Recording.resume(recording, resumed) as frames:

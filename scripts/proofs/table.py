@@ -1,4 +1,4 @@
-"""The table that scripts/prove prints, and the line that says how far it is."""
+"""The table of scripts/prove, and its progress line."""
 
 import sys
 import time
@@ -14,7 +14,7 @@ def print_row(cells):
 
 
 class Progress:
-    """One line that is rewritten on a terminal; a line now and then elsewhere."""
+    """A line that is rewritten on a terminal; elsewhere a new line every 15 s."""
 
     def __init__(self, total):
         self.total, self.done, self.start, self.shown = total, 0.0, time.monotonic(), 0.0

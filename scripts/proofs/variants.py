@@ -1,4 +1,4 @@
-"""What a run may be subjected to without a bit of its state changing."""
+"""Proofs: variants of a run that must not change any bit of its state."""
 
 import pathlib
 import subprocess
@@ -6,17 +6,17 @@ from dataclasses import dataclass, replace
 
 from .runs import ROOT, Fault, Variant
 
-# What kernels can run on, by the names of --simd, and the flag of /proc/cpuinfo that tells whether the processor has it.
+# Instruction sets of kernels, with the names of --simd, and the flags of /proc/cpuinfo for them.
 INSTRUCTION_SETS = (("scalar", None), ("ssse3", "ssse3"), ("sse4", "sse4_2"), ("avx2", "avx2"), ("avx512", "avx512bw"))
 
-# What glibc chooses its own code by; unknown names are ignored by it.
+# Processor features by which glibc selects its code; glibc ignores unknown names.
 GLIBC_MASKS = ("-AVX512F,-AVX512VL,-AVX2,-FMA,-FMA4,-AVX,-ERMS", "-AVX512F,-AVX512VL", "-FMA,-FMA4")
 
 
 @dataclass(frozen=True)
 class Proof:
     name: str
-    about: str  # of its variants
+    about: str  # description of its variants
     variants: tuple
 
 
@@ -32,7 +32,7 @@ def threads_and_tiles(program, threads, tiles):
 
 
 def scheduler(base):
-    """The parallel loop that shuffles tasks, and sleeps in them (tests/hostile/parallel_shuffled.cpp)."""
+    """A parallel loop that shuffles tasks and sleeps in them (tests/hostile/parallel_shuffled.cpp)."""
     program = base.program.with_name("troupe_shuffled")
     variants = tuple(replace(base, label=f"shuffled tasks, {n} threads", program=program, threads=n, tile_m=tile)
                      for n, tile in ((1, 0), (2, 0), (3, 1.7), (8, 0)))
@@ -54,8 +54,8 @@ def surroundings(base, folder):
         locale.parent.mkdir()
         made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", locale], capture_output=True, text=True)
         if not locale.exists():
-            raise Fault(f"no locale with decimal commas: {made.stderr.strip()}; scripts/setup --checks installs Debian's "
-                        "locales")
+            raise Fault(f"cannot make a locale with decimal commas: {made.stderr.strip()}; scripts/setup --checks installs "
+                        "Debian's package locales")
     environment = {"LD_PRELOAD": str(hostile("surroundings")), "LOCPATH": str(locale.parent),
                    "TROUPE_LOCALE": locale.name, "LC_ALL": locale.name}
     variants = tuple(replace(base, label=f"hostile surroundings, {n} threads", threads=n, environment=environment,
@@ -64,8 +64,8 @@ def surroundings(base, folder):
 
 
 def plugin(base):
-    """A controller's library that was linked with -ffast-math (tests/plugins), of a type that no robot has: loading it
-    switches denormal numbers off, and is all that it does."""
+    """A plug-in that was linked with -ffast-math (tests/plugins), for a type that no robot has: its only effect is that loading it
+    turns off denormal numbers."""
     idle = '{"size_m": [0.1, 0.1, 0.1], "drive": {"kind": "diff"}, "controller": {"kind": "walker"}}'
     options = ("--set", f"/types/plugged={idle}", "--plugin-path", ROOT / "build" / "release" / "plugins" / "fast")
     variants = tuple(replace(base, label=f"plug-in of fast maths, {n} threads", threads=n, options=options) for n in (1, 2))
@@ -73,7 +73,7 @@ def plugin(base):
 
 
 def observers(base, folder):
-    """With all observers; each variant writes its own files."""
+    """With all observers; each variant rewrites the files."""
     options = ("--record", folder / "all.h5", "--record-every", 0.1, "--record-fields", "all", "--force",
                "--measures", folder / "all.csv", "--measure-every", 0.1, "--events", folder / "events.csv",
                "--profile", folder / "profile.json", "--snapshot", folder / "last.png",
@@ -94,14 +94,14 @@ def restarts(base, ticks):
 
 
 def repetitions(base, ticks, count):
-    """The same ticks stepped again and again from one checkpoint; two threads show races that eight hide."""
+    """The same ticks repeated from one checkpoint; two threads show races that eight hide."""
     start = max(1, ticks - 50)
     variants = tuple(replace(base, label=f"stepped again, {i + 1}", threads=2, restarts=(start,)) for i in range(count))
     return Proof("T0 the same ticks again", f"{count} x {ticks - start} ticks from a checkpoint, 2 threads", variants)
 
 
 def instruction_sets(base):
-    """Each instruction set that the processor has; a run on another one is a fault."""
+    """All instruction sets of the processor; a run on another one than requested is a fault."""
     flags = set()
     for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
         if line.startswith("flags"):

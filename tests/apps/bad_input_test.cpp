@@ -200,10 +200,9 @@ TEST_F(GoodInput, NeedsAnEndAllTheSame) {
   write("good.json", json_world());
   const Outcome outcome = troupe({"run", "good.json", "--hash-log", "h.log"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(
-      lines_of(outcome.err),
-      ::testing::ElementsAre("good.json: error: nothing says when to stop: give --for SECONDS, or set "
-                             "quit_time_s in the world"));
+  EXPECT_THAT(lines_of(outcome.err),
+              ::testing::ElementsAre("good.json: error: no end time: give --for SECONDS, or set "
+                                     "quit_time_s in the world"));
   EXPECT_THAT(files(), ::testing::ElementsAre("good.json"));
   EXPECT_THAT(troupe({"run", "good.json", "--set", "/quit_time_s=0.7"}).out, HasSubstr("7 of 0.1 s"));
 }

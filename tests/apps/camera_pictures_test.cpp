@@ -148,12 +148,12 @@ TEST_F(CameraPicturesOf, WhatCannotBeWrittenIsToldBeforeTheRun) {
     EXPECT_THAT(lines_of(outcome.err), ElementsAre(HasSubstr(message)));
     EXPECT_THAT(files(), ElementsAre("blind.world", "file"));
   };
-  refused({world_, "--camera-png", "file"}, "file: error: cannot be written: it is no folder");
+  refused({world_, "--camera-png", "file"}, "file: error: cannot be written: it is not a folder");
   refused({world_, "--camera-png", "none/seen"},
           "none/seen: error: cannot be written: there is no folder none");
   refused({"blind.world", "--camera-png", "seen"},
           "blind.world: error: --camera-png: no camera of this world runs");
-  refused({world_, "blind.world", "--camera-png", "seen"}, "of several worlds each needs outputs of its own");
+  refused({world_, "blind.world", "--camera-png", "seen"}, "several worlds need different outputs");
   refused({world_, "--camera-every", "1"}, "--camera-every requires --camera-png");
   refused({world_, "--camera-png", "seen", "--camera-every", "often"},
           "--camera-every: \"often\" is not a time in seconds, from 0 to 1e9");

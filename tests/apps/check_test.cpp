@@ -32,7 +32,7 @@ TEST_F(CheckProgram, ComparesEveryVariantAndWritesNothing) {
   const std::vector<std::string> lines = lines_of(outcome.out);
   ASSERT_THAT(lines, SizeIs(7));
   EXPECT_THAT(lines[0], MatchesRegex("variant +ticks +result +hash"));
-  EXPECT_THAT(lines[1], MatchesRegex("1 thread, tiles as chosen +20  same bits  [0-9a-f]{16}"));
+  EXPECT_THAT(lines[1], MatchesRegex("1 thread, automatic tiles +20  same bits  [0-9a-f]{16}"));
   EXPECT_THAT(lines[6], MatchesRegex("3 threads, tiles of 7 m +20  same bits  [0-9a-f]{16}"));
   const std::string hash = lines[1].substr(lines[1].size() - 16);
   for (std::size_t i = 2; i < lines.size(); ++i) EXPECT_THAT(lines[i], ::testing::EndsWith(hash));
@@ -70,7 +70,7 @@ TEST_F(CheckProgram, ChecksTheControllersOfARoom) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(lines_of(outcome.out),
               ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, .* same bits  [0-9a-f]{16}"),
-                          MatchesRegex("120 decisions, thrice +10  same bits  -")));
+                          MatchesRegex("120 decisions, each 3 times +10  same bits  -")));
 }
 
 TEST_F(CheckProgram, BadInputIsExitCode2) {
@@ -84,11 +84,10 @@ TEST_F(CheckProgram, BadInputIsExitCode2) {
   };
   EXPECT_THAT(error_of({"check", "bad.json", "--for", "1"}), StartsWith("bad.json:3: error: /types"));
   EXPECT_EQ(error_of({"check", "none.world", "--for", "1"}), "none.world: error: there is no such file\n");
-  EXPECT_EQ(
-      error_of({"check", "room.world"}),
-      "room.world: error: nothing says when to stop: give --for SECONDS, or set quit_time in the world\n");
+  EXPECT_EQ(error_of({"check", "room.world"}),
+            "room.world: error: no end time: give --for SECONDS, or set quit_time in the world\n");
   EXPECT_EQ(error_of({"check", "room.world", "--for", "1", "--threads", "2", "--tile-size", "3"}),
-            "troupe check: error: one variant has nothing to be compared with: give several --threads or "
+            "troupe check: error: only one variant, nothing to compare: give several --threads or "
             "--tile-size, --amnesia, or --controllers\n");
 }
 
@@ -140,10 +139,10 @@ TEST_F(Check, StopsAtTheFirstTickThatDiffersAndNamesTheVariants) {
   EXPECT_THAT(outcome.err, IsEmpty());
   const std::vector<std::string> lines = lines_of(outcome.out);
   ASSERT_THAT(lines, SizeIs(6));
-  EXPECT_THAT(lines[1], MatchesRegex("1 thread, tiles as chosen +1  same bits  [0-9a-f]{16}"));
-  EXPECT_THAT(lines[2], MatchesRegex("2 threads, tiles as chosen +1  DIFFERS    [0-9a-f]{16}"));
+  EXPECT_THAT(lines[1], MatchesRegex("1 thread, automatic tiles +1  same bits  [0-9a-f]{16}"));
+  EXPECT_THAT(lines[2], MatchesRegex("2 threads, automatic tiles +1  DIFFERS    [0-9a-f]{16}"));
   EXPECT_EQ(lines[3], "differs at tick 1 (0.1 s):");
-  EXPECT_EQ(lines[4], "  2 threads, tiles as chosen, against 1 thread, tiles as chosen:");
+  EXPECT_EQ(lines[4], "  2 threads, automatic tiles, compared with 1 thread, automatic tiles:");
   EXPECT_THAT(lines[5],
               MatchesRegex("    keeps_a_static/0: calls of \"r0\" .id 1. is 0x[0-9a-f]{8} .[0-9]+., not "
                            "0x[0-9a-f]{8} .[0-9]+.; 40 entities differ"));
@@ -154,7 +153,7 @@ TEST_F(Check, AnHonestControllerPasses) {
   watched.controllers = true;
   const Outcome outcome = check(watched);
   EXPECT_EQ(outcome.code, 0) << outcome.out;
-  EXPECT_THAT(lines_of(outcome.out).back(), MatchesRegex("200 decisions, thrice +5  same bits  -"));
+  EXPECT_THAT(lines_of(outcome.out).back(), MatchesRegex("200 decisions, each 3 times +5  same bits  -"));
 }
 
 TEST_F(Check, AmnesiaFindsWhatIsRememberedOutsideOfTheState) {
@@ -163,7 +162,7 @@ TEST_F(Check, AmnesiaFindsWhatIsRememberedOutsideOfTheState) {
   forgetful.amnesia = true;
   const Outcome outcome = check(forgetful);
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.out, ContainsRegex("made again +[0-9]+  DIFFERS"));
+  EXPECT_THAT(outcome.out, ContainsRegex("world rebuilt +[0-9]+  DIFFERS"));
 }
 
 TEST_F(Check, AmnesiaPassesWhereAllIsState) {
@@ -174,9 +173,9 @@ TEST_F(Check, AmnesiaPassesWhereAllIsState) {
   EXPECT_EQ(outcome.code, 0) << outcome.out;
   EXPECT_THAT(
       lines_of(outcome.out),
-      ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, tiles as chosen +5  same bits  .*"),
-                  MatchesRegex("2 threads, tiles as chosen, forgetful +5  same bits  .*"),
-                  MatchesRegex("2 threads, tiles as chosen, made again +5  same bits  .*")));
+      ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, automatic tiles +5  same bits  .*"),
+                  MatchesRegex("2 threads, automatic tiles, caches cleared +5  same bits  .*"),
+                  MatchesRegex("2 threads, automatic tiles, world rebuilt +5  same bits  .*")));
 }
 
 struct Rogue {

@@ -65,7 +65,7 @@ TEST_F(ConvertCommand, AFileThatIsThereIsReplacedOnlyWithForce) {
   write("w.world", k_world);
   write("w.json", "mine");
   EXPECT_EQ(refused({"convert", "w.world", "w.json"}).err,
-            "w.json: error: there is a file of this name already: --force replaces it\n");
+            "w.json: error: the file exists; --force replaces it\n");
   EXPECT_EQ(read("w.json"), "mine");
   EXPECT_EQ(troupe({"convert", "w.world", "w.json", "--force"}).code, 0);
   EXPECT_THAT(read("w.json"), StartsWith("{\n  \"troupe\": 1,\n"));

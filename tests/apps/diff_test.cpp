@@ -81,7 +81,7 @@ TEST_F(Diff, ALogThatEndsEarlierDiffers) {
   const Outcome outcome = diff(header() + lines(0, 10), header() + lines(0, 7));
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.out,
-            "differs in length: b.log ends at tick 7, a.log goes on; the same bits from tick 0 until then\n");
+            "differs in length: b.log ends at tick 7, a.log continues; same bits from tick 0 until then\n");
 }
 
 TEST_F(Diff, ALogMayBeginLater) {
@@ -96,10 +96,10 @@ TEST_F(Diff, OtherDomainsAreComparedOnlyWhenToldTo) {
   const std::string clang = header("GNU 12.2.0; Release -O3", "Clang 14.0.6; Debug -Og") + lines(0, 3);
   EXPECT_EQ(
       error_of(clang),
-      "b.log:2: error: compiler is \"Clang 14.0.6\", in a.log \"GNU 12.2.0\": another determinism domain; "
-      "--across-domains compares them all the same\n"
-      "b.log:2: error: flags is \"Debug -Og\", in a.log \"Release -O3\": another determinism domain; "
-      "--across-domains compares them all the same\n");
+      "b.log:2: error: compiler is \"Clang 14.0.6\", but in a.log \"GNU 12.2.0\": different determinism "
+      "domain; --across-domains compares them anyway\n"
+      "b.log:2: error: flags is \"Debug -Og\", but in a.log \"Release -O3\": different determinism domain; "
+      "--across-domains compares them anyway\n");
   EXPECT_THAT(error_of(header("x86_64", "aarch64") + lines(0, 3)),
               HasSubstr("instruction set is \"aarch64\""));
   EXPECT_THAT(error_of(header("0.1.0", "0.2.0") + lines(0, 3)), HasSubstr("version is \"troupe 0.2.0\""));
@@ -118,12 +118,13 @@ TEST_F(Diff, AnotherInstructionSetOfTheKernelsIsNoOtherDomainOrRun) {
 TEST_F(Diff, OtherRunsAreComparedOnlyWhenToldTo) {
   const std::string seed = header("# seed: 1", "# seed: 7") + lines(0, 3);
   EXPECT_EQ(error_of(seed),
-            "b.log:4: error: seed is \"7\", in a.log \"1\": another run; --across-runs compares them all the "
-            "same\n");
-  EXPECT_THAT(error_of(header("room", "hall") + lines(0, 3)),
-              StartsWith("b.log:3: error: world is \"hall.json\", in a.log \"room.json\": another run"));
+            "b.log:4: error: seed is \"7\", but in a.log \"1\": different run; --across-runs compares them "
+            "anyway\n");
+  EXPECT_THAT(
+      error_of(header("room", "hall") + lines(0, 3)),
+      StartsWith("b.log:3: error: world is \"hall.json\", but in a.log \"room.json\": different run"));
   EXPECT_THAT(error_of(header() + "# set /a: 3\n" + lines(0, 3)),
-              StartsWith("b.log:10: error: set /a is \"3\", in a.log \"\": another run"));
+              StartsWith("b.log:10: error: set /a is \"3\", but in a.log \"\": different run"));
   EXPECT_EQ(diff(header() + lines(0, 3), seed, {"--across-runs"}).code, 0);
   EXPECT_EQ(diff(header() + lines(0, 3), header("worlds/room", "/elsewhere/room") + lines(0, 3)).code, 0);
 }
@@ -131,12 +132,11 @@ TEST_F(Diff, OtherRunsAreComparedOnlyWhenToldTo) {
 TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
   EXPECT_EQ(
       error_of(header() + lines(0, 1) + "2 0123"),
-      "b.log:12: error: the last line has no end: the log was cut off; remove that line to compare what is "
-      "before it\n");
+      "b.log:12: error: the last line is incomplete: the log was cut off; remove this line to compare the "
+      "others\n");
   const std::string form =
-      " is no line of a hash log: these read TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex "
-      "digits "
-      "each\n";
+      " is not a line of a hash log; expected TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex "
+      "digits each\n";
   EXPECT_EQ(error_of(header() + lines(0, 1) + "2 0123\n"), "b.log:12: error: \"2 0123\"" + form);
   std::string upper = line(0, 10);
   upper.replace(upper.find("a "), 1, "A");
@@ -147,18 +147,18 @@ TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
         fmt::format("b.log:10: error: \"{}\"{}", wrong.substr(0, wrong.size() - 1).substr(0, 120), form));
   }
   EXPECT_EQ(error_of(header() + line(0) + line(2)),
-            "b.log:11: error: tick 2 after tick 0: a hash log has a line for every tick\n");
+            "b.log:11: error: tick 2 after tick 0: a hash log has one line per tick\n");
   std::string damaged = line(1);
   damaged[damaged.size() - 2] = '7';
   EXPECT_EQ(error_of(header() + line(0) + damaged),
-            "b.log:11: error: the state is not the sum of its groups: the line is damaged\n");
+            "b.log:11: error: the state hash is not the sum of the group hashes: the line is damaged\n");
   EXPECT_EQ(error_of(header() + "#seed 3\n" + line(0)),
-            "b.log:10: error: \"#seed 3\" is no header: these read # KEY: VALUE\n");
-  EXPECT_EQ(error_of(header() + "# seed: 1\n" + line(0)), "b.log:10: error: a second header \"seed\"\n");
-  EXPECT_EQ(error_of(header()), "b.log: error: the log has no tick\n");
+            "b.log:10: error: \"#seed 3\" is not a header line; expected # KEY: VALUE\n");
+  EXPECT_EQ(error_of(header() + "# seed: 1\n" + line(0)), "b.log:10: error: duplicate header \"seed\"\n");
+  EXPECT_EQ(error_of(header()), "b.log: error: the log has no ticks\n");
   const std::string none =
-      "b.log:1: error: this is no hash log: one begins with \"# troupe hash log 1\" (troupe run "
-      "--hash-log)\n";
+      "b.log:1: error: not a hash log (troupe run --hash-log): the first line must be \"# troupe hash log "
+      "1\"\n";
   for (const char* other : {"", "{}\n", "\x89PNG\r\n\x1a\n", "# troupe hash log 2\n"})
     EXPECT_EQ(error_of(other), none);
 }

@@ -61,23 +61,23 @@ TEST_F(Info, OfAHashLogWhateverItsName) {
   EXPECT_THAT(lines, Contains("robots 12"));
   EXPECT_THAT(lines, Contains("ticks 0 to 20, 0 to 2 s"));
   EXPECT_THAT(lines, Contains("last state " + lines_of(read("odd.csv")).back().substr(3, 16)));
-  EXPECT_EQ(lines.back(), "whole yes");
+  EXPECT_EQ(lines.back(), "complete yes");
 
   cut("odd.csv", 1);
   EXPECT_THAT(info("copy"), Contains("ticks 0 to 19, 0 to 1.9 s"));
-  EXPECT_THAT(info("copy").back(), StartsWith("whole no: copy:"));
+  EXPECT_THAT(info("copy").back(), StartsWith("complete no: copy:"));
 }
 
 TEST_F(Info, OfATableOfMeasures) {
   run({"--measures", "m", "--measure", "stalls,displacement", "--measure-every", "0.5"});
   EXPECT_THAT(info("m"), ElementsAre("m", "kind table of measures", "measures stalls,displacement_m",
-                                     "lines 5", "ticks 0 to 20, 0 to 2 s", "whole yes"));
+                                     "lines 5", "ticks 0 to 20, 0 to 2 s", "complete yes"));
   cut("m", 3);
   EXPECT_THAT(info("copy"),
               ElementsAre("copy", "kind table of measures", "measures stalls,displacement_m", "lines 4",
-                          "ticks 0 to 15, 0 to 1.5 s", "whole no: it was cut off in line 6"));
+                          "ticks 0 to 15, 0 to 1.5 s", "complete no: cut off in line 6"));
   write("copy", "tick,time_s,order\n0,0,1\nx,1,1\n");
-  EXPECT_EQ(error_of("copy"), "copy:3: error: the line does not begin with a tick and its time\n");
+  EXPECT_EQ(error_of("copy"), "copy:3: error: the line must begin with a tick and a time\n");
 }
 
 TEST_F(Info, OfATableOfEvents) {
@@ -87,11 +87,11 @@ TEST_F(Info, OfATableOfEvents) {
         "5,0.5,stall_ends,\"a,b\",4,0,0,0\n"
         "9,0.9,stall_begins,r,5,0,0,0\n");
   EXPECT_THAT(info("e"), ElementsAre("e", "kind table of events", "events 3", "stall_begins 2",
-                                     "stall_ends 1", "ticks 3 to 9, 0.3 to 0.9 s", "whole yes"));
+                                     "stall_ends 1", "ticks 3 to 9, 0.3 to 0.9 s", "complete yes"));
   run({"--events", "own"});
-  EXPECT_THAT(info("own"), AllOf(Contains("kind table of events"), Contains("whole yes")));
+  EXPECT_THAT(info("own"), AllOf(Contains("kind table of events"), Contains("complete yes")));
   write("none", "tick,time_s,event,robot,id,x_m,y_m,heading_rad\n");
-  EXPECT_THAT(info("none"), AllOf(Contains("events 0"), Contains("ticks none"), Contains("whole yes")));
+  EXPECT_THAT(info("none"), AllOf(Contains("events 0"), Contains("ticks none"), Contains("complete yes")));
 }
 
 TEST_F(Info, OfAProfile) {
@@ -101,9 +101,9 @@ TEST_F(Info, OfAProfile) {
   EXPECT_THAT(lines, Contains(StartsWith("written by troupe ")));
   EXPECT_THAT(lines, Contains("seed 7"));
   EXPECT_THAT(lines, Contains("ticks 4"));
-  EXPECT_EQ(lines.back(), "whole yes");
+  EXPECT_EQ(lines.back(), "complete yes");
   cut("p.json", 30);
-  EXPECT_EQ(info("copy").back(), "whole no: it was cut off");
+  EXPECT_EQ(info("copy").back(), "complete no: cut off");
 }
 
 TEST_F(Info, OfARecording) {
@@ -119,7 +119,7 @@ TEST_F(Info, OfARecording) {
   EXPECT_THAT(lines, Contains("ticks 0 to 20, 0 to 2 s"));
   EXPECT_THAT(lines, Contains("pose heading, x, y, z"));
   EXPECT_THAT(lines, Contains(HasSubstr("ranges[9]")));
-  EXPECT_EQ(lines.back(), "whole yes");
+  EXPECT_EQ(lines.back(), "complete yes");
 
   write("copy", read("r").substr(0, 3000));
   EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
@@ -138,7 +138,7 @@ TEST_F(Info, OfACheckpoint) {
   EXPECT_THAT(lines, Contains("robots 12"));
   EXPECT_THAT(lines, Contains("tick 20, 2 s"));
   EXPECT_THAT(lines, Contains("state " + lines_of(read("h.log")).back().substr(3, 16)));
-  EXPECT_EQ(lines.back(), "whole yes");
+  EXPECT_EQ(lines.back(), "complete yes");
   cut("c", 1);
   EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
 }
@@ -182,8 +182,7 @@ TEST_F(Info, WrongWorldsTellWhatIsWrong) {
 }
 
 TEST_F(Info, OtherFilesAreNoneOfOurs) {
-  const std::string what =
-      ": error: this is no file of Troupe's: neither a world (Stage's or JSON), a hash log, ";
+  const std::string what = ": error: not a file of Troupe: expected a world (Stage's or JSON), a hash log, ";
   write("notes", "Buy milk (and bread)\n");
   write("empty", "");
   write("other.json", "{\"name\": [1, 2]}");
@@ -199,7 +198,7 @@ TEST_F(Info, OtherFilesAreNoneOfOurs) {
 TEST_F(Info, HelpSaysWhatItTakes) {
   const Outcome outcome = troupe({"info", "--help"});
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("hash log"), HasSubstr("Exit codes: 0 told; 2 ")));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("hash log"), HasSubstr("Exit codes: 0 printed; 2 ")));
 }
 
 }  // namespace

@@ -187,9 +187,8 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
       {{"--snapshot", "p-{time}.png", "--snapshot-at", "0.2,0.8"},
        "room.world: error: --snapshot-at 0.8: the run goes from 0 s to 0.5 s"},
       {{"--snapshot", "p.png", "--snapshot-at", "0.2,0.3"},
-       "troupe run: error: --snapshot-at: several pictures need names of their own: write {time} in the "
-       "name, as in "
-       "--snapshot p-{time}.png; see"},
+       "troupe run: error: --snapshot-at: several pictures need different names: write {time} in the name, "
+       "as in --snapshot p-{time}.png; see"},
       {{"--film", "none/%06d.png"}, "none/%06d.png: error: cannot be written: there is no folder none"},
       {{"--snapshot", "none/p.png"}, "none/p.png: error: cannot be written: there is no folder none"},
       {{"--snapshot", "none/p.svg"}, "none/p.svg: error: cannot be written: there is no folder none"},
@@ -199,8 +198,8 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
       {{"--snapshot", "p.png", "--background", "pink"},
        "--background: unknown background \"pink\"; known: dark, paper, transparent, white"},
       {{"--film", "f.mp4", "--background", "transparent"},
-       "f.mp4: error: cannot be written: a film has no transparency: --background paper, white or dark"},
-      {{"--snapshot", "p.svg", "--angle", "30"}, "room.world: error: p.svg: .svg and .pdf need a view"},
+       "f.mp4: error: cannot be written: a film has no transparency: use --background paper, white or dark"},
+      {{"--snapshot", "p.svg", "--angle", "30"}, "room.world: error: p.svg cannot hold solids"},
   };
   for (const auto& [options, message] : cases) {
     std::vector<std::string> with_log = options;

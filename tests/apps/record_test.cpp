@@ -308,7 +308,7 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   record("seed.h5", {"--seed", "7", "--record-fields", "all"});
   EXPECT_THAT(
       error_of({"diff", "a.h5", "seed.h5"}),
-      StartsWith("seed.h5: error: seed is \"7\", in a.h5 \"1\": another run; --across-runs compares"));
+      StartsWith("seed.h5: error: seed is \"7\", but in a.h5 \"1\": different run; --across-runs compares"));
   const Outcome other = troupe({"diff", "first.h5", "seed.h5", "--across-runs"});
   EXPECT_EQ(other.code, 1);
   EXPECT_THAT(other.out,
@@ -321,7 +321,7 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   EXPECT_EQ(length.code, 1);
   EXPECT_EQ(
       length.out,
-      "differs in length: short.h5 ends at tick 10, a.h5 goes on; the same bits from tick 0 until then\n");
+      "differs in length: short.h5 ends at tick 10, a.h5 continues; same bits from tick 0 until then\n");
 
   record("rare.h5", {"--record-every", "0.7", "--record-fields", "stall"});
   const Outcome rare = troupe({"diff", "a.h5", "rare.h5"});
@@ -330,7 +330,7 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
 
   write("log", "# troupe hash log 1\n");
   EXPECT_THAT(error_of({"diff", "a.h5", "log"}),
-              HasSubstr("log: error: this is no recording, and a.h5 is one"));
+              HasSubstr("log: error: this is not a recording, but a.h5 is"));
   EXPECT_THAT(error_of({"diff", "a.h5", "none.h5"}), HasSubstr("none.h5: error: there is no such file"));
 }
 

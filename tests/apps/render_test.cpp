@@ -77,7 +77,7 @@ TEST_F(Render, ACheckpointIsDrawnAsItWasSaved) {
   EXPECT_EQ(pixels("p.png"), at_its_end);
   const Outcome earlier = draw({"c.h5", "--at", "0.5"});
   EXPECT_EQ(earlier.code, 2);
-  EXPECT_EQ(earlier.err, "c.h5: error: --at 0.5: the run is at 1 s already\n");
+  EXPECT_EQ(earlier.err, "c.h5: error: --at 0.5: the run is already at 1 s\n");
 }
 
 TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
@@ -217,12 +217,13 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
             "run.h5: error: there is no model \"missing\" to follow\n");
   EXPECT_THAT(refusal({"run.h5", "--camera", "window"}),
               HasSubstr("run.h5: error: the world has no window; other cameras"));
-  EXPECT_EQ(refusal({"run.h5", "--seed", "3"}),
-            "run.h5: error: --seed is for worlds: this is a recording; --at draws one of its times\n");
-  EXPECT_EQ(refusal({"run.h5", "--for", "0.5"}),
-            "run.h5: error: --for is for worlds: this is a recording; --at draws one of its times\n");
-  EXPECT_EQ(refusal({"run.h5", "--at", "2"}),
-            "run.h5: error: 2 s is not recorded: the recording has 0 s to 1 s\n");
+  EXPECT_EQ(
+      refusal({"run.h5", "--seed", "3"}),
+      "run.h5: error: --seed is only for worlds, and this is a recording; --at selects one of its times\n");
+  EXPECT_EQ(
+      refusal({"run.h5", "--for", "0.5"}),
+      "run.h5: error: --for is only for worlds, and this is a recording; --at selects one of its times\n");
+  EXPECT_EQ(refusal({"run.h5", "--at", "2"}), "run.h5: error: 2 s is not in it: it goes from 0 s to 1 s\n");
   ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
                     "velocity"})
                 .code,
@@ -240,8 +241,7 @@ TEST_F(Render, BadInputIsOneLine) {
        "crowd.svg or "
        "crowd.pdf; see"},
       {{"render", "room.world", "-o", "q.png", "--at", "1,2"},
-       "troupe render: error: --at: several pictures need names of their own: write {time} in the name, as "
-       "in "
+       "troupe render: error: --at: several pictures need different names: write {time} in the name, as in "
        "--output q-{time}.png; see"},
       {{"render", "nothing.world", "-o", "q.png"}, "nothing.world: error: "},
       {{"render", "room.world", "-o", "q.png", "--at", "1", "--for", "2"}, "--at excludes --for"},
@@ -249,7 +249,7 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render", "room.world", "-o", "q.png", "--seed", "x"}, "\"x\" is not a whole number"},
       {{"render", "room.world", "-o", "q.png", "--threads", "0"}, "\"0\" is not a number of threads"},
       {{"render", "room.world", "--film", "f%06d.png", "--at", "1"}, "--at requires --output"},
-      {{"render", "room.world", "--film", "%06d.png"}, "nothing says when to stop: give --for SECONDS"},
+      {{"render", "room.world", "--film", "%06d.png"}, "no end time: give --for SECONDS"},
       {{"render", "room.world", "-o", "none/q.png"},
        "none/q.png: error: cannot be written: there is no folder none"},
       {{"render", "room.world", "-o", "q.png", "--camera", "window"},

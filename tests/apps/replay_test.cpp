@@ -84,7 +84,7 @@ TEST_F(ReplayPage, WrongInputIsRefusedBeforeAnythingIsWritten) {
   EXPECT_THAT(error_of({"run.h5", "-o", "."}), HasSubstr("it is a folder"));
   write("precious.html", "precious");
   EXPECT_EQ(error_of({"run.h5", "-o", "precious.html"}),
-            "precious.html: error: there is a file of this name already: --force replaces it\n");
+            "precious.html: error: the file exists; --force replaces it\n");
   EXPECT_EQ(read("precious.html"), "precious");
   EXPECT_THAT(error_of({"run.h5", "--fields", "stal"}),
               HasSubstr("run.h5: error: unknown field \"stal\"; known: pose/heading, pose/x, pose/y, pose/z, "

@@ -86,12 +86,12 @@ TEST_F(Resume, LeavesTheLogOfAnotherRunAlone) {
   write("notes.txt", "no log\n");
   for (const auto& [log, message] : std::vector<std::pair<std::string, std::string>>{
            {"seed.log",
-            "seed.log:4: error: seed is \"9\", the checkpoint's is \"1\": this is the log of another run"},
+            "seed.log:4: error: seed is \"9\", but \"1\" in the checkpoint: the log belongs to another run"},
            {"other.log",
-            "other.log:21: error: tick 10 has another state than the checkpoint: this is the log of "
+            "other.log:21: error: the state at tick 10 differs from the checkpoint: the log belongs to "
             "another run"},
            {"short.log", "short.log: error: the log ends before tick 10, at which the checkpoint was saved"},
-           {"notes.txt", "notes.txt:1: error: this is no hash log"}}) {
+           {"notes.txt", "notes.txt:1: error: not a hash log"}}) {
     const std::string before = read(log);
     const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--hash-log", log});
     EXPECT_EQ(outcome.code, 2);
@@ -169,7 +169,7 @@ TEST_F(Resume, AnExistingCheckpointIsRefusedWithoutForce) {
   write("c.h5", "precious");
   const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_EQ(outcome.err, "c.h5: error: there is a file of this name already: --force replaces it\n");
+  EXPECT_EQ(outcome.err, "c.h5: error: the file exists; --force replaces it\n");
   EXPECT_EQ(read("c.h5"), "precious");
   good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5", "--force"});
   good({"resume", "c.h5", "--for", "1.1"});
@@ -201,10 +201,9 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"resume"}, "troupe resume: error: CHECKPOINT is required"},
       {{"resume", "no.h5", "--for", "2"}, "no.h5: error: there is no such file"},
-      {{"resume", "room.world", "--for", "2"}, "room.world: error: this is not a checkpoint"},
-      {{"resume", "c.h5"},
-       "c.h5: error: nothing says when to stop: give --for SECONDS, or --set /quit_time_s=SECONDS"},
-      {{"resume", "c.h5", "--for", "0.5"}, "c.h5: error: the run is at 1 s already: 0.5 s lies before that"},
+      {{"resume", "room.world", "--for", "2"}, "room.world: error: this is no checkpoint"},
+      {{"resume", "c.h5"}, "c.h5: error: no end time: give --for SECONDS, or --set /quit_time_s=SECONDS"},
+      {{"resume", "c.h5", "--for", "0.5"}, "c.h5: error: the run is already at 1 s, past its end at 0.5 s"},
       {{"resume", "c.h5", "--for", "2", "--hash-log", "c.h5"},
        "c.h5: error: cannot be written: it is the checkpoint"},
       {{"resume", "c.h5", "--for", "2", "--seed", "3"}, "troupe resume: error: unknown option \"--seed\""},

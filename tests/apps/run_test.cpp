@@ -50,7 +50,7 @@ TEST_F(Run, SummaryNamesEverythingInAlignedLines) {
   for (const char* line :
        {"robots +12", "ticks +10 of 0.1 s", "simulated +1 s",
         "wall +[-0-9.e]+ s, after [-0-9.e]+ s of loading", "times real time +[0-9.,]+",
-        "cost +[0-9.,]+ ns a robot and tick", "beams +108 a tick",
+        "cost +[0-9.,]+ ns per robot and tick", "beams +108 per tick",
         "phases +sense [0-9.]+ %, decide [0-9.]+ %, move [0-9.]+ %, index [0-9.]+ %, observe [0-9.]+ %",
         "threads +2", "peak memory +[0-9.]+ MiB", "stalled +[0-9]+ .[0-9.]+ %.",
         "mean displacement +[0-9.]+ m", "state hash +[0-9a-f]{16}"})
@@ -206,10 +206,9 @@ TEST_F(Run, WithNoEndAtAllBothWaysAreNamed) {
   const Outcome outcome =
       troupe({"run", "room.world", "--hash-log", "h.log", "--snapshot", "p.png", "--quiet"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(
-      lines_of(outcome.err),
-      ElementsAre("room.world: error: nothing says when to stop: give --for SECONDS, or set quit_time in the "
-                  "world"));
+  EXPECT_THAT(lines_of(outcome.err),
+              ElementsAre("room.world: error: no end time: give --for SECONDS, or set quit_time in the "
+                          "world"));
   EXPECT_THAT(files(), ElementsAre("room.world"));
 }
 
@@ -257,7 +256,7 @@ TEST_P(Signals, EndTheRunAfterTheTickWithEverythingWritten) {
   const Outcome outcome =
       troupe_until({"run", "room.world", "--for", "1e9", "--hash-log", "h.log"}, "h.log", 30, GetParam());
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_THAT(outcome.out, HasSubstr("stopped early, at "));
+  EXPECT_THAT(outcome.out, HasSubstr("stopped early at "));
   EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  state hash +[0-9a-f]{16}")));
   const std::vector<std::string> log = ticks("h.log");
   const std::string& last = log.back();

@@ -55,7 +55,7 @@ TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
   EXPECT_EQ(table("four"), table("one"));
   const Outcome first = troupe({"sweep", "study.json", "-o", "parts", "--part", "2/2"});
   EXPECT_EQ(first.code, 0) << first.err;
-  EXPECT_EQ(first.out, "3 of 6 runs done; the table follows when all are\n");
+  EXPECT_EQ(first.out, "3 of 6 runs done; the table is written when all are done\n");
   EXPECT_EQ(troupe({"sweep", "study.json", "-o", "parts", "--part", "1/2"}).out,
             "6 of 6 runs done: parts/table.csv\n");
   EXPECT_EQ(table("parts"), table("one"));
@@ -208,7 +208,7 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   study = k_study;
   study.replace(study.find("\"for_s\": 1,"), 11, "");
   write("study.json", study);
-  refused({"sweep", "study.json", "-o", "out"}, "nothing says when a run ends");
+  refused({"sweep", "study.json", "-o", "out"}, "error: no end time: give \"for_s\" in the study");
 }
 
 }  // namespace

@@ -295,13 +295,13 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(
       lines_of(outcome.err),
-      ElementsAre("m.csv: error: the table cannot go on: the checkpoint was saved without these measures, "
-                  "and does not say what they remembered; choose another file"));
+      ElementsAre("m.csv: error: the table cannot be continued: the checkpoint was saved without these "
+                  "measures and lacks their memory; choose another file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err,
-              HasSubstr("m.csv: error: cannot be written: to go on with it, its first line had to "
-                        "be tick,time_s,order"));
+              HasSubstr("m.csv: error: cannot be written: to continue it, its first line must be "
+                        "tick,time_s,order"));
   EXPECT_EQ(read("m.csv"), before);
 }
 

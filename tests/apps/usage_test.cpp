@@ -217,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(
                    in_run("--film: \"crowd.avi\" is not the name of a film, as in --film crowd.mp4 or "
                           "frames/%06d.png")},
         WrongUsage{room({"--film", "crowd.mp4", "--fps", "0"}),
-                   in_run("--fps: \"0\" is not pictures a second, 0.001 to 1000")},
+                   in_run("--fps: \"0\" is not a number of frames per second, 0.001 to 1000")},
         WrongUsage{
             room({"--profile", "trace.txt"}),
             in_run("--profile: \"trace.txt\" is not the name of a JSON file, as in --profile trace.json")},
@@ -294,7 +294,7 @@ TEST_F(Describe, WhatJsonTakesComesBeforeWhatStagesFilesDo) {
   const std::string text = troupe({"describe", "ranger"}).out;
   EXPECT_THAT(text, StartsWith("sensor ranger: "));
   EXPECT_LT(text.find("sensor ranger: "), text.find("model ranger: "));
-  EXPECT_LT(text.find("may take its place in JSON"), text.find("in a Stage world"));
+  EXPECT_LT(text.find("JSON also accepts"), text.find("in a Stage world"));
 }
 
 }  // namespace

@@ -171,11 +171,10 @@ TEST_F(Worlds, WhatIsWrongWithAnyIsToldBeforeAnyRuns) {
   write_world("c.world", "");
   const Outcome outcome = troupe({"run", "a.world", "b.world", "c.world", "--hash-log", "{world}.log"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(
-      lines_of(outcome.err),
-      ElementsAre("b.world:2: error: unknown unit_length \"km\"; known: m, cm, mm",
-                  "c.world: error: nothing says when to stop: give --for SECONDS, or set quit_time in "
-                  "the world"));
+  EXPECT_THAT(lines_of(outcome.err),
+              ElementsAre("b.world:2: error: unknown unit_length \"km\"; known: m, cm, mm",
+                          "c.world: error: no end time: give --for SECONDS, or set quit_time in "
+                          "the world"));
   EXPECT_THAT(files(), ElementsAre("a.world", "b.world", "c.world"));
 }
 
@@ -187,8 +186,8 @@ TEST_F(Worlds, OutputsNeedNamesOfTheirOwn) {
   EXPECT_EQ(shared.code, 2);
   EXPECT_THAT(
       lines_of(shared.err),
-      ElementsAre("troupe run: error: of several worlds each needs outputs of its own: write {world} in "
-                  "the name, as in {world}-out.log; it stands for the world's name"));
+      ElementsAre("troupe run: error: several worlds need different outputs: write {world} in the name, as "
+                  "in {world}-out.log; it stands for the world's name"));
   const Outcome equal = troupe({"run", "a.world", "sub/a.world", "--for", "1", "--hash-log", "{world}.log"});
   EXPECT_EQ(equal.code, 2);
   EXPECT_THAT(lines_of(equal.err),

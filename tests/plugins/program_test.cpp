@@ -173,7 +173,7 @@ TEST_F(PluginProgram, AnHonestOnePassesTheCheck) {
   const Outcome outcome = troupe({"check", "w.json", "--for", "0.3", "--threads", "2", "--tile-size", "auto",
                                   "--controllers", "--plugin-path", folder_of("plugins")});
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
-  EXPECT_THAT(lines_of(outcome.out).back(), MatchesRegex("30 decisions, thrice +3  same bits  -"));
+  EXPECT_THAT(lines_of(outcome.out).back(), MatchesRegex("30 decisions, each 3 times +3  same bits  -"));
 }
 
 struct Rogue {

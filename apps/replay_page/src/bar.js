@@ -1,4 +1,4 @@
-// The bar below, the keys, the legend and the scale: what every page has of them.
+// The controls common to both pages: the bar at the bottom, the keys, the legend and the scale.
 
 import { numberText } from "./coloring.js";
 import { DARK, LIGHT, scaleGradient } from "./palette.js";
@@ -9,7 +9,7 @@ const SCALE_PIXELS = 150; // at most
 
 export const byId = (id) => document.getElementById(id);
 
-/** "1:02.5", with hours where there are any. */
+/** "1:02.5", or "1:02:03.5" from one hour on. */
 export function timeText(seconds) {
   const tenths = Math.round(Math.abs(seconds) * 10);
   const [hours, minutes, rest] = [Math.floor(tenths / 36000), Math.floor(tenths / 600) % 60, tenths % 600];
@@ -21,7 +21,7 @@ export function fill(select, texts) {
   select.replaceChildren(...texts.map((text, i) => new Option(text, i)));
 }
 
-/** `page` is what main.js makes: player, coloring, and what the controls do. */
+/** `page` is a Page. */
 export class Bar {
   constructor(page) {
     this.page = page;
@@ -41,7 +41,7 @@ export class Bar {
     window.addEventListener("keydown", (event) => this.key(event));
   }
 
-  /** What keys do: by the letter or the name of the key. */
+  /** Functions of the keys, by letter or name of the key. */
   actions(event) {
     const { page } = this;
     const { player } = page;
@@ -70,11 +70,11 @@ export class Bar {
     const actions = this.actions(event);
     const action = actions[event.key] ?? actions[event.key.toLowerCase()];
     if (!action || (isMenu && event.key.length > 1)) return;
-    event.preventDefault(); // a button that has the focus is not pressed as well
+    event.preventDefault(); // otherwise a focused button would be pressed too
     action();
   }
 
-  /** What it is that is shown. */
+  /** Writes the description below the title: robots, seed, frames. */
   describe() {
     const { header, frames, robots, movers, present } = this.page.recording;
     const count = (n) => n.toLocaleString("en");
@@ -87,7 +87,7 @@ export class Bar {
     document.querySelector("#about p").textContent = about.join(", ");
   }
 
-  /** Writes what has changed, and nothing else: the browser lays out again whatever is written. */
+  /** Calls `write` only if the value of `key` has changed, because every write causes a layout. */
   set(key, value, write) {
     if (this.shown[key] === value) return;
     this.shown[key] = value;

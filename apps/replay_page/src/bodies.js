@@ -1,4 +1,4 @@
-// Bodies of one type, drawn at once: a mesh, and of each body a pose and a colour.
+// Bodies of one type, drawn as instances of a mesh with a pose and a colour each.
 
 import { InstancedBufferAttribute, InstancedBufferGeometry, LineSegments, Mesh } from "three";
 import { LEAST_WITH_EDGES, LEAST_WITH_SHADOW, edgesMaterial, facesMaterial, shadowsMaterial } from "./materials.js";
@@ -13,9 +13,11 @@ function instanced(mesh, count, attributes) {
 
 export class Bodies {
   /**
-   * meshes    of geometry.js; `radius` encloses one of them, m
-   * poses     x, y, z (m) and heading (rad) of each; tints: three bytes of each
-   * smallest  that one may look, pixels
+   * meshes    from geometry.js
+   * radius    of a circle around a body, m
+   * poses     x, y, z (m) and heading (rad) of each body
+   * tints     three bytes per body
+   * smallest  least size on the screen, pixels
    */
   constructor(meshes, radius, poses, tints, smallest) {
     const count = tints.length / 3;
@@ -26,10 +28,10 @@ export class Bodies {
     this.edges = new LineSegments(instanced(meshes.edges, count, attributes), edgesMaterial(radius, smallest));
     this.shadows = new Mesh(instanced(meshes.faces, count, attributes), shadowsMaterial(radius, smallest));
     this.objects = [new Mesh(instanced(meshes.faces, count, attributes), facesMaterial(radius, smallest)), this.edges, this.shadows];
-    for (const object of this.objects) object.frustumCulled = false; // where bodies are, only the shader knows
+    for (const object of this.objects) object.frustumCulled = false; // positions are known only in the shader
   }
 
-  /** `nearest`: pixels that a metre of the nearest of them takes at most. What is too small to be seen is not drawn. */
+  /** Hides edges and shadows that would be too small to see. `nearest`: most pixels per metre of any of the bodies. */
   simplify(nearest) {
     this.edges.visible = 2 * this.radius * nearest >= LEAST_WITH_EDGES;
     this.shadows.visible = 2 * this.radius * nearest >= LEAST_WITH_SHADOW;

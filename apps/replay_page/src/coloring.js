@@ -1,4 +1,4 @@
-// Robots in the colour of what they do or know: speed, or any number that was recorded.
+// Colours robots by speed or by any recorded number.
 
 import { shadeInto } from "./palette.js";
 import { ABSENT } from "./series.js";
@@ -11,20 +11,20 @@ const plain = (name) => {
   }
 };
 
-/** "stall", or "minibot, ranger:0" of a sensor of one type. */
+/** "stall", or "minibot, ranger:0" for a sensor of a type. */
 export function componentText(component) {
   const steps = component.split("/").map(plain);
   return steps[0] === "sensors" ? steps.slice(1).join(", ") : steps.filter((step) => step !== "0").join(" ");
 }
 
-/** As many digits as the rounding leaves. */
+/** A number with as many decimals as the rounding step justifies. */
 export function numberText(value, step) {
   if (!Number.isFinite(value)) return "–";
   const digits = Math.min(Math.max(-Math.floor(Math.log10(step) + 1e-9), 0), 6);
   return value.toFixed(digits);
 }
 
-/** What robots may be coloured by: {text, unit, and the field and column, or neither}. */
+/** The choices of a colouring: {text, unit}, and {field, column} for those by a field (column -1: the minimum). */
 export function coloringsOf(header) {
   const all = [
     { text: "own colours", unit: "" },
@@ -37,7 +37,7 @@ export function coloringsOf(header) {
     if (field.columns === 1) all.push({ ...common, text, column: 0 });
     else if (field.columns <= 4)
       for (let c = 0; c < field.columns; c++) all.push({ ...common, text: `${text}[${c}]`, column: c });
-    else all.push({ ...common, text: `least of ${text}`, column: -1 });
+    else all.push({ ...common, text: `minimum of ${text}`, column: -1 });
   });
   return all;
 }
@@ -56,7 +56,7 @@ export class Coloring {
     this.done = null;
   }
 
-  /** What is to be unpacked for it beside poses. */
+  /** Indices of the fields that it needs in addition to poses. */
   get fields() {
     const { field } = this.choice;
     return field === undefined ? this.recording.shown : [...this.recording.shown, field];
@@ -73,10 +73,10 @@ export class Coloring {
     return this.recording.header.fields[this.choice.field].step;
   }
 
-  /** New colours, three bytes a robot. Undefined: as before, or not unpacked yet. */
+  /** The colours of a frame, three bytes per robot. Undefined if they have not changed or are not unpacked yet. */
   tintsOf(frame) {
     const isOwn = this.choice.field === undefined && !this.choice.speed;
-    const wanted = isOwn && this.recording.shown.length === 0 ? "own" : frame; // "own": they never change
+    const wanted = isOwn && this.recording.shown.length === 0 ? "own" : frame; // "own" colours never change
     if (this.done === wanted) return undefined;
     if (!this.recording.colorsInto(frame, this.tints)) return undefined;
     if (!isOwn && !(this.choice.speed ? this.bySpeed(frame) : this.byField(frame))) return undefined;
@@ -109,7 +109,7 @@ export class Coloring {
     return true;
   }
 
-  /** Grey are robots without a value; what does not drive keeps its colour then. */
+  /** Sets the colour of a robot. Without a value (NaN) robots are grey and other bodies keep their colour. */
   shade(r, share) {
     if (share === share || this.recording.mobile[r]) shadeInto(share, this.tints, 3 * r);
   }
@@ -130,7 +130,7 @@ export class Coloring {
       speeds[r] = there ? Math.hypot(b.x[j] - a.x[i], b.y[j] - a.y[i]) * perStep : NaN;
       if (speeds[r] > fastest) fastest = speeds[r];
     }
-    // The scale grows with what has been seen, in steps of a tenth of a power of ten.
+    // The scale grows with the highest speed so far, in steps of a tenth of a power of ten.
     if (fastest > this.fastest) {
       const grain = 10 ** Math.floor(Math.log10(fastest)) / 10;
       this.fastest = Math.ceil(fastest / grain - 1e-6) * grain;

@@ -1,7 +1,7 @@
-// The recording as it lies in the page: base64 of the header's length (4 bytes, little-endian), the header (JSON), and
-// the blocks; header and blocks are compressed by zlib.
+// Reads the recording in the page: base64 of the length of the header (4 bytes, little-endian), the header (JSON) and the
+// blocks. Header and blocks are compressed with zlib.
 
-const PIECE = 1 << 20; // letters of base64 at a time: a multiple of 4
+const PIECE = 1 << 20; // characters decoded at a time, a multiple of 4
 
 export function decodeBase64(text) {
   const letters = text.length;
@@ -20,7 +20,7 @@ export async function inflate(bytes) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** The header, and of each block the compressed bytes of each of its streams. */
+/** Returns the header, and for each block the compressed bytes of each of its streams. */
 export async function openContainer(text) {
   const bytes = decodeBase64(text.trim());
   const length = new DataView(bytes.buffer).getUint32(0, true);

@@ -1,9 +1,9 @@
-// What a type of bodies looks like, as meshes in its own frame: tops, walls, edges, and a mark at the front of robots.
+// Meshes of a type of bodies in its own frame: tops, walls, edges, and a mark at the front of robots.
 
 import { BufferAttribute, BufferGeometry } from "three";
 import { bytesOf } from "./palette.js";
 
-// Who decides the colour of a vertex: the body, the part itself, or contrast with the body.
+// Source of the colour of a vertex: the body, the shape itself, or contrast with the body.
 const BODY = 0;
 const OWN = 1;
 const CONTRAST = 2;
@@ -17,7 +17,7 @@ class MeshBuilder {
   sin = 0;
   color = null;
 
-  /** What is added from here on is of a body that stands there. */
+  /** Places everything that is added from now on at the pose of a body and in its colour. */
   standAt({ pose, color }) {
     this.pose = pose;
     this.cos = Math.cos(pose[3]);
@@ -48,10 +48,10 @@ function paintOf(shape) {
 
 const UP = [0, 0, 1];
 
-// Pieces that meet overlap by this share of what they are part of: else the floor shines through between them.
+// Adjacent pieces overlap by this fraction of the type's radius. Without it the floor shows through between them.
 const OVERLAP = 1e-4;
 
-/** A convex polygon whose edges have moved out by so much. */
+/** A convex polygon with its edges moved outwards by `by`. */
 function grown(corners, by) {
   const count = corners.length / 2;
   let area = 0;
@@ -66,7 +66,7 @@ function grown(corners, by) {
   const moved = [];
   for (let i = 0; i < count; i++) {
     const [before, behind] = [normal(i + count - 1), normal(i)];
-    const scale = out / Math.max(1 + before[0] * behind[0] + before[1] * behind[1], 0.2); // sharp corners are blunt
+    const scale = out / Math.max(1 + before[0] * behind[0] + before[1] * behind[1], 0.2); // limits the offset at sharp corners
     moved.push(corners[2 * i] + scale * (before[0] + behind[0]), corners[2 * i + 1] + scale * (before[1] + behind[1]));
   }
   return moved;
@@ -77,7 +77,7 @@ function addTop(mesh, corners, z, paint) {
     for (const k of [0, i - 2, i]) mesh.add(corners[k], corners[k + 1], z, UP, paint);
 }
 
-/** Calls with the ends of each edge of a closed chain. */
+/** Calls `call` with the end points of each edge of a closed polygon. */
 function eachEdge(corners, call) {
   for (let i = 0, last = corners.length - 2; i < corners.length; last = i, i += 2)
     call(corners[last], corners[last + 1], corners[i], corners[i + 1]);
@@ -92,7 +92,7 @@ function addWall(mesh, corners, low, high, paint) {
   });
 }
 
-/** Whether a convex polygon holds a point, whichever way round it goes. */
+/** Whether a convex polygon of either orientation contains a point. */
 function holds(corners, x, y) {
   let left = 0;
   let right = 0;
@@ -104,7 +104,7 @@ function holds(corners, x, y) {
   return left === corners.length / 2 || right === corners.length / 2;
 }
 
-/** A triangle that points forward, at the front, in a colour that shows on what is under it. */
+/** Adds a triangle at the front that points forward, in a colour that contrasts with the shape below it. */
 function addMark(mesh, shapes) {
   const box = [Infinity, Infinity, -Infinity, -Infinity];
   for (const shape of shapes)
@@ -126,13 +126,13 @@ function addMark(mesh, shapes) {
   if (under?.color) {
     const [r, g, b] = bytesOf(under.color);
     const shade = 0.299 * r + 0.587 * g + 0.114 * b > 150 ? 0.15 : 1;
-    paint = [shade, shade, shade, CONTRAST + 1]; // a colour of its own that hides with the marks
+    paint = [shade, shade, shade, CONTRAST + 1]; // its own colour, but hidden together with the marks
   }
   const z = Math.max(...shapes.map((shape) => shape.z_m[1])) + 0.08 * half;
   addTop(mesh, [tip, y, base, y + half, base, y - half], z, paint);
 }
 
-const ROOT = -1; // of shapes that stand on no joint
+const ROOT = -1; // shapes that no joint moves
 const ALL = null;
 
 function addType(type, step, faces, edges, joint = ALL) {
@@ -159,7 +159,7 @@ function addType(type, step, faces, edges, joint = ALL) {
 
 /**
  * Meshes of a type in its own frame, with its joints at rest: faces (triangles) and edges (lines).
- * joint   what of it: -1 what stands on no joint, else what that one moves; all of it where it is not given
+ * joint   which shapes: -1 those that no joint moves, else those that this joint moves; not given: all
  */
 export function meshesOf(type, step, joint = ALL) {
   const faces = new MeshBuilder();
@@ -168,7 +168,7 @@ export function meshesOf(type, step, joint = ALL) {
   return { faces: faces.build(), edges: edges.build() };
 }
 
-/** The same of many bodies that stay where they are, in the world's frame and in their colours, as one mesh. */
+/** Meshes of many fixed bodies in the world's frame and in their colours, merged into one. */
 export function meshesOfAll(bodies, types, step) {
   const faces = new MeshBuilder();
   const edges = new MeshBuilder();

@@ -1,10 +1,10 @@
-// Parts that joints move: where they are, of all robots of a type. A place is x, y, z (m) and heading (rad).
+// Poses of the parts that joints move, for all robots of a type. A pose is x, y, z (m) and heading (rad).
 
 import { GONE } from "./recording.js";
 
 const AXES = ["x", "y", "z", "heading"];
 
-/** Place `at`, in its frame, of what stands at `b` in the frame `a`; each of them in an array, from an index on. */
+/** Composes poses: writes `b`, given in the frame `a`, in the frame in which `a` is given. Each is an array and an index. */
 function compose(a, from, b, other, out, at) {
   const c = Math.cos(a[from + 3]);
   const s = Math.sin(a[from + 3]);
@@ -15,7 +15,7 @@ function compose(a, from, b, other, out, at) {
   out[at + 3] = a[from + 3] + b[other + 3];
 }
 
-/** The place of the frame in which `place` is given, as seen from there. */
+/** The inverse of a pose. */
 function inverse([x, y, z, heading]) {
   const c = Math.cos(heading);
   const s = Math.sin(heading);
@@ -23,7 +23,7 @@ function inverse([x, y, z, heading]) {
 }
 
 export class Limbs {
-  /** Of the robots [first, first + count), which are of one type. */
+  /** For the robots [first, first + count), which are of one type. */
   constructor(recording, type, first, count) {
     this.recording = recording;
     this.first = first;
@@ -34,20 +34,20 @@ export class Limbs {
       rest: pose,
       back: inverse(pose),
       fields: AXES.map((axis) => fields.findIndex((field) => field.component === component && field.name === axis)),
-      moved: new Float64Array(4 * count), // of each robot: where the joint takes the body's frame
-      places: new Float32Array(4 * count), // the same in the world
+      moved: new Float64Array(4 * count), // per robot, the pose to which the joint moves the body's frame
+      places: new Float32Array(4 * count), // the same pose in the world
     }));
     this.fields = this.joints.flatMap((joint) => joint.fields).filter((field) => field >= 0);
   }
 
-  /** Whether everything is unpacked that a picture between a frame and the next needs. */
+  /** Whether the fields for a picture between a frame and the next are unpacked. */
   ready(frame, mix) {
     const { recording } = this;
-    const all = (at) => this.fields.map((field) => recording.field(field, at)).every(Boolean); // asks for all of them
+    const all = (at) => this.fields.map((field) => recording.field(field, at)).every(Boolean); // map() before every(): requests all fields
     return all(frame) && (mix === 0 || all(frame + 1));
   }
 
-  /** `poses`: of all robots of the recording. */
+  /** Updates the poses of all parts. `poses` are those of all robots of the recording. */
   update(frame, mix, poses) {
     const { recording, count, first } = this;
     const still = [0, 0, 0, 0];
@@ -89,7 +89,7 @@ export class Limbs {
     }
   }
 
-  /** Where a joint has taken the frame of one of the robots, in the world. */
+  /** The pose in the world to which a joint has moved the frame of a robot. */
   place(joint, robot) {
     const at = 4 * (robot - this.first);
     return this.joints[joint].places.subarray(at, at + 4);

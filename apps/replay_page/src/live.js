@@ -1,16 +1,16 @@
-// The page of `troupe view`: a world that runs, and what a person does to it.
+// The page of `troupe view`: shows a running world and sends the user's commands.
 
 import { LiveBar } from "./live_bar.js";
 import { LivePanel } from "./live_panel.js";
 import { LiveSource } from "./live_source.js";
 import { checkBrowser, Page, problem, remote, show } from "./page.js";
 
-const TOLD_MS = 6000; // that a refusal is shown
+const TOLD_MS = 6000; // time for which a refusal is shown
 const RETRY_MS = 2000;
-const DRAG_PIXELS = 4; // that a pointer moves before it drags a robot
+const DRAG_PIXELS = 4; // distance that a pointer moves before it drags a robot
 const KEY = "troupe-token";
 
-/** The token of the address, which is kept out of sight, and for when the page is loaded again. */
+/** The token of the address. It is removed from the visible address and stored for a reload of the page. */
 function token() {
   const given = window.location.hash.slice(1);
   if (given) {
@@ -20,7 +20,7 @@ function token() {
   return window.sessionStorage.getItem(KEY) ?? "";
 }
 
-/** The program's clock. */
+/** A Player whose clock is that of the program. */
 class LivePlayer {
   constructor(page) {
     this.page = page;
@@ -57,7 +57,7 @@ class LivePage extends Page {
     return this.recording.header.robots.name[robot];
   }
 
-  /** Asks the program; a refusal is shown, and is the result: {type, reason}. */
+  /** Sends a command and returns the answer; shows a refusal, {type, reason}. */
   async act(message) {
     const answer = await this.link.ask(message);
     if (answer.type === "refused") tell(answer.reason);
@@ -76,7 +76,7 @@ class LivePage extends Page {
     super.select(robot);
   }
 
-  /** A click where something is to be added puts it there. */
+  /** Adds a robot at the click if a population is chosen, else selects. */
   click(clientX, clientY) {
     const place = this.adding && this.view.floorAt(clientX, clientY);
     if (!place) return super.click(clientX, clientY);
@@ -94,7 +94,7 @@ class LivePage extends Page {
     await this.actOn({ do: "move", pose: [x, y, z, heading + by] });
   }
 
-  /** The selected robot follows a pointer that takes it; with Shift it turns to where that is. */
+  /** Dragging the selected robot moves it; with Shift it turns towards the pointer. */
   listenToDrags() {
     const { canvas, controls } = this.view;
     let drag = null;
@@ -103,7 +103,7 @@ class LivePage extends Page {
       (event) => {
         if (event.target !== canvas || !event.isPrimary || event.button !== 0 || this.selected === null) return;
         if (this.view.robotAt(event.clientX, event.clientY) !== this.selected) return;
-        controls.enabled = false; // the map stays where it is
+        controls.enabled = false; // the drag must not move the view
         drag = { robot: this.selected, from: [event.clientX, event.clientY], pose: this.poseOf(this.selected), moved: false };
       },
       { capture: true },
@@ -165,12 +165,12 @@ class Link {
     this.socket.onmessage = ({ data }) => (typeof data === "string" ? this.text(JSON.parse(data)) : this.source.takePicture(data));
     this.socket.onclose = () => {
       const isKnown = this.source !== null;
-      problem(isKnown ? "The program has ended, or cannot be reached." : "The program refuses this address. Use the one that it has printed.");
+      problem(isKnown ? "The program has ended or cannot be reached." : "This address has no valid token. Open the address that the program has printed.");
       if (isKnown) setTimeout(() => this.retry(), RETRY_MS);
     };
   }
 
-  /** A program that is there again is looked at from the beginning. */
+  /** Tries to reconnect; reloads the page when the program answers. */
   retry() {
     const socket = new WebSocket(`ws://${window.location.host}/live`);
     socket.onopen = () => window.location.reload();
@@ -203,7 +203,7 @@ class Link {
   }
 }
 
-/** For scripts: what only a world that runs has, beside what every page has. */
+/** For scripts: remote(), and functions that only a live page has. */
 function liveRemote(page) {
   const common = remote(page);
   return {

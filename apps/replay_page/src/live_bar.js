@@ -1,11 +1,10 @@
-// What only the bar of a world that runs has: steps, the rate, the hash, the plot, and what is done with the selected
-// robot.
+// Controls that only the live page has: single steps, the rate, the hash, the plot, and acts on the selected robot.
 
 import { Bar, byId, fill } from "./bar.js";
 import { Plot } from "./plot.js";
 
-export const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 0]; // times real time; 0: as fast as it can
-const TURN = Math.PI / 12; // of a key
+export const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 0]; // times real time; 0: as fast as possible
+const TURN = Math.PI / 12; // rad per key press
 const DRIVEN = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
 
 export class LiveBar extends Bar {
@@ -53,7 +52,7 @@ export class LiveBar extends Bar {
     this.page.act({ do: "plot", measure });
   }
 
-  /** The selected robot obeys the arrow keys, and nothing else. */
+  /** Drives the selected robot with the arrow keys in place of its controller. */
   drive(on) {
     byId("drive").checked = on && this.page.selected !== null;
     this.pressed.clear();

@@ -1,11 +1,11 @@
-// What is known of the selected robot of a world that runs, and what can be done with it.
+// The panel of the selected robot on the live page: its whole state, sent by the program.
 
 import { bars, chart, element, MOST_NUMBERS, Panel, row, unitText } from "./panel.js";
 
 const text = (number) => (number === null ? "–" : Number.isInteger(number) ? String(number) : Number(number.toPrecision(5)).toString());
 
 export class LivePanel extends Panel {
-  /** A robot, of which the program then tells everything. */
+  /** Shows a robot and asks the program for its state. */
   show(robot, type) {
     super.show(robot, type);
     this.state = element("div");
@@ -27,7 +27,7 @@ export class LivePanel extends Panel {
     inspected.components.forEach(({ fields }, c) => fields.forEach((field, f) => this.rows[c]?.[f]?.(field)));
   }
 
-  /** A row a field. */
+  /** Builds one row per field. */
   build({ components }) {
     this.state.replaceChildren();
     this.rows = components.map(({ name, fields }) => {

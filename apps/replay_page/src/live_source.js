@@ -1,14 +1,15 @@
-// A world that runs, in the place of a recording: the pictures that the program has sent last. docs/live.md has the wire.
+// A running world with the interface of Recording: the latest pictures from the program. docs/live.md specifies the
+// protocol.
 
 import { bytesOf } from "./palette.js";
 import { fieldRows, GONE } from "./recording.js";
 import { ABSENT } from "./series.js";
 
-const MOST_FRAMES = 900; // kept, for trails and speeds
-const MOST_BYTES = 200e6; // of them
+const MOST_FRAMES = 900; // most frames kept, for trails and speeds
+const MOST_BYTES = 200e6; // their most memory
 
 export class LiveSource {
-  /** `hello`: the first message of the program; `send` gives a message to it. */
+  /** `hello` is the first message of the program; `send` sends a message to it. */
   constructor(hello, send) {
     this.hello = hello;
     this.send = send;
@@ -24,19 +25,19 @@ export class LiveSource {
     this.movers = this.mobile.reduce((sum, one) => sum + one, 0);
     this.present = this.movers;
     this.fieldRows = this.header.fields.map((field) => fieldRows(field, this.robots));
-    this.shown = hello.colors ? [-1] : []; // Coloring asks whether there are any
+    this.shown = hello.colors ? [-1] : []; // not empty: Coloring then updates colours with every frame
     this.colors = Uint8Array.from(this.own);
     this.base = new Int32Array(this.axes * this.robots);
     this.ring = [];
     this.kept = Math.max(2, Math.min(MOST_FRAMES, Math.floor(MOST_BYTES / (16 * Math.max(this.robots, 1)))));
-    this.newest = -1; // frame: pictures that have come, less 1
+    this.newest = -1; // frame number: received pictures less 1
     this.state = null;
     this.inspected = null;
-    this.override = null; // {robot, x, y, heading}: one that a person is dragging
-    this.undrawn = []; // numbers of pictures
+    this.override = null; // {robot, x, y, heading}: the robot that the user is dragging
+    this.undrawn = []; // numbers of received pictures that are not drawn yet
   }
 
-  /** Of each ranger a field, so that its scan can be drawn; its numbers come with the robot that is inspected. */
+  /** Adds a field per ranger, so that scans can be drawn; its values come with the inspected robot. */
   addFields() {
     let first = 0;
     for (const [type, count] of this.header.robots.types) {
@@ -59,13 +60,13 @@ export class LiveSource {
   get end() {
     return (this.frames - 1) * (this.spacing || this.hello.tick_s);
   }
-  /** World time between the newest two pictures, s. */
+  /** Mean world time between pictures, s. */
   get spacing() {
     if (this.ring.length < 2) return 0;
     const last = this.ring[this.ring.length - 1].time - this.ring[0].time;
     return last / (this.ring.length - 1);
   }
-  /** Of the frame, the time; Coloring asks for speeds. */
+  /** Times of the frames, s; Coloring needs them for speeds. */
   get times() {
     const source = this;
     return new Proxy({}, { get: (_, frame) => source.frame(Number(frame))?.time });
@@ -122,7 +123,7 @@ export class LiveSource {
     return true;
   }
 
-  /** The binary half of a picture; its state came before it. */
+  /** Takes the binary frame of a picture; its state has arrived before it. */
   takePicture(buffer) {
     const bytes = new Uint8Array(buffer);
     let at = 0;
@@ -156,7 +157,7 @@ export class LiveSource {
     this.newest++;
   }
 
-  /** Tells the program of the pictures that are on the screen now. */
+  /** Tells the program which pictures have been drawn. */
   drawn() {
     for (const picture of this.undrawn) this.send({ do: "drawn", picture });
     this.undrawn = [];

@@ -7,7 +7,7 @@ import { Player } from "./player.js";
 import { Recording } from "./recording.js";
 import { ReplayBar } from "./replay_bar.js";
 
-/** For scripts: what only a recording has, beside what every page has. */
+/** For scripts: remote(), and functions that only a replay page has. */
 function replayRemote(page) {
   const { recording, player } = page;
   const common = remote(page);
@@ -31,7 +31,7 @@ async function begin() {
   const place = document.getElementById("recording");
   const recording = new Recording(await openContainer(place.textContent));
   const page = new Page(recording, new Player(recording.start, recording.end), { Bar: ReplayBar, Panel, name: "replay" });
-  place.remove(); // tens of megabytes of text
+  place.remove(); // frees tens of megabytes of text
   window.troupe = replayRemote(page);
   show(page);
 }

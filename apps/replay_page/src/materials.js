@@ -1,20 +1,20 @@
-// Shaders. Colours are those of the screen from end to end: nothing is converted.
+// Shaders. All colours are in the colour space of the screen; nothing is converted.
 
 import { Color, DoubleSide, NotEqualStencilFunc, ReplaceStencilOp, ShaderMaterial, Vector2 } from "three";
 import { DARK } from "./palette.js";
 
-// Pixels across from which on bodies have these.
+// Least sizes of bodies, in pixels, for which edges and shadows are drawn.
 export const LEAST_WITH_EDGES = 7;
 export const LEAST_WITH_SHADOW = 9;
 
-/** What all of them share: `focal` is the distance of the screen from the eye in its own pixels. */
+/** Uniforms of all shaders. `focal` is the focal length in device pixels. */
 export const shared = {
   focal: { value: 1000 },
   pixelRatio: { value: 1 },
   screen: { value: new Vector2(1, 1) }, // CSS pixels
-  dark: { value: 0 }, // 1: what lies under bodies is dark
+  dark: { value: 0 }, // 1: dark background
   paper: { value: new Color() },
-  line: { value: new Color() }, // of the floor's grid
+  line: { value: new Color() }, // colour of the grid
 };
 
 export function useTheme(theme) {
@@ -22,7 +22,7 @@ export function useTheme(theme) {
   for (const name of ["paper", "line"]) shared[name].value.setRGB(...theme[name].map((byte) => byte / 255));
 }
 
-// On dark, dark colours are lifted until they show.
+// On a dark background, dark colours are lightened.
 const SHOWN = `
   uniform float dark;
   vec3 shown(vec3 color) {
@@ -31,8 +31,8 @@ const SHOWN = `
   }
 `;
 
-// Where a vertex of an instance is. Robots that would be narrower than `smallest` pixels are enlarged: a swarm stays
-// visible in a large world. A heading beyond 1e8 is that of a robot that is not there.
+// Position of a vertex of an instance. Robots narrower than `smallest` pixels are enlarged, so that a swarm stays
+// visible in a large world. A heading above 1e8 marks a robot that is not in the world.
 const PLACE = `
   ${SHOWN}
   attribute vec4 pose;
@@ -58,7 +58,7 @@ const PLACE = `
   const vec4 NOWHERE = vec4(0.0, 0.0, 2.0, 1.0);
 `;
 
-/** Faces of bodies: tops in full light, walls by where they face. */
+/** Faces of bodies: tops in full light, walls shaded by their direction. */
 export function facesMaterial(radius, smallest) {
   return new ShaderMaterial({
     uniforms: { ...shared, radius: { value: radius }, smallest: { value: smallest } },
@@ -76,7 +76,7 @@ export function facesMaterial(radius, smallest) {
         fromEye = at.xyz;
         gl_Position = pose.w > 1e8 || (isMark && seen < 9.0) ? NOWHERE : projectionMatrix * at;
       }`,
-    // The sun stands in the north-west, as on maps. Contours go either way round, so a wall is lit on the side that the eye sees.
+    // Light comes from the north-west, as on maps. Contours have either orientation, so walls are lit on the visible side.
     fragmentShader: `
       varying vec3 color;
       varying float isTop;
@@ -86,14 +86,14 @@ export function facesMaterial(radius, smallest) {
         float wall = 0.8 + 0.16 * dot(facing / max(length(facing), 1e-20), vec2(-0.55, 0.835));
         gl_FragColor = vec4(color * (isTop > 0.5 ? 1.0 : wall), 1.0);
       }`,
-    side: DoubleSide, // contours go either way round
-    polygonOffset: true, // edges win
+    side: DoubleSide, // contours have either orientation
+    polygonOffset: true, // edges are drawn over faces
     polygonOffsetFactor: 1,
     polygonOffsetUnits: 1,
   });
 }
 
-/** Edges of bodies; of tiny ones they would hide the colour. */
+/** Edges of bodies; not drawn on tiny ones, whose colour they would hide. */
 export function edgesMaterial(radius, smallest) {
   return new ShaderMaterial({
     uniforms: { ...shared, radius: { value: radius }, smallest: { value: smallest } },
@@ -111,7 +111,7 @@ export function edgesMaterial(radius, smallest) {
   });
 }
 
-/** What bodies keep from the sun, on the floor: each pixel of it once, which the stencil sees to. */
+/** Shadows of bodies on the floor. The stencil darkens each pixel only once. */
 export function shadowsMaterial(radius, smallest) {
   return new ShaderMaterial({
     uniforms: { ...shared, radius: { value: radius }, smallest: { value: smallest } },
@@ -137,7 +137,7 @@ export function shadowsMaterial(radius, smallest) {
   });
 }
 
-/** The floor, with a grid whose lines are a pixel wide at any distance and fade where they would run together. */
+/** The floor with a grid. Its lines are a pixel wide at any distance and fade where they would merge. */
 export function floorMaterial() {
   return new ShaderMaterial({
     uniforms: { pitch: { value: 1 }, paper: shared.paper, line: shared.line },
@@ -147,7 +147,7 @@ export function floorMaterial() {
         vec4 world = modelMatrix * vec4(position, 1.0);
         place = world.xy;
         gl_Position = projectionMatrix * viewMatrix * world;
-        gl_Position.z += 1e-4 * gl_Position.w; // a thousandth of the distance down: whatever lies on it is above it
+        gl_Position.z += 1e-4 * gl_Position.w; // slightly farther away, so that flat bodies on the floor are in front of it
       }`,
     fragmentShader: `
       uniform float pitch;
@@ -165,8 +165,8 @@ export function floorMaterial() {
 }
 
 /**
- * Trails: a ribbon each robot, through where it was. Its place 0 is where it is, place k > 0 where it was k - 1 marks before
- * `newest`, in row newest - k + 1, counted around, of a texture of rows of places. A vertex is its place and its side, -1 or 1.
+ * Trails: one ribbon per robot through its past positions. Position 0 is the current one, position k > 0 that of k - 1 marks
+ * before `newest`, in row newest - k + 1 (modulo `marks`) of the texture. A vertex is a position number and a side, -1 or 1.
  */
 export function trailsMaterial(texture, { columns, rowsEach, marks }) {
   return new ShaderMaterial({
@@ -175,7 +175,7 @@ export function trailsMaterial(texture, { columns, rowsEach, marks }) {
       places: { value: texture },
       newest: { value: 0 },
       count: { value: 1 },
-      last: { value: 0 }, // place that is known
+      last: { value: 0 }, // last known position
       size: { value: new Vector2(columns, rowsEach) },
       screen: shared.screen,
     },
@@ -198,7 +198,7 @@ export function trailsMaterial(texture, { columns, rowsEach, marks }) {
         return texelFetch(places, ivec2(gl_InstanceID % columns, mark * int(size.y) + gl_InstanceID / columns), 0).xy;
       }
       vec4 seen(vec2 at) { return projectionMatrix * viewMatrix * vec4(at, pose.z + 0.02, 1.0); }
-      // A place that is missing or not known yet counts as the known place next to it.
+      // An unknown position is replaced by the neighbouring one.
       vec2 orElse(vec2 at, vec2 other) { return at.x < 1e8 ? at : other; }
 
       void main() {

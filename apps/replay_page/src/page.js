@@ -1,13 +1,13 @@
-// A page that shows robots, of a recording or of a world that runs: draws a picture whenever the browser wants one.
+// The common part of the replay page and the live page: draws a picture whenever the browser requests a frame.
 
 import { TRAILS } from "./bar.js";
 import { Coloring } from "./coloring.js";
 import { DARK, LIGHT, useTheme } from "./palette.js";
 import { View } from "./view.js";
 
-const UNPACK_MS = 3; // a picture may wait so long for frames that come later
-const UNPACK_NOW_MS = 7; // and so long where there is nothing to show otherwise
-const CLICK_PIXELS = 5; // that a pointer may move between press and release
+const UNPACK_MS = 3; // time per picture for unpacking later frames
+const UNPACK_NOW_MS = 7; // time per picture if the current frame is not unpacked yet
+const CLICK_PIXELS = 5; // most movement of a pointer between press and release
 
 export function problem(text) {
   const shown = document.getElementById("problem");
@@ -16,7 +16,7 @@ export function problem(text) {
 }
 
 export class Page {
-  /** `recording` is a Recording, or what stands for it; so is `player`; Bar and Panel are the classes of the page's. */
+  /** `recording` is a Recording or a LiveSource, `player` a Player or a LivePlayer; Bar and Panel are classes. */
   constructor(recording, player, { Bar, Panel, name }) {
     this.recording = recording;
     this.player = player;
@@ -26,16 +26,16 @@ export class Page {
     this.panel = new Panel(recording, document.getElementById("panel"));
     this.selected = null;
     this.following = false;
-    this.drawn = -1; // frame whose poses are on the screen
+    this.drawn = -1; // frame on the screen
     this.last = null;
-    this.scriptTimes = []; // ms, of the latest pictures
+    this.scriptTimes = []; // ms of script per picture, of the latest pictures
     const dark = window.matchMedia("(prefers-color-scheme: dark)");
     this.theme(dark.matches ? DARK : LIGHT);
     dark.addEventListener("change", () => this.theme(dark.matches ? DARK : LIGHT));
     this.bar = new Bar(this);
     this.describe();
     this.bar.update();
-    this.view.fit(); // now that the controls have their sizes
+    this.view.fit(); // after the bar, because it needs the sizes of the controls
     this.listen();
   }
 
@@ -57,10 +57,10 @@ export class Page {
       if (!pressed || Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > CLICK_PIXELS) return;
       this.click(event.clientX, event.clientY);
     });
-    canvas.addEventListener("webglcontextlost", () => problem("The browser has taken the graphics away: load the page again."));
+    canvas.addEventListener("webglcontextlost", () => problem("The browser has lost the WebGL context: reload the page."));
   }
 
-  // What the controls do.
+  // Functions of the controls.
 
   click(clientX, clientY) {
     this.select(this.view.robotAt(clientX, clientY));
@@ -74,13 +74,13 @@ export class Page {
     this.view.trails.setLength(seconds);
   }
 
-  /** LIGHT or DARK. */
+  /** `theme` is LIGHT or DARK. */
   theme(theme) {
     this.themed = theme;
     document.documentElement.dataset.theme = theme === DARK ? "dark" : "light";
     useTheme(theme);
     this.view.theme(theme);
-    this.coloring.choose(this.coloring.choices.indexOf(this.coloring.choice)); // in other colours
+    this.coloring.choose(this.coloring.choices.indexOf(this.coloring.choice)); // recomputes the colours
   }
 
   slant() {
@@ -119,7 +119,7 @@ export class Page {
     this.bar.update();
     const ahead = frame + Math.max(1, Math.round(0.5 * this.recording.header.block_frames));
     this.recording.prefetch(ahead, fields);
-    // On a machine that draws slowly a picture more or less is no matter, and a recording that stands still is.
+    // On a machine that draws slowly, unpack for a fraction of the frame time: a stalled recording is worse than a lost picture.
     const [least, share] = this.drawn === frame ? [UNPACK_MS, 0.1] : [UNPACK_NOW_MS, 0.3];
     this.recording.pump(Math.max(least, share * 1000 * Math.min(seconds, 1)));
     this.scriptTimes.push(performance.now() - begin);
@@ -128,7 +128,7 @@ export class Page {
   }
 }
 
-/** For scripts: what is shown, and the controls that every page has. */
+/** For scripts: the state of the page and the controls common to both pages. */
 export function remote(page) {
   const { recording, player, view } = page;
   return {
@@ -165,13 +165,13 @@ export function remote(page) {
   };
 }
 
-/** Whether the browser can show it at all. */
+/** Throws if the browser lacks a required feature. */
 export function checkBrowser() {
   if (!window.DecompressionStream || !document.createElement("canvas").getContext("webgl2"))
-    throw new Error("it takes a browser of 2023 or later, with WebGL 2.");
+    throw new Error("it needs a browser of 2023 or later with WebGL 2.");
 }
 
-/** Draws from now on. */
+/** Starts drawing. */
 export function show(page) {
   requestAnimationFrame((time) => {
     document.getElementById("problem").hidden = true;

@@ -1,6 +1,6 @@
-// Colours: dark on paper, as those of `troupe run --snapshot`, or light on dark.
+// Colours: dark on light, as in `troupe run --snapshot`, or light on dark.
 
-/** What lies under and behind the robots; `line` is the grid, `none` robots without a value, `beam` what sensors see. */
+/** `paper` is the background, `line` the grid, `none` robots without a value, `accent` the selection, `beam` scans. */
 export const LIGHT = { paper: [250, 247, 240], line: [233, 227, 214], none: [176, 170, 158], accent: 0xd0442a, beam: 0x2f6fb0 };
 export const DARK = { paper: [23, 25, 29], line: [40, 43, 49], none: [104, 106, 112], accent: 0xff7a5c, beam: 0x6fb4ff };
 
@@ -10,8 +10,8 @@ export function bytesOf(hex) {
   return [number >> 16, (number >> 8) & 255, number & 255];
 }
 
-// Viridis (Smith and van der Walt, 2015; in the public domain) at nine places: even steps look even, in grey and to the
-// colour-blind too. The end that would vanish is left out: yellow on paper, purple on dark.
+// Viridis (Smith and van der Walt, 2015; in the public domain) at nine points. It is perceptually uniform, also in grey and
+// for the colour-blind. The end with too little contrast is omitted: yellow on light, purple on dark.
 const VIRIDIS = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"].map(bytesOf);
 const SHADES = 256;
 
@@ -19,7 +19,7 @@ let stops;
 let none;
 const scale = new Uint8Array(3 * SHADES);
 
-/** Which colours stand for shares from here on. */
+/** Sets the colour scale for a theme. */
 export function useTheme(theme) {
   stops = theme === DARK ? VIRIDIS.slice(2) : VIRIDIS.slice(0, -1);
   none = theme.none;
@@ -31,7 +31,7 @@ export function useTheme(theme) {
 }
 useTheme(LIGHT);
 
-/** Writes the colour of a share, 0 to 1, as three bytes; the neutral one where it is NaN. */
+/** Writes the colour of a fraction, 0 to 1, as three bytes; that of `none` for NaN. */
 export function shadeInto(share, out, at) {
   if (!(share === share)) {
     out[at] = none[0];
@@ -45,7 +45,7 @@ export function shadeInto(share, out, at) {
   out[at + 2] = scale[from + 2];
 }
 
-/** The scale from left to right, for a legend. */
+/** The colour scale from left to right as a CSS gradient, for the legend. */
 export function scaleGradient() {
   return `linear-gradient(to right, ${stops.map(([r, g, b]) => `rgb(${r} ${g} ${b})`).join(", ")})`;
 }

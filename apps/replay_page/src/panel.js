@@ -1,8 +1,8 @@
-// What is known of the selected robot.
+// The panel of the selected robot.
 
 import { componentText, numberText } from "./coloring.js";
 
-export const MOST_NUMBERS = 4; // of one field that stand as numbers; more are drawn as bars
+export const MOST_NUMBERS = 4; // fields with more columns are drawn as bars
 
 export const element = (name, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(name), properties);
@@ -17,7 +17,7 @@ export function row(name, title = "") {
 
 export const unitText = (unit) => (unit ? ` ${unit}` : "");
 
-/** Numbers side by side, from the field's least to its largest. */
+/** Draws numbers as bars between `min` and `max`. */
 export function bars(object, numbers, min, max) {
   const high = 40;
   const span = max - min || 1;
@@ -44,7 +44,7 @@ export class Panel {
     this.parts = [];
   }
 
-  /** Fields that the panel shows. */
+  /** Indices of the fields that the panel shows. */
   get fields() {
     return this.parts.flatMap(({ field }) => (field === undefined ? [] : [field]));
   }
@@ -80,7 +80,7 @@ export class Panel {
       const made = row(name);
       this.values.append(made.object);
       this.parts.push({
-        update: (pose) => (made.value.textContent = pose[3] > 1e8 ? "not there" : `${of(pose).toFixed(digits)} ${unit}`),
+        update: (pose) => (made.value.textContent = pose[3] > 1e8 ? "not in the world" : `${of(pose).toFixed(digits)} ${unit}`),
       });
     }
   }
@@ -98,7 +98,7 @@ export class Panel {
         const numbers = [];
         for (let c = 0; c < field.columns; c++) {
           const number = this.recording.value(index, frame, this.robot, c);
-          if (number === null) return; // on its way
+          if (number === null) return; // not unpacked yet
           numbers.push(number);
         }
         if (drawn) {

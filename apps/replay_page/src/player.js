@@ -1,4 +1,4 @@
-// The clock of the page.
+// The clock of the replay page.
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 
@@ -15,7 +15,7 @@ export class Player {
     this.time = Math.min(Math.max(time, this.start), this.end);
   }
 
-  /** Plays, from the start again where it stood at the end; or pauses. */
+  /** Plays, from the start if at the end; or pauses. */
   play(on = true) {
     if (on && this.time >= this.end) this.time = this.start;
     this.playing = on && this.end > this.start;
@@ -26,7 +26,7 @@ export class Player {
     this.speed = SPEEDS[Math.min(Math.max(at + steps, 0), SPEEDS.length - 1)];
   }
 
-  /** Some real time has passed, s. After a sleep of the machine the recording does not jump. */
+  /** Advances by real time, s; at most 0.25 s, so that the recording does not jump after the machine has slept. */
   advance(seconds) {
     if (!this.playing) return;
     this.time += Math.min(seconds, 0.25) * this.speed;

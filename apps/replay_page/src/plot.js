@@ -1,4 +1,4 @@
-// A measure over time, as a line.
+// A line plot of a measure over time.
 
 const MOST_POINTS = 600;
 
@@ -16,7 +16,7 @@ export class Plot {
     this.path.setAttribute("d", "");
   }
 
-  /** A value at a time of the world, s; null for none. */
+  /** Adds a value at a world time, s; null: no value. */
   add(time, { column, value }) {
     const last = this.points[this.points.length - 1];
     if (value === null || (last && last[0] >= time)) return;

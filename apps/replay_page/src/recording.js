@@ -1,13 +1,13 @@
-// The recording: what every robot did, unpacked block by block as it is asked for.
+// The recording, unpacked block by block on request.
 
 import { inflate } from "./container.js";
 import { bytesOf } from "./palette.js";
 import { ABSENT, unpackSeries } from "./series.js";
 
 const CACHE_BYTES = 400e6;
-const AXES = 4; // of a pose, as the scene wants them: x, y, z (m), heading (rad)
+const AXES = 4; // numbers per pose of the scene: x, y, z (m), heading (rad)
 
-/** A heading of a robot that is not there, for the scene. */
+/** Heading in the scene of a robot that is not in the world. */
 export const GONE = 1e9;
 
 export class Recording {
@@ -16,21 +16,21 @@ export class Recording {
     this.blocks = blocks;
     this.times = Float64Array.from(header.times_s);
     this.robots = header.robots.id.length;
-    this.units = new Map(); // unpacked streams of blocks, the longest unused first
+    this.units = new Map(); // unpacked streams of blocks, the least recently used first
     this.bytes = 0;
-    this.work = []; // units that are being unpacked
+    this.work = []; // units being unpacked
     this.own = new Uint8Array(3 * this.robots); // colours of the world, three bytes each
     header.robots.color.forEach((color, r) => this.own.set(bytesOf(color), 3 * r));
-    this.mobile = new Uint8Array(this.robots); // 1: it drives; others are carried, or stand and do something
+    this.mobile = new Uint8Array(this.robots); // 1: the body drives
     let first = 0;
     for (const [type, count] of header.robots.types) {
       this.mobile.fill(header.types[type].mobile ? 1 : 0, first, first + count);
       first += count;
     }
     this.movers = this.mobile.reduce((sum, one) => sum + one, 0);
-    this.present = this.movers; // of these, in the frame that posesInto wrote last
+    this.present = this.movers; // movers in the world, in the last frame of posesInto()
     this.fieldRows = header.fields.map((field) => fieldRows(field, this.robots));
-    // Fields with the colours that bodies show, each of the bodies of one type.
+    // Fields with the colours that bodies show, one per type.
     this.shown = header.types
       .filter((type) => type.shown_color)
       .map((type) => header.fields.findIndex((field) => field.component === type.shown_color && field.name === "shown_color"));
@@ -46,7 +46,7 @@ export class Recording {
     return this.times[this.frames - 1];
   }
 
-  /** The frame at or before a time, and how far the time is on the way to the next one, 0 to 1. */
+  /** The frame at or before a time, and the fraction of the way to the next frame, 0 to 1. */
   frameAt(time) {
     let low = 0;
     let high = this.frames - 1;
@@ -60,13 +60,13 @@ export class Recording {
     return { frame: low, mix: Math.min(Math.max(mix, 0), 1) };
   }
 
-  /** Where frame f lies: values of the poses' stream and the index of its first; null where it is not there yet. */
+  /** The poses of a frame: the arrays of its block and the index of its first value; null if not unpacked yet. */
   poses(frame) {
     const unit = this.unit(0, frame);
     return unit && { ...unit, at: (frame % this.header.block_frames) * this.robots };
   }
 
-  /** The same for a field: values[at + i] of entry i, an entry a robot and column; 0: absent, else 1 + steps. */
+  /** A field in a frame: values[at + i] for entry i, one entry per robot and column; 0: absent, else 1 + steps. Null if not unpacked yet. */
   field(index, frame) {
     const unit = this.unit(1 + index, frame);
     if (!unit) return null;
@@ -74,7 +74,7 @@ export class Recording {
     return { values: unit.values, at: (frame % this.header.block_frames) * width };
   }
 
-  /** One number of a robot: NaN where it has none, null where it is not unpacked yet. */
+  /** One value of a robot: NaN if it has none, null if it is not unpacked yet. */
   value(index, frame, robot, column = 0) {
     const row = this.fieldRows[index].of[robot];
     if (row < 0) return NaN;
@@ -85,9 +85,9 @@ export class Recording {
     return steps === 0 ? NaN : field.min + (steps - 1) * field.step;
   }
 
-  /** Writes the colour of every robot, three bytes each: the one that it shows, else that of the world. False where they are not unpacked yet. */
+  /** Writes the colour of every robot, three bytes each: the colour it shows, else that of the world file. False if not unpacked yet. */
   colorsInto(frame, out) {
-    const found = this.shown.map((index) => this.field(index, frame)); // asks for all of them
+    const found = this.shown.map((index) => this.field(index, frame)); // requests all fields
     if (!found.every(Boolean)) return false;
     out.set(this.own);
     this.shown.forEach((index, s) => {
@@ -97,14 +97,14 @@ export class Recording {
       for (let r = 0; r < this.robots; r++) {
         if (of[r] < 0) continue;
         const from = at + 3 * of[r];
-        if (values[from] === 0) continue; // it is not there
+        if (values[from] === 0) continue; // not in the world
         for (let c = 0; c < 3; c++) out[3 * r + c] = Math.round(255 * (min + (values[from + c] - 1) * step));
       }
     });
     return true;
   }
 
-  /** Writes x, y, z, heading of every robot, between two frames; false where they are not unpacked yet. */
+  /** Writes x, y, z, heading of every robot, interpolated between two frames; false if not unpacked yet. */
   posesInto(frame, mix, out) {
     const a = this.poses(frame);
     const b = mix > 0 ? this.poses(frame + 1) : a;
@@ -120,7 +120,7 @@ export class Recording {
         continue;
       }
       present += this.mobile[r];
-      const share = bx[j] === ABSENT ? 0 : mix; // the next frame may be without it
+      const share = bx[j] === ABSENT ? 0 : mix; // the robot may be missing in the next frame
       let turned = share > 0 ? bh[j] - ah[i] : 0;
       turned -= Math.round(turned / turn) * turn;
       out[to] = (ax[i] + share * (bx[j] - ax[i])) * step;
@@ -132,14 +132,14 @@ export class Recording {
     return true;
   }
 
-  /** Asks for what will be wanted soon. */
+  /** Requests the unpacking of a frame that will be needed soon. */
   prefetch(frame, fields = []) {
     if (frame >= this.frames) return;
     this.unit(0, frame);
     for (const field of fields) this.unit(1 + field, frame);
   }
 
-  /** Goes on unpacking for some milliseconds. */
+  /** Unpacks requested streams for at most this time. */
   pump(milliseconds) {
     const until = performance.now() + milliseconds;
     while (this.work.length > 0 && performance.now() < until) {
@@ -151,13 +151,13 @@ export class Recording {
     }
   }
 
-  /** The unpacked stream that holds a frame; null, and asked for, where it is not there yet. */
+  /** The unpacked stream that contains a frame; if it is not unpacked yet, requests it and returns null. */
   unit(stream, frame) {
     const block = Math.floor(frame / this.header.block_frames);
     const key = `${stream} ${block}`;
     let unit = this.units.get(key);
     if (unit) {
-      this.units.delete(key); // and again, as the one that was used last
+      this.units.delete(key); // and inserted again below, as the most recently used
     } else {
       unit = { ready: false, bytes: 0 };
       this.load(unit, stream, block);
@@ -203,7 +203,7 @@ export class Recording {
   }
 }
 
-/** Of a field: how many robots have it, and which row of it is each robot's, -1 for none. */
+/** The number of robots that have a field, and the row of each robot in it; -1: none. */
 export function fieldRows(field, robots) {
   const of = new Int32Array(robots).fill(-1);
   let count = 0;

@@ -1,4 +1,4 @@
-// What only the bar of a recording has: a place in time, and speeds.
+// Controls that only the replay page has: the time bar and the speed.
 
 import { Bar, byId, fill, timeText } from "./bar.js";
 import { SPEEDS } from "./player.js";

@@ -1,8 +1,8 @@
-// What the rangers of the selected robot read, as fans of light.
+// Draws the readings of the selected robot's rangers as fans.
 
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial } from "three";
 
-/** The rangers of a type whose readings were recorded: fans, the joint they stand on, and the field with the readings. */
+/** The rangers of a type whose readings were recorded: fans, the joint that moves them, and the field of readings. */
 function eyesOf(header, type) {
   return Object.entries(header.types[type].eyes).flatMap(([name, { fans, joint }]) => {
     const field = header.fields.findIndex(
@@ -13,7 +13,7 @@ function eyesOf(header, type) {
   });
 }
 
-/** One ranger's fans, in the frame of what it stands on. */
+/** The fans of one ranger, in the frame of the part that carries it. */
 class Eye {
   constructor({ field, fans, joint }, materials) {
     Object.assign(this, { field, fans, joint });
@@ -28,7 +28,7 @@ class Eye {
     for (const object of this.object.children) object.geometry.dispose();
   }
 
-  /** `reading`: of a beam, m; NaN for none, null while it is on its way. */
+  /** `reading(beam)` returns a range, m; NaN: none, null: not unpacked yet. */
   redraw(reading) {
     const triangles = [];
     const lines = [];
@@ -77,12 +77,12 @@ export class Scan {
     for (const material of Object.values(this.materials)) material.color.set(beam);
   }
 
-  /** Fields that it shows. */
+  /** Indices of the fields that it shows. */
   get fields() {
     return this.eyes.map(({ field }) => field);
   }
 
-  /** Whose readings are shown: a robot and its type, or null. */
+  /** Shows the readings of a robot of this type; null: none. */
   show(robot, type) {
     for (const eye of this.eyes) eye.dispose();
     this.robot = robot;
@@ -95,7 +95,7 @@ export class Scan {
     this.object.visible = false;
   }
 
-  /** `view`: where robots are. */
+  /** Updates the scan; `view` is the View, with the poses of robots. */
   update(frame, view) {
     for (const { object, joint } of this.eyes) {
       const [x, y, z, heading] = view.placeOf(this.robot, joint);

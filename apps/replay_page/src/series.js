@@ -1,17 +1,16 @@
-// Numbers that change from frame to frame, as worldio/results/replay_codec.cpp packs them: of each value how far it is from what
-// was expected, 7 bits a byte, the low ones first; 0 for an absent one.
+// Unpacks time series that worldio/results/replay_codec.cpp has packed: the difference of each value from its prediction, 7
+// bits per byte, low bits first; 0 for an absent value.
 
-/** A position or heading of a robot that is not there. */
+/** Position or heading of a robot that is not in the world. */
 export const ABSENT = -0x80000000;
 
-const SLICE = 20000; // values between two chances to let a picture go first
+const SLICE = 20000; // values between two yields
 
 /**
- * Unpacks `count` series of `frames` values each, which follow one another: value f of series s goes to
- * out[f * count + s].
- * line     whether values are expected on a line through the two before, not at the one before
- * absent   what stands for an absent value; `bias` is added to the others
- * Returns where in `bytes` the next series begins. A generator: it yields now and then.
+ * Unpacks `count` consecutive series of `frames` values each: value f of series s goes to out[f * count + s].
+ * line     whether values are predicted on a line through the two before, instead of equal to the one before
+ * absent   the output for an absent value; `bias` is added to the others
+ * Returns the index in `bytes` at which the next series begins. A generator, which yields about every SLICE values.
  */
 export function* unpackSeries(bytes, at, { frames, count, line, absent, bias }, out) {
   let left = SLICE;

@@ -1,5 +1,5 @@
-// Where robots came from in the last seconds, fading with age. The places lie in a texture, a mark in time a few rows of
-// it; as time goes on one mark is written over the oldest, and nothing else is sent to the graphics card.
+// Trails: positions of robots in the last seconds, fading with age. A texture holds the positions, a few rows per mark in
+// time. A new mark overwrites the oldest, and nothing else is sent to the graphics card.
 
 import {
   BufferAttribute,
@@ -16,9 +16,9 @@ import { trailsMaterial } from "./materials.js";
 import { ABSENT } from "./series.js";
 
 const MOST_MARKS = 64;
-const COLUMNS = 2048; // every WebGL 2 has textures this wide
-const TRIANGLES = 6; // corners of those between two marks
-const UPLOADS = 4; // marks a picture: after a jump in time trails grow back in a moment
+const COLUMNS = 2048; // WebGL 2 guarantees textures of this width
+const TRIANGLES = 6; // triangle corners between two marks
+const UPLOADS = 4; // most marks sent per picture, so that trails grow back quickly after a jump in time
 
 export class Trails {
   constructor(renderer, recording, poses, tints) {
@@ -29,7 +29,7 @@ export class Trails {
     this.ring = Math.max(1, Math.min(MOST_MARKS, Math.floor(renderer.capabilities.maxTextureSize / this.rowsEach)));
     this.texture = this.makeTexture(this.rowsEach * this.ring);
     this.piece = this.makeTexture(this.rowsEach);
-    this.held = new Int32Array(this.ring).fill(-1); // mark in time that each place of the ring holds
+    this.held = new Int32Array(this.ring).fill(-1); // the mark in each slot of the ring
     this.seconds = 0;
 
     const geometry = new InstancedBufferGeometry();
@@ -59,17 +59,17 @@ export class Trails {
     return texture;
   }
 
-  /** How much of the past is shown, s; 0: nothing. */
+  /** Sets the length of trails, s; 0: none. */
   setLength(seconds) {
     this.seconds = seconds;
     this.held.fill(-1);
     const { frames, start, end } = this.recording;
     const frame = frames > 1 ? (end - start) / (frames - 1) : 1;
-    this.spacing = Math.max(1, Math.ceil(seconds / frame / this.ring)); // frames from mark to mark
+    this.spacing = Math.max(1, Math.ceil(seconds / frame / this.ring)); // frames between marks
     this.marks = Math.min(this.ring, Math.max(1, Math.round(seconds / (frame * this.spacing))));
   }
 
-  /** To be called when the poses are those of this frame. */
+  /** Call this when the poses are those of `frame`. */
   update(frame) {
     this.object.visible = this.seconds > 0;
     if (this.seconds === 0) return;
@@ -89,7 +89,7 @@ export class Trails {
     this.pose.needsUpdate = true;
   }
 
-  /** Sends the places of one mark; false where they are not unpacked yet. */
+  /** Sends the positions of one mark; false if they are not unpacked yet. */
   upload(mark) {
     const found = this.recording.poses(mark * this.spacing);
     if (!found) return false;

@@ -1,4 +1,4 @@
-// The world on the screen: eye, floor, everything that never moves, and robots.
+// The scene: camera, floor, static bodies and robots.
 
 import {
   ColorManagement,
@@ -27,14 +27,14 @@ import { Trails } from "./trails.js";
 
 ColorManagement.enabled = false;
 
-const SMALLEST = 4; // pixels that a robot takes at least
-const REACH = 12; // pixels that a click may miss by
+const SMALLEST = 4; // least size of a robot, pixels
+const REACH = 12; // most distance of a click from a robot, pixels
 const FOV = 30; // degrees: narrow, so that walls hide little from above
 const RING_SIDES = 64;
-const RING_PIXELS = 3; // width of the ring about the selected robot
-const GRID_PIXELS = 48; // from line to line at least
-const INSTANCES = 32; // from so many alike on they share one mesh
-const LARGE = 1e9; // m: the size of what is never too small to be drawn in full
+const RING_PIXELS = 3; // width of the ring around the selected robot
+const GRID_PIXELS = 48; // least distance between grid lines
+const INSTANCES = 32; // least number of equal static bodies that are drawn as instances
+const LARGE = 1e9; // m; a radius with which bodies are always drawn with edges and shadows
 
 /** 1, 2 or 5 times a power of ten, at most x. */
 export function roundLength(x) {
@@ -43,7 +43,7 @@ export function roundLength(x) {
   return (share >= 5 ? 5 : share >= 2 ? 2 : 1) * power;
 }
 
-/** Of what no joint moves: a circle about the origin, and the height, m. */
+/** Radius around the origin and height of the shapes that no joint moves, m. */
 function trunkOf({ shapes, radius_m: all }, step) {
   const rigid = shapes.filter((shape) => shape.joint === undefined);
   let square = 0;
@@ -58,7 +58,7 @@ export class View {
     this.recording = recording;
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true });
-    this.renderer.outputColorSpace = LinearSRGBColorSpace; // that is: as they are
+    this.renderer.outputColorSpace = LinearSRGBColorSpace; // no conversion of colours
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(FOV, 1, 0.1, 1000);
     this.camera.up.set(0, 0, 1);
@@ -94,7 +94,7 @@ export class View {
     this.fit();
   }
 
-  /** Many alike are drawn as instances, the few others as one mesh. */
+  /** Adds static bodies: many of one type as instances, all others merged into one mesh. */
   addFixed({ fixed, types, shape_step_m: step }) {
     const byType = new Map(types.map((_, type) => [type, []]));
     for (const body of fixed) byType.get(body.type).push(body);
@@ -115,7 +115,7 @@ export class View {
   addRobots(header) {
     this.swarms = [];
     this.limbs = [];
-    // Height that no robot reaches, m; without end where robots may rise.
+    // Upper bound of the height of robots, m; infinite if robots can rise.
     const most = (numbers) => numbers.reduce((high, number) => Math.max(high, number), 0);
     const tops = header.types.map((type) => most(type.shapes.map((shape) => shape.z_m[1])));
     const rise = header.pose.has_z || header.types.some((type) => type.joints.length > 0);
@@ -136,7 +136,7 @@ export class View {
         this.swarms.push(bodies);
         this.scene.add(...bodies.objects);
       };
-      add(-1, poses); // what stands on no joint
+      add(-1, poses); // shapes that no joint moves
       if (look.joints.length > 0) {
         const limbs = new Limbs(this.recording, look, first, count);
         limbs.joints.forEach(({ places }, joint) => add(joint, places));
@@ -147,7 +147,7 @@ export class View {
     }
   }
 
-  /** LIGHT or DARK. */
+  /** `theme` is LIGHT or DARK. */
   theme(theme) {
     useTheme(theme);
     this.renderer.setClearColor(shared.paper.value);
@@ -155,27 +155,27 @@ export class View {
     this.scan.theme(theme);
   }
 
-  /** Fields without which robots cannot be drawn. */
+  /** Indices of the fields needed to draw robots. */
   get fields() {
     return this.limbs.flatMap((limbs) => limbs.fields);
   }
 
-  /** Puts robots where they were between a frame and the next; false where that is not unpacked yet. */
+  /** Updates the poses of robots, interpolated between a frame and the next; false if not unpacked yet. */
   pose(frame, mix) {
-    const ready = this.limbs.map((limbs) => limbs.ready(frame, mix)).every(Boolean); // asks for all of them
+    const ready = this.limbs.map((limbs) => limbs.ready(frame, mix)).every(Boolean); // map() before every(): requests all fields
     this.recording.prefetch(frame);
     if (!ready || !this.recording.posesInto(frame, mix, this.poses)) return false;
     for (const limbs of this.limbs) limbs.update(frame, mix, this.poses);
     return true;
   }
 
-  /** x, y, z, heading in the world of a robot, or of what one of its joints moves. */
+  /** x, y, z, heading in the world of a robot, or of the part that one of its joints moves. */
   placeOf(robot, joint = -1) {
     const limbs = joint >= 0 ? this.limbsOf[this.typeOf[robot]] : null;
     return limbs ? limbs.place(joint, robot) : this.poses.subarray(4 * robot, 4 * robot + 4);
   }
 
-  /** Colours of the robots, three bytes each; null: those of the world. */
+  /** Sets the colours of the robots, three bytes each; null: those of the world. */
   useTints(tints) {
     this.tints.set(tints ?? this.recording.own);
     for (const bodies of this.swarms) bodies.tintsChanged();
@@ -194,12 +194,12 @@ export class View {
     shared.screen.value.set(window.innerWidth, window.innerHeight);
   }
 
-  /** Everything on the screen, between head and bar: from above, or at a slant. */
+  /** Moves the camera so that the whole world fits between title and bar, in a top or an oblique view. */
   fit(slanted = false) {
     const [x0, y0, x1, y1] = this.recording.header.bounds_m;
     const corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]].map(([x, y]) => new Vector3(x, y, 0));
     const target = new Vector3((x0 + x1) / 2, (y0 + y1) / 2, 0);
-    // Slightly off the vertical: straight down, no direction is up.
+    // Slightly off the vertical: straight down, the up direction would be undefined.
     const back = (slanted ? new Vector3(-0.25, -0.8, 0.65) : new Vector3(0, -1e-4, 1)).normalize();
     const north = new Vector3(-back.x, -back.y, 0).normalize(); // up on the screen, along the floor
     const right = new Vector3(north.y, -north.x, 0);
@@ -212,7 +212,7 @@ export class View {
     const low = -1 + Math.min((2 * (below + 8)) / height, 0.8);
     const high = 1 - Math.min((2 * (above + 8)) / height, 0.4);
 
-    /** Where the corners are on the screen from so far away, or null where some are behind the eye. */
+    /** The box of the corners on the screen from this distance, or null if a corner is behind the camera. */
     const seenFrom = (distance) => {
       const box = [Infinity, Infinity, -Infinity, -Infinity];
       for (const corner of corners) {
@@ -249,7 +249,7 @@ export class View {
     this.controls.update();
   }
 
-  /** Looks at a robot from where it looked before. */
+  /** Centres the view on a robot without changing its direction. */
   follow(robot) {
     const at = 4 * robot;
     if (this.poses[at + 3] > 1e8) return;
@@ -259,12 +259,12 @@ export class View {
     this.camera.position.add(shift);
   }
 
-  /** Metres that a CSS pixel shows at what the eye looks at. */
+  /** Metres per CSS pixel at the target of the camera. */
   metresPerPixel() {
     return this.camera.position.distanceTo(this.controls.target) / this.focal;
   }
 
-  /** The robot under a point of the screen (CSS pixels), or the one nearest to it; null where none is near. */
+  /** The robot under or nearest to a point of the screen (CSS pixels); null if none is near. */
   robotAt(clientX, clientY) {
     const place = new Vector3();
     let best = null;
@@ -289,7 +289,7 @@ export class View {
     return best;
   }
 
-  /** Where the floor is under a point of the screen (CSS pixels): x and y, m; null where there is none. */
+  /** The point of the floor under a point of the screen (CSS pixels): x and y, m; null if there is none. */
   floorAt(clientX, clientY) {
     this.camera.updateMatrixWorld();
     const ray = new Raycaster();
@@ -298,7 +298,7 @@ export class View {
     return place && [place.x, place.y];
   }
 
-  /** Where a robot is on the screen, or what lies so many metres from it; CSS pixels. */
+  /** The position on the screen, in CSS pixels, of a robot, or of a point shifted from it by so many metres. */
   screenPlace(robot, shift) {
     const place = new Vector3(...this.poses.subarray(4 * robot, 4 * robot + 3)).add(new Vector3(...shift));
     this.camera.updateMatrixWorld();
@@ -306,9 +306,9 @@ export class View {
     return [((place.x + 1) / 2) * window.innerWidth, ((1 - place.y) / 2) * window.innerHeight];
   }
 
-  /** Draws robots where `poses` says; `frame` is the recorded one before, `selected` a robot or null. */
+  /** Draws the robots at `poses`; `frame` is the recorded frame before, `selected` a robot or null. */
   draw(frame, selected) {
-    // Whatever is on the screen is at most some 35 degrees off its middle.
+    // Everything on the screen is at most about 35 degrees off its centre.
     const above = this.camera.position.z - this.tallest;
     const nearest = above > 0 ? this.focal / (0.8 * above) : Infinity;
     for (const bodies of this.swarms) {
@@ -339,7 +339,7 @@ export class View {
     const outer = 1 + (RING_PIXELS * pixel) / inner;
     if (Math.abs(outer - this.outer) < 1e-3) return;
     this.outer = outer;
-    const { position } = this.ring.geometry.attributes; // RingGeometry has the inner corners first
+    const { position } = this.ring.geometry.attributes; // RingGeometry stores the inner corners first
     for (let i = 0; i < position.count; i++) {
       const side = i <= RING_SIDES ? 1 : outer;
       const turn = (2 * Math.PI * (i % (RING_SIDES + 1))) / RING_SIDES;
