@@ -1,6 +1,7 @@
 #include "apps/options.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/ticks.hpp"
 #include "partition/parallel.hpp"
 #include "partition/simd_target.hpp"
 
@@ -79,10 +80,18 @@ std::filesystem::path file_name(const char* option, const std::string& text) {
   return text;
 }
 
+double seconds_from_zero(const char* option, const std::string& text) {
+  const std::optional<double> seconds = finite(text);
+  if (!seconds || *seconds < 0 || *seconds > engine::k_most_seconds)
+    refuse(option, text, fmt::format("a time in seconds, from 0 to {:g}", engine::k_most_seconds));
+  return *seconds;
+}
+
 double positive_seconds(const char* option, const std::string& text, std::string_view what) {
   const std::optional<double> seconds = finite(text);
-  if (!seconds || *seconds <= 0 || *seconds > k_most_seconds)
-    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {:g}", what, k_most_seconds));
+  if (!seconds || *seconds <= 0 || *seconds > engine::k_most_seconds)
+    refuse(option, text,
+           fmt::format("{} in seconds, above 0 and at most {:g}", what, engine::k_most_seconds));
   return *seconds;
 }
 

@@ -34,10 +34,11 @@ std::optional<double> finite(std::string_view text);
 [[noreturn]] void refuse(const char* option, std::string_view text, std::string_view expected);
 /// The name of a file to write. Empty names and names that begin with `-` are refused.
 std::filesystem::path file_name(const char* option, const std::string& text);
-/// A time in seconds, above 0 and at most k_most_seconds; others are refused. `what` names it in the error:
-/// "a real time".
+/// A time in seconds, from 0 to engine::k_most_seconds; others are refused.
+double seconds_from_zero(const char* option, const std::string& text);
+/// A time in seconds, above 0 and at most engine::k_most_seconds; others are refused. `what` names it in the
+/// error: "a real time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
-inline constexpr double k_most_seconds = 1e9;  ///< longest period, as in a world's `record`
 
 /// Parse --threads and --tile-size, in every command; invalid values are refused.
 unsigned thread_count(std::string_view text);

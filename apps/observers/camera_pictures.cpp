@@ -139,12 +139,7 @@ class CameraOutput : public ClonedOutput<CameraOutput> {
                     if (!folder_.has_filename()) folder_ = folder_.parent_path();
                   });
     add_value(app, "--camera-every", "S", "Interval in simulated seconds; 0: every tick (default: 1)",
-              [this](const std::string& text) {
-                const std::optional<double> seconds = finite(text);
-                if (!seconds || *seconds < 0 || *seconds > k_most_seconds)
-                  refuse("--camera-every", text, "a time in seconds, from 0 to 1e9");
-                every_s_ = *seconds;
-              })
+              [this](const std::string& text) { every_s_ = seconds_from_zero("--camera-every", text); })
         ->needs(folder);
   }
   std::vector<std::filesystem::path*> names(RunOptions&) override { return {&folder_}; }

@@ -119,11 +119,7 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
         ->needs(measures);
     add_value(app, "--measure-every", "S",
               "Interval in seconds; 0: every tick (default: the world's, else 1)",
-              [this](const std::string& text) {
-                every_s_ = finite(text);
-                if (!every_s_ || *every_s_ < 0 || *every_s_ > 1e9)
-                  refuse("--measure-every", text, "a time in seconds, from 0 to 1e9");
-              })
+              [this](const std::string& text) { every_s_ = seconds_from_zero("--measure-every", text); })
         ->needs(measures);
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }

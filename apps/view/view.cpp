@@ -34,8 +34,6 @@ constexpr std::chrono::seconds k_most_behind{1};
 constexpr std::size_t k_spare = 3;             // one being filled, one being encoded, one the newest
 constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
 constexpr std::uint64_t k_most_steps = 1000000000;
-constexpr double k_least_rate = 0.001;
-constexpr double k_most_rate = 1e6;
 
 /// 128 random bits as 32 hex digits.
 std::string make_token() {

@@ -23,6 +23,10 @@
 
 namespace troupe::apps {
 
+/// Rates that a viewer may ask for, times real time; 0 is as fast as possible.
+inline constexpr double k_least_rate = 0.001;
+inline constexpr double k_most_rate = 1e6;
+
 /// Shows a simulation in browsers and executes their commands. The simulation's thread calls run(); it never
 /// waits for a viewer. docs/live.md describes the protocol.
 class View : private ViewBackend {

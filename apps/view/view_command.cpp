@@ -42,9 +42,6 @@ Examples:
   troupe view c.h5
   troupe view worlds/hospital.json --robots 2000 --rate 5 --port 8000 --out /tmp)";
 
-constexpr double k_least_rate = 0.001;
-constexpr double k_most_rate = 1e6;
-
 /// A temporary page that redirects to the address and that only this user can read. The address itself must
 /// not be an argument of a command, which all users can see.
 class Redirect {

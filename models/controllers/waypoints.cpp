@@ -29,12 +29,13 @@ struct Goal {
     using namespace engine::facts;
     using enum engine::Unit;
     d.part<&Goal::pose>();
-    d.member<&Goal::at_s>("at", seconds, within(0, 1e9),
+    d.member<&Goal::at_s>("at", seconds, within(0, engine::k_most_seconds),
                           "time of arrival, since the start of the world or of the present round; the robot "
                           "stays until then; 0: when it gets there");
     d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
                            "speed of a straight motion to the goal; 0: the drive's own law for goals");
-    d.member<&Goal::wait_s>("wait", seconds, within(0, 1e9), "how long it waits there before it goes on");
+    d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
+                            "how long it waits there before it goes on");
   }
   /// Whether it moves to the goal in a straight line at a given speed, not by the drive's own law for goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }

@@ -1,4 +1,5 @@
 #include "engine/device_kind.hpp"
+#include "engine/energy.hpp"
 #include "engine/world.hpp"
 #include "models/devices/power.hpp"
 #include "partition/closeness.hpp"
@@ -25,10 +26,9 @@ struct PowerContact {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      constexpr double k_most_watts = 1e9;
-      d.member<&Params::give>("give", watts, within(0, k_most_watts),
+      d.member<&Params::give>("give", watts, within(0, engine::k_most_watts),
                               "greatest power to each contact that it touches and that takes energy");
-      d.member<&Params::take>("take", watts, within(0, k_most_watts),
+      d.member<&Params::take>("take", watts, within(0, engine::k_most_watts),
                               "greatest power from each contact that touches it and gives energy");
     }
   };

@@ -1,4 +1,5 @@
 #include "engine/device_kind.hpp"
+#include "engine/energy.hpp"
 #include "engine/world.hpp"
 #include "models/devices/power.hpp"
 
@@ -40,16 +41,16 @@ struct PowerPack {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      constexpr double k_most_watts = 1e9;
       d.member<&Params::capacity>("capacity", joules, within(0, k_most_joules), "energy that it can hold");
       d.member<&Params::stored>("stored", joules, within(0, k_most_joules),
                                 "energy at the start, at most its capacity; a full pack if not given");
       d.member<&Params::infinite>("infinite", "it never runs out and is never charged");
-      d.member<&Params::draw>("draw", watts, within(0, k_most_watts),
+      d.member<&Params::draw>("draw", watts, within(0, engine::k_most_watts),
                               "constant power that the body draws in addition to its drive and devices");
-      d.member<&Params::mass>("mass", kilograms, within(0, 1e6),
+      d.member<&Params::mass>("mass", kilograms, within(0, engine::k_most_mass_kg),
                               "mass that the drive moves: 10 W for each kg and each m/s or rad/s");
-      d.member<&Params::idle>("idle", watts, within(0, k_most_watts), "power that the drive draws at rest");
+      d.member<&Params::idle>("idle", watts, within(0, engine::k_most_watts),
+                              "power that the drive draws at rest");
       d.member<&Params::when_empty>(
           "when_empty",
           "effect of an empty pack: it stops all that it supplies; nothing, as in Stage; or it stops all "

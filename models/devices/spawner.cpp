@@ -48,7 +48,7 @@ struct Spawner {
       using enum engine::Unit;
       d.member<&Params::population>("population",
                                     "the population whose bodies it spawns; it must have a reserve");
-      d.member<&Params::every>("every", seconds, at_least(0), at_most(1e9),
+      d.member<&Params::every>("every", seconds, at_least(0), at_most(engine::k_most_seconds),
                                "time from one birth to the next; 0: no periodic births");
       d.member<&Params::per_flags>(
           "per_flags", at_least(0), at_most(1e9),

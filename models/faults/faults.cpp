@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/body_type.hpp"
+#include "engine/ticks.hpp"
 
 #include <fmt/format.h>
 
@@ -91,7 +92,7 @@ struct DropOut {
           "rate", per_second, above(0), at_most(1e6), required,
           "mean rate for one robot: the probability of a failure within t is 1 - exp(-rate t)");
       d.member<&Params::duration>(
-          "for", seconds, within(0, 1e9),
+          "for", seconds, within(0, engine::k_most_seconds),
           "how long a failure lasts; then the robot works again, until the next one; 0: for good");
     }
   };

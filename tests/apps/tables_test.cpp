@@ -235,7 +235,7 @@ TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
           "coverage,stalls; `troupe describe` lists them; see troupe run --help");
   refused(
       {"--measures", "m.csv", "--measure-every", "-1"},
-      "troupe run: error: --measure-every: \"-1\" is not a time in seconds, from 0 to 1e9; see troupe run "
+      "troupe run: error: --measure-every: \"-1\" is not a time in seconds, from 0 to 1e+09; see troupe run "
       "--help");
 }
 

@@ -3,6 +3,7 @@
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/description.hpp"
+#include "engine/ticks.hpp"
 #include "worldio/files.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
@@ -29,7 +30,8 @@ constexpr std::int64_t k_version = 1;
 constexpr std::array<std::string_view, 4> k_statistics{"last", "mean", "min", "max"};
 
 const Field k_for{.name = "for", .unit = Unit::seconds, .min = 0, .max = 1e12};
-const Field k_measure_every{.name = "measure_every", .unit = Unit::seconds, .min = 0, .max = 1e9};
+const Field k_measure_every{
+    .name = "measure_every", .unit = Unit::seconds, .min = 0, .max = engine::k_most_seconds};
 const Field k_random_seed{.name = "random_seed",
                           .type = FieldType::integer,
                           .min = 0,

@@ -1,5 +1,6 @@
 #include "worldio/json/world_document.hpp"
 
+#include "engine/ticks.hpp"
 #include "engine/watch_spec.hpp"
 #include "worldio/images/ros_map.hpp"
 #include "worldio/json/document_table.hpp"
@@ -28,7 +29,6 @@ using How = DocumentRule::How;
 constexpr Unit meters = Unit::meters;
 constexpr Unit seconds = Unit::seconds;
 
-constexpr double k_most_s = 1e9;          // times and intervals of a world
 constexpr double k_most_period_s = 1e6;   // periods of devices, drives and controllers
 constexpr double k_most_chosen = 1e9;     // bodies of a group
 constexpr double k_most_return = 1e6;     // absolute value of ranger_return
@@ -772,7 +772,8 @@ void SettingDocument::describe(DocumentKeys<SettingDocument>& d) {
 }
 
 void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
-  d.value<&InterventionDocument::time>("time", seconds, within(0, k_most_s), "time of the intervention")
+  d.value<&InterventionDocument::time>("time", seconds, within(0, engine::k_most_seconds),
+                                       "time of the intervention")
       .require();
   d.object<&InterventionDocument::remove>("remove");
   d.object<&InterventionDocument::add>("add");
@@ -789,7 +790,8 @@ void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
 
 void FaultDocument::describe(DocumentKeys<FaultDocument>& d) {
   describe_group(d);
-  d.value<&FaultDocument::from>("from", seconds, within(0, k_most_s), "time at which the faults begin");
+  d.value<&FaultDocument::from>("from", seconds, within(0, engine::k_most_seconds),
+                                "time at which the faults begin");
   d.other<&FaultDocument::impairments>(Form::faults, "");
 }
 
@@ -797,7 +799,7 @@ void ExperimentDocument::describe(DocumentKeys<ExperimentDocument>& d) { describ
 
 void RecordDocument::describe(DocumentKeys<RecordDocument>& d) {
   d.other<&RecordDocument::file>(Form::name, "file", "file that troupe run writes", "the name of a file");
-  d.value<&RecordDocument::every>("every", seconds, above(0), at_most(k_most_s),
+  d.value<&RecordDocument::every>("every", seconds, above(0), at_most(engine::k_most_seconds),
                                   "simulated time between two frames");
   d.other<&RecordDocument::fields>(Form::names, "fields", "fields of the state to record, docs/recordings.md",
                                    "the name of a field")
@@ -822,9 +824,9 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   d.value<&WorldDocument::tick>("tick", seconds, within(k_least_tick_s, k_most_tick_s),
                                 "length of a tick; 0.1 s unless given")
       .write_always();
-  d.value<&WorldDocument::quit_time>("quit_time", seconds, above(0), at_most(k_most_s),
+  d.value<&WorldDocument::quit_time>("quit_time", seconds, above(0), at_most(engine::k_most_seconds),
                                      "time at which a run ends");
-  d.value<&WorldDocument::measure_every>("measure_every", seconds, within(0, k_most_s),
+  d.value<&WorldDocument::measure_every>("measure_every", seconds, within(0, engine::k_most_seconds),
                                          "interval between measurements; 0: every tick");
   d.choice<&WorldDocument::ranging>("ranging", engine::k_ranging_engines,
                                     "engine that computes ranges, docs/sensing.md");

@@ -1,5 +1,7 @@
 #include "worldio/stage/stage_power.hpp"
 
+#include "engine/energy.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,9 +51,9 @@ bool StagePower::is_on(const StageModel& model) {
 double StagePower::watts(const StageModel& model, std::string_view key) {
   const StageProperty* property = model.find(document_, key);
   const double watts = property ? values_.number(*property).value_or(0) : 0;
-  if (watts >= 0 && watts <= 1e9) return watts;
-  values_.error(values_.where(*property),
-                fmt::format("\"{}\" must be from 0 to 1e9, in W; here is {}", key, watts));
+  if (watts >= 0 && watts <= engine::k_most_watts) return watts;
+  values_.error(values_.where(*property), fmt::format("\"{}\" must be from 0 to {:g}, in W; here is {}", key,
+                                                      engine::k_most_watts, watts));
   return 0;
 }
 
@@ -70,9 +72,10 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
         fmt::format("\"watts\" of a {} has no effect: its power draw follows from what it does", model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
-    if (!(kg >= 0 && kg <= 1e6))
-      values_.error(values_.where(*property),
-                    fmt::format("\"mass\" must be from 0 to 1e6, in kg; here is {}", kg));
+    if (!(kg >= 0 && kg <= engine::k_most_mass_kg))
+      values_.error(
+          values_.where(*property),
+          fmt::format("\"mass\" must be from 0 to {:g}, in kg; here is {}", engine::k_most_mass_kg, kg));
     else if (part == 0)
       mass_ = kg;
   }
