@@ -191,7 +191,7 @@ TEST_F(Limits, Populations) {
   };
   EXPECT_THAT(refusal("w.json", world("1000000000000", "1")),
               AllOf(HasSubstr("w.json:2: error: /populations/0/count"), HasSubstr("10000000")));
-  EXPECT_THAT(refusal("w.json", world("1", "0.001")), HasSubstr("at most 100000000 are looked at"));
+  EXPECT_THAT(refusal("w.json", world("1", "0.001")), HasSubstr("at most 100000000 are allowed"));
   EXPECT_THAT(
       refusal("w.json", world("1", "0.08")),
       HasSubstr(
