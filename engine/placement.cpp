@@ -146,8 +146,7 @@ class Floor {
 
   /// The cell whose centre is nearest to a point of the region.
   std::size_t cell_at(const Vec2& point) const {
-    const Vec2 from =
-        (point - region_.min) / cell_m_ + Vec2(0.5, 0.5);  // relative to the first cell's corner
+    const Vec2 from = (point - region_.min) / cell_m_ + Vec2(0.5, 0.5);  // from the first cell's corner
     const auto column = static_cast<std::size_t>(from.x());
     const auto row = static_cast<std::size_t>(from.y());
     return std::min(column, columns_ - 1) * rows_ + std::min(row, rows_ - 1);

@@ -173,8 +173,8 @@ constexpr void describe(Description<WatchSpec>& d) {
   d.member<&WatchSpec::paused>("paused");
 }
 
-// An experiment is stored as in a JSON world, but without positions in the file: its errors were reported
-// when the world was made.
+// An experiment is stored as in a JSON world, with file positions of whole entries only: errors inside of
+// entries were reported when the world was made.
 
 constexpr void describe(Description<StopSpec>& d) {
   d.member<&StopSpec::measure>("measure");
