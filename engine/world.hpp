@@ -114,13 +114,13 @@ class World {
   double tick_s() const { return spec_.tick_s; }  ///< length of a tick, s
   /// World time: tick() * tick_s().
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
-  /// Sets the callback for the begin of each phase; at the end of a tick it is called with no phase.
+  /// Sets the callback that is called when each phase begins, and with no phase when a tick ends.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
   /// Sets the callback that each step calls after the interventions and faults of the world's file, before
   /// the tick begins. It may change the world as a program may between two steps. step() passes on what it
   /// throws. Replaces the previous callback; to be called between steps.
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
-  /// Replaces the call of a controller for a batch of robots, and must make it itself:
+  /// Called in place of a controller for a batch of robots; must itself call
   /// controller.kind->decide(controller.data, batch). Several workers call it at once, so it must be
   /// thread-safe. For checks of controllers.
   using OnDecide =
@@ -132,7 +132,7 @@ class World {
   const WorldSpec& spec() const { return spec_; }                 ///< of this world
   std::span<const BodyType> types() const { return types_; }      ///< by TypeId
   const partition::StaticScene& scene() const { return scene_; }  ///< static bodies
-  /// Spatial index of the rows, at the end of the last step.
+  /// Spatial index of the rows, as of the end of the last step.
   const partition::BodyIndex& index() const { return index_; }
   /// Fiducials of the static scene.
   const FixedTargets& fixed_targets() const { return fixed_targets_; }
@@ -170,7 +170,7 @@ class World {
   Pose pose(BodyId body) const;  ///< of any body, also a static one, world frame; NaN if it is unborn
   /// Transform(pose) of the row's pose, bit for bit, computed once per tick.
   const Transform& transform(Row row) const { return transforms_[row.index()]; }
-  /// Velocity that its drive gives each row, body frame, also if the motion was blocked.
+  /// Velocity from each row's drive, body frame, m/s and rad/s, also if the motion was blocked.
   std::span<const Velocity> velocities() const { return as<Velocity>(k_velocity); }
   /// Command of each row's drive.
   std::span<const Command> commands() const { return as<Command>(k_command); }
@@ -181,15 +181,16 @@ class World {
   /// Estimated pose of a robot: engine/localization.hpp.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   Estimates estimates(const BodyType& type) const;  ///< of all robots of a type
-  /// Overwrites the odometry estimate of a robot. Throws std::logic_error if the robot has no odometry.
+  /// Overwrites the odometry estimate of a robot. Throws std::logic_error if the robot has no odometry,
+  /// std::invalid_argument if the pose is not finite.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command of a robot's drive; between steps.
   void set_command(Row row, const Command& command) {
     require_whole();
     tables_[k_command].as<Command>(row.index()) = command;
   }
-  /// Frame for the type's poses of parts and devices on a joint: the row's pose, displaced by the joint's
-  /// present displacement. With k_rigid it is the row's pose.
+  /// Frame for the type's poses of parts and devices on a joint, world frame: the row's pose, moved by the
+  /// joint's present displacement. With k_rigid it is the row's pose.
   Mount mount(Row row, std::int32_t joint) const;
   /// Greatest distance of the body's surface from its origin, with its joints where they are now, m.
   double radius(Row row) const { return row_radii_[row.index()]; }
@@ -218,7 +219,7 @@ class World {
 
   // ---- births and deaths: engine/lives.cpp
   /// Whether bodies may be born or die: the world has reserves, something in it ends lives, or its spec says
-  /// that it is mortal. Only then it has the component `life`.
+  /// that it is mortal. Only then does it have the component `life`.
   bool has_lives() const { return life_table_.has_value(); }
   /// Presence of the row's body; Presence::there in a world without lives.
   Presence presence(Row row) const {
@@ -226,7 +227,7 @@ class World {
                        : Presence::there;
   }
   /// Whether the row's body is in the world. An absent body is not indexed, and does not sense, decide or
-  /// move. Its state is 0 except for the place where it died.
+  /// move. Its state is 0, except for the component `life` and the pose of a dead body.
   bool is_there(Row row) const { return absent_ == 0 || presence(row) == Presence::there; }
   /// Number of rows whose bodies are unborn or dead.
   std::size_t absent_count() const { return absent_; }
@@ -242,9 +243,9 @@ class World {
   std::size_t unborn(std::size_t reserve) const {
     return spec_.reserves[reserve].count - next_born_[reserve];
   }
-  /// Spawns the next body of a reserve, between steps, if the pose is free. Its state begins as that of other
-  /// bodies at tick 0. Throws std::invalid_argument if the pose is not finite. Rebuilds the index of all
-  /// bodies.
+  /// Spawns the next body of a reserve, between steps, if the pose is free; otherwise the result says why
+  /// not. Its state begins as that of other bodies at tick 0. Throws std::invalid_argument if the pose is not
+  /// finite. Rebuilds the index of all bodies.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body, between steps; bodies that it carries stay where they are. Does nothing if it is not in
   /// the world. Throws std::logic_error in a world without lives. Rebuilds the index of all bodies.
@@ -262,7 +263,7 @@ class World {
     return now.out == 0 && (d >= k_most_fallible || (now.dead >> d & 1) == 0);
   }
   /// Whether bodies may be disabled or fail: the world's file says that some do, or its spec says that it is
-  /// mortal. Only then the world has the component `condition`.
+  /// mortal. Only then does the world have the component `condition`.
   bool has_conditions() const { return condition_table_.has_value(); }
   /// Disables or enables a body, between steps, as `at` does. Returns false and changes nothing if it is so
   /// already or is not in the world. Throws std::logic_error in a world without conditions.
@@ -283,7 +284,7 @@ class World {
   /// best given all poses at once.
   void set_poses(std::span<const Placed> placed);
   /// Bodies whose poses were set between the last step and the one before it, and bodies that they carried,
-  /// each with its pose at the begin of the last step: for measures of distance travelled. Not state.
+  /// each with its pose when the last step began: for measures of distance travelled. Not state.
   std::span<const Placed> placed_before_step() const { return placed_before_; }
   /// Whether a body at this pose would be within the world's bounds and overlap no obstacle.
   bool is_free(Row row, const Pose& pose) const;
@@ -439,7 +440,7 @@ class World {
   void build_faults(const Registry& registry, Diagnostics& diagnostics);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
-  /// In order of ids; empty, with an error reported, if no body has the group's name.
+  /// Rows of a group, in order of ids; empty, with an error reported, if no body has the group's name.
   std::vector<Row> rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
   /// Derives which interventions are done: all that were due before the last tick ended, none that are due
   /// now.
