@@ -14,34 +14,34 @@ namespace troupe::engine {
 
 class World;
 
-/// A measure of a run: one number of each state, and what it remembers of earlier ones. It looks on and
-/// changes nothing. Its numbers follow the rules for state (docs/determinism.md): the same bits on any number
-/// of threads and tiles.
+/// A measure of a run: computes one number from the present state and its memory of earlier ones. It never
+/// changes the world. Its numbers follow the rules for state (docs/determinism.md): the same bits on any
+/// number of threads and tiles.
 class Measure {
  public:
   virtual ~Measure() = default;
-  /// For what it remembers: called for every tick in its order, from the one where measuring begins.
+  /// Updates the memory. Called for every tick in order, from the first measured one.
   virtual void see(World& world) { static_cast<void>(world); }
-  /// Of the state that the world is in, which has been seen. NaN where it has none.
+  /// Value for the present state, after see() was called for it; NaN if there is none.
   virtual double value(World& world) = 0;
-  /// What it remembers, to be saved and put back; always of the same size.
+  /// The memory as bytes, to be saved and restored; always of the same size.
   virtual std::span<std::byte> memory() { return {}; }
 };
 
-/// A kind of measure. Its name and unit give the column of a table; `of` all, some or one of the robots.
+/// A kind of measure, taken of all, some or one of the robots. Its name and unit give the column of a table.
 struct MeasureKind {
-  std::string_view name;        ///< of the measure, and of its column
-  Unit unit = Unit::none;       ///< SI; behind the column's name
-  std::string_view text;        ///< a line
-  std::string_view definition;  ///< what exactly, and from where
-  FieldTable params;            ///< its parameters
-  /// robots: those that are measured, in the order of their ids; there may be none. Throws std::length_error
-  /// where the parameters ask for too much, std::invalid_argument where they ask for what is not there.
+  std::string_view name;        ///< name of the measure and of its column
+  Unit unit = Unit::none;       ///< SI; suffix of the column's name
+  std::string_view text;        ///< description in one line
+  std::string_view definition;  ///< exact definition, and its source
+  FieldTable params;            ///< fields of its parameters
+  /// Makes a measure. robots: the measured ones, in order of ids; may be empty. Throws std::length_error if
+  /// the parameters ask for too much, std::invalid_argument if they name something that does not exist.
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);
 };
 
-/// A kind of a class M that is made from (world, robots), or, where it has a described `struct Params`, from
-/// (world, params, robots).
+/// The kind of a class M that is constructed from (world, robots), or from (world, params, robots) if it has
+/// a described `struct Params`.
 template <class M>
 MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view text,
                               std::string_view definition) {

@@ -7,12 +7,12 @@
 
 namespace troupe::engine {
 
-/// A measure to be taken of the run (engine/measure_kind.hpp).
+/// A measure that a run takes (engine/measure_kind.hpp).
 struct MeasureSpec {
-  std::string kind;  ///< of Registry::measures
-  std::string name;  ///< of its column, without the unit; empty: the kind's, with `:of` behind it
-  std::string of;    ///< a type, a population or a robot; empty: all robots
-  Record params;     ///< by the kind's field table
+  std::string kind;  ///< a kind of Registry::measures
+  std::string name;  ///< of its column, without the unit; empty: the kind's, followed by `:of`
+  std::string of;    ///< name of a type, a population or a robot; empty: all robots
+  Record params;     ///< one value for each field of the kind's table
   Where where;       ///< for messages
 };
 

@@ -4,25 +4,25 @@
 
 namespace troupe::engine {
 
-/// A frame within another, its rotation worked out: what a Pose says, for chains of frames.
+/// A frame relative to another, like a Pose but with its rotation computed, for chains of frames.
 struct Mount {
   Transform transform;  ///< in the plane, m
   double z = 0;         ///< m
   double heading = 0;   ///< rad; not wrapped
 
-  Mount() = default;  ///< at rest: the frame itself
+  Mount() = default;  ///< the identity
   Mount(const Transform& at, double height, double turned)
-      : transform(at), z(height), heading(turned) {}  ///< m and rad; the transform is turned by as much
-  /// Of a frame given by its pose.
+      : transform(at), z(height), heading(turned) {}  ///< m and rad; `turned` is the heading of the transform
+  /// The frame at a pose.
   explicit Mount(const Pose& pose) : Mount(Transform(pose), pose.z, pose.heading) {}
 
-  /// As a pose, the heading wrapped into [-pi, pi]; never -0, so that equal places have equal bits.
+  /// As a pose, with the heading wrapped into [-pi, pi]. Contains no -0, so equal poses have equal bits.
   Pose pose() const {
     return {transform.position.x() + 0.0, transform.position.y() + 0.0, z + 0.0, wrap_angle(heading) + 0.0};
   }
 };
 
-/// mount_a_c from mount_a_b and mount_b_c. With one of them at rest it is the other, bit for bit.
+/// mount_a_c from mount_a_b and mount_b_c. If one of them is the identity, it is the other, bit for bit.
 inline Mount compose(const Mount& a, const Mount& b) {
   const Rotation& r = a.transform.rotation;
   const Rotation& s = b.transform.rotation;
@@ -32,8 +32,8 @@ inline Mount compose(const Mount& a, const Mount& b) {
   return {Transform(a.transform * b.transform.position, both), a.z + b.z, a.heading + b.heading};
 }
 
-/// pose_a_c from mount_a_b and pose_b_c; the heading is wrapped. Of a body at rest the same bits as by its
-/// pose and transform.
+/// pose_a_c from mount_a_b and pose_b_c; the heading is wrapped. For a mount made from a body's pose and
+/// transform it has the same bits as compose() of these.
 inline Pose compose(const Mount& a, const Pose& b) {
   const Vec2 p = a.transform * b.position();
   return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};

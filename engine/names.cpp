@@ -11,13 +11,13 @@
 namespace troupe::engine {
 namespace {
 
-constexpr std::size_t k_most_digits = 9;  // what fits 32 bits whatever the digits are
+constexpr std::size_t k_most_digits = 9;  // any number of so many digits fits 32 bits
 constexpr std::uint32_t k_numbers_end = 1000000000;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Where the number behind a text begins: the longest that is written without leading zeros, so that a text
-/// can be cut in one way only.
+/// Position at which the number at the end of a text begins: the longest of at most k_most_digits without
+/// leading zeros, so that each text has exactly one name.
 std::size_t number_begin(std::string_view text) {
   std::size_t begin = text.size();
   while (begin > 0 && text.size() - begin < k_most_digits && is_digit(text[begin - 1])) --begin;
@@ -35,10 +35,10 @@ std::uint32_t number_of(std::string_view digits) {
 
 Names::Names(std::vector<std::string> words) : words_(std::move(words)) {
   if (words_.empty() || !words_.front().empty())
-    throw std::invalid_argument("the first word of a table of names is the empty one");
+    throw std::invalid_argument("the first word of a name table must be empty");
   for (std::size_t i = 0; i < words_.size(); ++i)
     if (!positions_.emplace(words_[i], static_cast<std::uint32_t>(i)).second)
-      throw std::invalid_argument(fmt::format("the word \"{}\" stands twice in a table of names", words_[i]));
+      throw std::invalid_argument(fmt::format("the word \"{}\" occurs twice in a name table", words_[i]));
 }
 
 std::uint32_t Names::intern(std::string_view word) {
@@ -72,7 +72,7 @@ std::string Names::text(Name name) const {
 }
 
 std::size_t NameMap::slot_of(Name name) const {
-  // Numbers that follow one another lie in blocks of eight, a cache line and a half, as they are asked for.
+  // Consecutive numbers are in blocks of eight slots, 1.5 cache lines, because they are looked up together.
   constexpr std::uint32_t k_block = 8;
   const std::uint64_t block = (static_cast<std::uint64_t>(name.word) << 32 | name.number) / k_block;
   const std::uint64_t mixed = (block ^ block >> 29) * 0x9e3779b97f4a7c15u;  // 2^64 over the golden ratio

@@ -12,10 +12,10 @@ namespace troupe::engine {
 namespace {
 
 constexpr unsigned k_tile_bits = 2;  // a tile's 16 cells fill a cache line
-constexpr int k_finest = -10;        // 2^-10 m: bodies narrower than a millimetre share its cells
+constexpr int k_finest = -10;        // cells of 2^-10 m, also for narrower bodies
 
-/// Two bodies whose circles are apart cannot overlap; the margin covers the rounding of the distance, so that
-/// the cull never changes an answer.
+/// Bodies whose circles are apart cannot overlap. The margin covers the rounding of the distance, so that
+/// this cull never changes an answer.
 bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b) {
   const double dx = a.x - b.x;
   const double dy = a.y - b.y;
@@ -25,7 +25,7 @@ bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b
 
 double cells_along(double length, double pitch) {
   return std::floor(length / pitch + 1e-9) +
-         1;  // 3 m at a pitch of 0.1 m are 31 cells, whatever rounding says
+         1;  // 1e-9: 3 m at a pitch of 0.1 m are 31 cells, despite rounding
 }
 
 double box_cells(const Box& box, double pitch) {
@@ -33,7 +33,7 @@ double box_cells(const Box& box, double pitch) {
   return cells_along(box.size().x(), pitch) * cells_along(box.size().y(), pitch);
 }
 
-/// The poses that a rule tries, one after another.
+/// The sequence of poses that a rule tries.
 class Candidates {
  public:
   Candidates(const PlacementRule& rule, std::uint64_t seed, std::uint32_t stream)
@@ -44,12 +44,12 @@ class Candidates {
     region_cells_ = static_cast<std::uint64_t>(box_cells(rule.region, rule.pitch_m));
   }
 
-  /// Of a grid rule.
+  /// Number of cells of a grid rule.
   std::uint64_t cells() const { return cells_; }
-  /// Whether a pose depends on the body and the trial, and not on the cell alone.
+  /// Whether poses depend on random draws, that is on body and trial, and not only on the cell.
   bool draws() const { return !is_grid_ || rule_.jitter_m > 0 || !rule_.heading; }
 
-  /// The draws of one trial have fixed places (x, y, heading), so that a fixed heading moves no body.
+  /// The draws of a trial have a fixed order (x, y, heading), so that a fixed heading changes no position.
   Pose pose(std::uint64_t cell, std::uint32_t body, std::uint32_t trial) const {
     const bool spilt = is_grid_ && cell >= region_cells_;
     const Box& box = spilt ? rule_.spill : rule_.region;
@@ -91,7 +91,7 @@ double floor_cell(const PlacementRule& rule, const partition::ObstacleShape& sha
   return rule.cell_m > 0 ? rule.cell_m : std::max(shape.radius / 2, k_least_m);
 }
 
-/// The floor of one piece on which a disc as wide as a body can stand, in square cells.
+/// A connected floor on which a disc as wide as a body is free, in square cells.
 class Floor {
  public:
   Floor(const PlacementRule& rule, const partition::ObstacleShape& shape, const partition::StaticScene& scene,
@@ -144,15 +144,15 @@ class Floor {
     return partition::make_obstacle_shape({&prism, 1});
   }
 
-  /// The cell whose middle is nearest to a point of the region.
+  /// The cell whose centre is nearest to a point of the region.
   std::size_t cell_at(const Vec2& point) const {
-    const Vec2 from = (point - region_.min) / cell_m_ + Vec2(0.5, 0.5);  // of the first cell's corner
+    const Vec2 from = (point - region_.min) / cell_m_ + Vec2(0.5, 0.5);  // from the first cell's corner
     const auto column = static_cast<std::size_t>(from.x());
     const auto row = static_cast<std::size_t>(from.y());
     return std::min(column, columns_ - 1) * rows_ + std::min(row, rows_ - 1);
   }
 
-  /// Sets a cell and all open ones that it is joined to. How many.
+  /// Sets the state of an open cell and of all open cells connected to it. Returns their number.
   std::size_t fill(std::size_t start, State state) {
     if (cells_[start] != k_open) return 0;
     std::size_t count = 0;
@@ -183,7 +183,7 @@ class Floor {
   std::vector<State> cells_;  // column by column
 };
 
-/// Points no two of which are nearer than a distance.
+/// Points with a minimum distance between any two.
 class Spaced {
  public:
   explicit Spaced(double distance_m) : distance_m_(distance_m), grid_{distance_m, k_tile_bits} {}
@@ -210,7 +210,7 @@ class Spaced {
   std::unordered_map<std::uint64_t, std::vector<Vec2>> cells_;
 };
 
-/// A candidate that was looked at before its turn.
+/// A candidate that was tested before its turn.
 struct Ahead {
   Pose pose;
   std::uint32_t trial = 0;
@@ -260,7 +260,7 @@ bool Crowd::each_near(double radius, const Pose& pose, Visit visit) const {
   bool goes_on = true;
   for (const Level& level : levels_) {
     const double reach =
-        radius + 0.5 * level.grid.cell_m + 1e-6;  // margin as in circles_meet, for metres up to 100 km
+        radius + 0.5 * level.grid.cell_m + 1e-6;  // margin as in circles_meet, for coordinates up to 100 km
     const auto visit_run = [&](std::uint32_t slot, std::size_t begin, std::size_t end, partition::Cell) {
       const std::uint32_t* first = &level.first[slot * level.grid.cells_per_tile()];
       for (std::size_t cell = begin; goes_on && cell < end; ++cell)
@@ -314,7 +314,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
   if (rule.kind == PlacementRule::Kind::free_floor && count > 0) floor.emplace(rule, shape, scene, parallel);
   std::optional<Spaced> spaced;
   if (rule.kind == PlacementRule::Kind::poisson_disc) spaced.emplace(rule.distance_m);
-  const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;  // the region
+  const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;  // draws may be outside of the region
   const auto is_open = [&](const Pose& pose) {
     const Vec2 at = pose.position();
     return (!bounds || bounds->contains(at)) && (!may_leave || rule.region.contains(at)) &&
@@ -331,8 +331,8 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
     poses.push_back(pose);
   };
 
-  // What the scene leaves open is found ahead, for many candidates in parallel; who else stands there is then
-  // asked one by one, in their order.
+  // Many candidates are tested against the static scene ahead and in parallel. The tests against other bodies
+  // then follow one by one, in order.
   std::vector<Ahead> ahead;
   const auto look_ahead = [&](std::size_t size, auto&& look) {
     constexpr std::size_t k_batch = 128;
@@ -349,7 +349,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
         if (const Pose pose = candidates.pose(0, body, trial); is_open(pose)) return Ahead{pose, trial, true};
       return Ahead{{}, trial, false};
     };
-    std::size_t size = 64;  // twice as many each time: where there is no room at all, little is tried in vain
+    std::size_t size = 64;  // doubled each time, so that little work is lost if there is no room at all
     for (std::size_t i = 0; poses.size() < count; ++i) {
       const auto body = static_cast<std::uint32_t>(poses.size());
       if (i == ahead.size()) {
@@ -371,8 +371,8 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
   for (std::uint64_t cell = 0; cell < candidates.cells() && poses.size() < count; ++cell, ++i) {
     const auto body = static_cast<std::uint32_t>(poses.size());
     if (i == ahead.size()) {
-      // Where nothing is drawn, a cell's pose does not depend on the body that will take it. At least so many
-      // cells as there are bodies left will be asked for.
+      // Without draws, the pose of a cell does not depend on its body, so cells can be tested ahead. At least
+      // as many cells as remaining bodies will be needed.
       const std::uint64_t left = std::min<std::uint64_t>(candidates.cells() - cell, count - poses.size());
       look_ahead(candidates.draws() ? 1 : std::min<std::uint64_t>(left, k_most_ahead), [&](std::size_t k) {
         const Pose pose = candidates.pose(cell + k, body, trial);

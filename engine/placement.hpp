@@ -15,25 +15,24 @@
 
 namespace troupe::engine {
 
-/// The obstacle solids of all parts of a type, for overlap tests; empty where nothing of it blocks.
-/// Throws std::length_error where an outline is too intricate (convex_pieces).
+/// Obstacle solids of all parts of a type, for overlap tests; empty if no part is an obstacle.
+/// Throws std::length_error if an outline is too complex (convex_pieces).
 partition::ObstacleShape obstacle_shape(const TypeSpec& type);
-/// The same of those parts for which counts(part) holds.
+/// Solids of the parts for which counts(part) is true; throws as obstacle_shape() does.
 partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const PartSpec& part));
 
-/// Bodies that stand somewhere, found by where they are. A body lies in the cell of its centre, at the level
-/// whose cells are as wide as the body, so that one truck does not widen every query; the cells change no
-/// answer.
+/// A spatial index of bodies. A body is in the cell of its centre, at the level whose cells are about as wide
+/// as the body, so that a single large body does not slow every query. The cells change no answer.
 class Crowd {
  public:
-  /// Adds body number size(). The shape is referred to and must outlive the crowd. A shape without pieces is
-  /// counted and never met.
+  /// Adds body number size(). Keeps a reference to the shape, which must outlive the crowd. A body whose
+  /// shape is empty is counted, but overlaps nothing.
   void add(const partition::ObstacleShape& shape, const Pose& pose_world_body);
-  std::size_t size() const { return bodies_.size(); }  ///< bodies that were added
+  std::size_t size() const { return bodies_.size(); }  ///< number of bodies
 
-  /// True when no body of the crowd overlaps a later one of this shape at this pose.
+  /// Whether no body of the crowd overlaps a shape at a pose.
   bool free(const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
-  /// The numbers of those that do, ascending.
+  /// Numbers of the bodies that overlap a shape at a pose, ascending.
   std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape,
                                        const Pose& pose_world_body) const;
 
@@ -43,14 +42,14 @@ class Crowd {
   struct Body {
     Pose pose;
     const partition::ObstacleShape* shape;
-    std::uint32_t next;  // in the same cell
+    std::uint32_t next;  // next body in the same cell; k_none: last
   };
-  /// All bodies of about one width.
+  /// The bodies of similar width.
   struct Level {
     int exponent = 0;  // cells are 2^exponent m wide: at least as wide as the bodies
     partition::GridGeometry grid;
     partition::TileDirectory tiles;
-    std::vector<std::uint32_t> first;  // per tile and cell: of the bodies there
+    std::vector<std::uint32_t> first;  // per tile and cell: first body there
   };
 
   template <class Visit>  // bool visit(body): false ends the search
@@ -60,47 +59,46 @@ class Crowd {
   std::vector<Level> levels_;
 };
 
-/// How the bodies of a population are placed.
+/// Rule by which the bodies of a population are placed.
 struct PlacementRule {
-  /// The rules that there are.
+  /// Kinds of rules.
   enum class Kind : std::uint8_t {
     grid,  ///< cells of `pitch_m`, column by column from the region's min corner; taken cells are skipped
-    // Of the rest a body has up to `trials` draws:
+    // All others draw up to `trials` positions for each body.
     uniform,       ///< anywhere in the region
-    gaussian,      ///< normally distributed about `mean`
-    poisson_disc,  ///< anywhere, no nearer than `distance_m` to any other of the population
-    free_floor,    ///< anywhere on the floor that a disc as wide as the body can reach
+    gaussian,      ///< normally distributed around `mean`
+    poisson_disc,  ///< anywhere, at least `distance_m` from all others of the population
+    free_floor,    ///< anywhere that a disc as wide as the body can reach
   };
-  Kind kind = Kind::grid;         ///< the one to follow
-  Box region;                     ///< of the bodies' origins, m
-  Ring polygon;                   ///< in which they lie besides, m; empty: any
-  Box spill;                      ///< grid: filled, cell by cell as well, once the region's cells are used up
-  double pitch_m = 1;             ///< grid: between neighbouring cells
-  double jitter_m = 0;            ///< grid: each coordinate is moved by up to this much
-  Vec2 mean{0, 0};                ///< gaussian, m
+  Kind kind = Kind::grid;         ///< kind of this rule
+  Box region;                     ///< contains the bodies' origins, m
+  Ring polygon;                   ///< also contains the bodies' origins, m; empty: no restriction
+  Box spill;                      ///< grid: filled cell by cell after the region's cells are used up
+  double pitch_m = 1;             ///< grid: distance between neighbouring cells
+  double jitter_m = 0;            ///< grid: greatest random displacement of each coordinate
+  Vec2 mean{0, 0};                ///< gaussian: mean position, m
   Vec2 deviation{1, 1};           ///< gaussian: standard deviations along x and y, m
-  double distance_m = 1;          ///< poisson_disc: between origins
-  std::optional<Vec2> from;       ///< free_floor: from here; not given: the largest floor of one piece
-  double cell_m = 0;              ///< free_floor: steps from one place to the next; 0: half the body's radius
-  std::optional<double> heading;  ///< rad; not given: drawn from all directions
+  double distance_m = 1;          ///< poisson_disc: least distance between origins
+  std::optional<Vec2> from;       ///< free_floor: start of reach; not set: the largest connected floor
+  double cell_m = 0;              ///< free_floor: step of the search; 0: half the body's radius
+  std::optional<double> heading;  ///< rad; not set: uniformly random
   double z = 0;                   ///< m
-  std::uint32_t trials = 1000;    ///< draws for each body
+  std::uint32_t trials = 1000;    ///< most draws for each body
 };
 
-/// Cells of a grid rule, as a floating number because a region may hold any count.
+/// Number of cells of a grid rule; a double, because it may exceed every integer.
 double grid_cells(const PlacementRule& rule);
 
-/// Places that a free_floor rule looks at for bodies of this shape.
+/// Number of positions that a free_floor rule tests for bodies of a shape.
 double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape);
 
-/// Poses for bodies 0, 1, ... of a population, one after another, each free of the static scene, of the crowd
-/// and of those before it; they join the crowd. Stops where one finds no place: the result is then shorter
-/// than `count`. The pose of body k does not depend on `count`, nor on any cell size: its draws are those of
-/// (seed, population, k, trial).
-/// Time is linear in the count plus the grid cells passed over. Poses outside of `bounds` are not free.
-/// What is reachable of the free floor is so within the region, in steps along x and y, past the static scene
-/// alone.
-/// The caller keeps grid_cells() and floor_cells() below 2^32.
+/// Poses for bodies 0, 1, ... of a population, one after another, each within `bounds` and free of the static
+/// scene, the crowd and the bodies before it. Adds the bodies to the crowd. Stops at the first body without a
+/// free pose: the result is then shorter than `count`. The pose of body k does not depend on `count` nor on
+/// any cell size: its draws are those of (seed, population, k, trial).
+/// Time is linear in the count plus the skipped grid cells. Reachability of the free floor is computed within
+/// the region, in steps along x and y, with only the static scene as obstacles.
+/// grid_cells() and floor_cells() must be below 2^32.
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);

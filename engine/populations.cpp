@@ -11,8 +11,8 @@
 namespace troupe::engine {
 namespace {
 
-constexpr double k_max_cells = 100000000;       // of all grid rules: each may be looked at
-constexpr double k_max_floor_cells = 25000000;  // of a floor: in each something may be looked for
+constexpr double k_max_cells = 100000000;       // of all grid rules: each may be tested
+constexpr double k_max_floor_cells = 25000000;  // of a floor: each is tested
 constexpr double k_scene_cell_m = 0.5;
 
 /// Whether bodies of the type stay where they are.
@@ -30,7 +30,7 @@ partition::StaticScene scene_of(const WorldSpec& spec, IsFixed is_fixed) {
     const BodySpec& body = spec.bodies[i];
     for (const PartSpec& part : spec.types[body.type.index()].parts)
       for (const Solid& solid : part.solids)
-        if (part.returns.obstacle)  // no ray is cast here: what rangers see does not matter
+        if (part.returns.obstacle)  // no ray is cast in this scene, so ranger returns do not matter
           walls.push_back({placed(solid, body.pose_world_body), BodyId(i), true, -1});
   }
   return {std::move(walls), k_scene_cell_m};
@@ -47,11 +47,11 @@ std::string too_few_places(const PopulationSpec& population, std::size_t placed)
       rule.kind == PlacementRule::Kind::grid
           ? fmt::format("the region has no more free cells (of {:.0f})", grid_cells(rule))
           : fmt::format("{} draws found no free place for the next{}", rule.trials,
-                        rule.kind == PlacementRule::Kind::free_floor ? " on the floor that is reached" : "");
+                        rule.kind == PlacementRule::Kind::free_floor ? " on the reachable floor" : "");
   return fmt::format("placed {} of {} bodies: {}", placed, population.count, why);
 }
 
-/// Of body i of a population whose colours are random.
+/// Sets the colour of body i of a population if its colours are random.
 void set_color(const PopulationSpec& population, std::uint64_t seed, std::size_t i, BodySpec& body) {
   if (!population.random_color) return;
   Random random(seed, stream_id("color", population.name), static_cast<std::uint32_t>(i), 0);
@@ -123,13 +123,12 @@ void Placer::check_rules() {
     const double cells = grid_cells(rule);
     cells_so_far += cells;
     if (cells > k_max_cells)
-      error(population, fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are looked at",
+      error(population, fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are allowed",
                                     cells, rule.pitch_m, k_max_cells));
     else if (cells_so_far > k_max_cells)
-      error(
-          population,
-          fmt::format("the regions of all populations have {:.4g} cells so far; at most {:.0f} are looked at",
-                      cells_so_far, k_max_cells));
+      error(population,
+            fmt::format("the regions of all populations have {:.4g} cells so far; at most {:.0f} are allowed",
+                        cells_so_far, k_max_cells));
   }
 }
 
@@ -146,7 +145,7 @@ void Placer::add(const PopulationSpec& population, partition::Parallel& parallel
   const bool on_floor = rule.kind == PlacementRule::Kind::free_floor;
   const double cells = on_floor ? floor_cells(rule, *shape) : 0.0;
   if (cells > k_max_floor_cells)
-    return error(population, fmt::format("the region has {:.4g} cells; at most {:.0f} are looked at: give a "
+    return error(population, fmt::format("the region has {:.4g} cells; at most {:.0f} are allowed: give a "
                                          "larger \"cell_m\"",
                                          cells, k_max_floor_cells));
   const std::vector<Pose> poses = place(rule, *shape, population.count, spec_.seed, population.name,

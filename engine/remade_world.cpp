@@ -9,7 +9,7 @@
 namespace troupe::engine {
 namespace {
 
-/// Field by field, as files hold them: bytes between the fields are no state.
+/// Copies field by field, as files store them: bytes between the fields are not state.
 void copy_fields(const StateTable& from, StateTable& to) {
   for (std::size_t f = 0; f < from.fields().size(); ++f) {
     const std::size_t bytes = from.fields()[f].columns * element_size(from.fields()[f].element);
@@ -21,14 +21,14 @@ void copy_fields(const StateTable& from, StateTable& to) {
 }  // namespace
 
 std::unique_ptr<World> remade_world(World& world, const Registry& registry, const WorldOptions& options) {
-  Diagnostics overlaps;  // of the start, which has been told
+  Diagnostics overlaps;  // warnings at tick 0 that the first world has already given
   auto other = std::make_unique<World>(world.spec(), registry, options, overlaps);
   for (const BodyId body : world.subscribed()) other->subscribe(body);
   const auto fill = [&world](std::span<StateTable> tables) {
     for (std::size_t t = 0; t < tables.size(); ++t) copy_fields(world.tables()[t], tables[t]);
   };
   if (!other->restore(world.tick(), world.counters(), world.hashes().state, fill))
-    throw std::logic_error("the tables of a world do not give its hash again");
+    throw std::logic_error("internal error: the copied tables of a world have another hash");
   return other;
 }
 

@@ -6,10 +6,10 @@
 
 namespace troupe::engine {
 
-/// Another world in the state of this one. It is made from its spec, its tick, the fields of its tables and
-/// its subscriptions alone, as a resumed run is: nothing else that the world held goes along, so that a run
-/// which is made again after every tick shows whatever hides outside of the tables. The registry must outlive
-/// it. Throws std::logic_error where the state does not have the hash that it had.
+/// A new world in the state of another. Like a resumed run, it is made only from the spec, the tick, the
+/// counters, the fields of the tables and the subscriptions. A test that remakes the world after every tick
+/// therefore detects state that is kept outside of the tables. The registry must outlive it. Throws
+/// std::logic_error if the new world has another hash.
 std::unique_ptr<World> remade_world(World& world, const Registry& registry, const WorldOptions& options);
 
 }  // namespace troupe::engine

@@ -8,9 +8,9 @@
 
 namespace troupe::engine {
 
-// The parameters of sensors that readers and writers of Stage's worlds take apart, too.
+// Parameters of sensors whose members the reader and the writer of Stage worlds also use.
 
-/// A transducer of a ranger, as its parameters say.
+/// Parameters of a transducer of a ranger.
 struct TransducerParams {
   Pose pose;
   double range_min = 0;
@@ -28,35 +28,35 @@ struct TransducerParams {
     using namespace facts;
     using enum Unit;
     constexpr double k_most_m = 10000;
-    d.member<&TransducerParams::pose>("pose", "of the transducer in the sensor's frame");
+    d.member<&TransducerParams::pose>("pose", "pose of the transducer in the sensor's frame");
     d.member<&TransducerParams::range_min>("range_min", meters, at_least(0),
-                                           "no effect unless apply_range_min is true");
-    d.member<&TransducerParams::range_max>("range_max", meters, above(0), at_most(k_most_m),
-                                           "length of the beams, and the reading if nothing is hit");
+                                           "lower limit of readings; applied only with apply_range_min");
+    d.member<&TransducerParams::range_max>(
+        "range_max", meters, above(0), at_most(k_most_m),
+        "length of the beams, and the reading of a beam that meets nothing");
     d.member<&TransducerParams::fov>(
         "fov", radians, within(0, 2 * k_pi),
-        "angle between the first and the last beam; a single sample always looks straight ahead");
-    d.member<&TransducerParams::samples>("samples", within(1, 100000), counts_readings,
-                                         "beams of the transducer");
+        "angle between the first and the last beam; a single beam always points straight ahead");
+    d.member<&TransducerParams::samples>("samples", within(1, 100000), counts_readings, "number of beams");
     d.member<&TransducerParams::noise_stddev>(
         "noise_stddev", meters, within(0, k_most_m),
-        "standard deviation of a normal error of each reading below range_max");
+        "standard deviation of the normal error of each reading below range_max");
     d.member<&TransducerParams::noise_proportional>(
-        "noise_proportional", within(0, 1), "largest uniform error of a reading, as a fraction of it");
+        "noise_proportional", within(0, 1),
+        "greatest error of each reading below range_max as a fraction of it, uniformly distributed");
     d.member<&TransducerParams::noise_angular>("noise_angular", radians, within(0, k_pi),
-                                               "largest uniform error of the direction of each beam");
-    d.member<&TransducerParams::apply_range_min>(
-        "apply_range_min",
-        "readings below range_min become range_min; if false, they are reported as they are");
+                                               "greatest angular error of each beam, uniformly distributed");
+    d.member<&TransducerParams::apply_range_min>("apply_range_min",
+                                                 "raise readings below range_min to range_min");
     d.member<&TransducerParams::beam_width>(
         "beam_width", radians, within(0, k_pi),
-        "opening angle of each beam, as of a sonar, which reads the nearest surface within it");
+        "opening angle of each beam, as of a sonar: the reading is the nearest surface anywhere in it");
     d.member<&TransducerParams::noise_relative>(
         "noise_relative", within(0, 1),
-        "standard deviation of a normal error of each reading below range_max, as a fraction of it");
+        "standard deviation of the normal error of each reading below range_max, as a fraction of it");
   }
 
-  /// Of beam i, from the transducer's heading, rad.
+  /// Angle of beam i from the transducer's heading, rad.
   double bearing(std::int64_t i) const {
     return samples == 1 ? 0.0 : -fov / 2 + static_cast<double>(i) * (fov / static_cast<double>(samples - 1));
   }
@@ -69,13 +69,13 @@ struct RangerParams {
 
   static constexpr void describe(Description<RangerParams>& d) {
     using namespace facts;
-    d.member<&RangerParams::transducers>("transducers", required,
-                                         "fans of beams, each with a pose of its own");
-    d.member<&RangerParams::intensity>("intensity", "also report the ranger_return of what each beam hits");
+    d.member<&RangerParams::transducers>("transducers", required, "fans of beams, each with its own pose");
+    d.member<&RangerParams::intensity>("intensity",
+                                       "also report the ranger_return of the surface that each beam meets");
   }
 };
 
-/// A strip of a bumper, as its parameters say.
+/// Parameters of a strip of a bumper.
 struct BumperStripParams {
   Pose pose;
   double length = 0;
@@ -84,9 +84,10 @@ struct BumperStripParams {
     using namespace facts;
     using enum Unit;
     d.member<&BumperStripParams::pose>(
-        "pose", "of the middle of the strip, which runs across its heading, in the sensor's frame");
+        "pose",
+        "pose of the strip's centre in the sensor's frame; the strip is perpendicular to the heading");
     d.member<&BumperStripParams::length>("length", required, meters, above(0), at_most(1000),
-                                         "from end to end");
+                                         "length of the strip");
   }
 };
 
@@ -98,9 +99,9 @@ struct BumperParams {
   static constexpr void describe(Description<BumperParams>& d) {
     using namespace facts;
     using enum Unit;
-    d.member<&BumperParams::bumpers>("bumpers", required, "contact strips, each with a pose of its own");
+    d.member<&BumperParams::bumpers>("bumpers", required, "contact strips, each with its own pose");
     d.member<&BumperParams::thickness>("thickness", meters, within(0, 10),
-                                       "distance from a strip within which a body touches it");
+                                       "distance from a strip within which it detects a body");
   }
 };
 

@@ -8,17 +8,17 @@
 namespace troupe::engine {
 namespace {
 
-/// What culls leave beside, m: far above the rounding of doubles within the 100 km of a world.
+/// Margin of culls, m: far above the rounding of doubles within the 100 km of a world.
 constexpr double k_slack = 1e-9;
 
-/// Keeps the nearest of what it is shown.
+/// Finds the nearest surface among the chains that it is given.
 class Nearest {
  public:
   Nearest(const World& world, const SightRay& ray) : world_(world), ray_(ray), best_{.range = ray.length} {}
 
   const Sighting& best() const { return best_; }
 
-  /// look(box) from near to far, a step at a time, as far as something may still be the nearest.
+  /// Calls look(box) for consecutive steps along the ray, up to the nearest surface found so far.
   template <class Look>
   void walk(double step, Look&& look) const {
     for (double i = 0; i * step <= best_.range; ++i) {
@@ -29,7 +29,7 @@ class Nearest {
     }
   }
 
-  /// Whether the ray comes within the circle, as far as it still goes.
+  /// Whether the ray reaches the circle before the nearest surface found so far.
   bool reaches(const partition::BodyCircle& circle) const {
     const Vec2 centre = Vec2(circle.x, circle.y) - ray_.origin;
     const double along = centre.dot(ray_.direction);
@@ -64,7 +64,7 @@ Sighting first_met(const World& world, const SightRay& ray) {
   Nearest nearest(world, ray);
   const auto wanted = [&](const partition::BodyCircle& circle) { return nearest.reaches(circle); };
   const auto meet = [&](const OutlineChain& chain) { nearest.meet(chain); };
-  // The static scene first: bodies behind a wall are then not looked up.
+  // The static scene first, so that bodies behind a wall need no lookup.
   nearest.walk(world.scene().outlines().geometry().cell_m,
                [&](const Box& box) { for_each_fixed_chain(world, box, wanted, meet); });
   nearest.walk(2 * world.geometry().cell_m,

@@ -8,20 +8,21 @@
 
 namespace troupe::engine {
 
-/// A part of an outline in the world's frame, metres: edges from each vertex to the next, and from the last
-/// to the first where it is closed. Of whatever body, also of those that rangers pass through.
+/// A piece of an outline of any body, world frame, m: edges from each vertex to the next, and from the last
+/// to the first if it is closed. Ranger rays may pass through it: `ranger_return`.
 struct OutlineChain {
-  std::span<const Vec2> vertices;  ///< in order; what they point into lives until the next step
-  bool closed = false;             ///< a whole ring; else a stretch of one
+  std::span<const Vec2> vertices;  ///< in order; valid until the next step
+  bool closed = false;             ///< true: a whole ring; false: a section of one
   ZInterval z;                     ///< world frame
-  BodyId body;                     ///< whose it is
+  BodyId body;                     ///< that it belongs to
   std::uint32_t part = 0;          ///< of the body's type
-  std::uint32_t solid = 0;         ///< contours of one body and number are one even-odd region
-  std::uint32_t piece = 0;  ///< tells chains of one solid and sight (by rangers or not) from one another
-  float ranger_return = 1;  ///< intensity that rangers read; below 0: they pass it
+  std::uint32_t solid = 0;         ///< contours with equal body and number form one even-odd region
+  std::uint32_t piece =
+      0;  ///< distinguishes chains of one solid that rangers see, and those that they do not
+  float ranger_return = 1;  ///< intensity that rangers read; below 0: their rays pass through
 };
 
-/// visit(edge from, edge to) for each edge of the chain.
+/// Calls visit(begin, end) for each edge of the chain.
 template <class Visit>
 void for_each_edge(const OutlineChain& chain, Visit&& visit) {
   for (std::size_t i = 0; i + 1 < chain.vertices.size(); ++i) visit(chain.vertices[i], chain.vertices[i + 1]);
@@ -36,8 +37,8 @@ inline OutlineChain fixed_chain(const partition::StaticScene& scene, const parti
           outlines.solid(piece), piece, solid.ranger_return};
 }
 
-/// visit(chain) for the outlines of the static scene whose circles may touch the box and are `wanted`
-/// (circle -> bool), each once or more.
+/// Calls visit(chain), once or more, for each outline of the static scene whose circle may touch the box and
+/// for which wanted(circle) is true.
 template <class Wanted, class Visit>
 void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, Visit&& visit) {
   const partition::StaticScene& scene = world.scene();
@@ -52,7 +53,7 @@ void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, V
   }
 }
 
-/// visit(chain) for the outlines of a body that has a row.
+/// Calls visit(chain) for each outline of a row's body.
 template <class Visit>
 void for_each_chain_of(const World& world, Row row, Visit&& visit) {
   const std::span<const Vec2> vertices = world.outline(row);
@@ -65,7 +66,8 @@ void for_each_chain_of(const World& world, Row row, Visit&& visit) {
                          outline.part, outline.solid, outline.first, outline.ranger_return});
 }
 
-/// for_each_fixed_chain() for bodies that have rows, less those of one tree (not valid: of none).
+/// As for_each_fixed_chain(), for bodies that have rows. Skips `own` and the bodies that move as one with it;
+/// if `own` is not valid, it skips none.
 template <class Wanted, class Visit>
 void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
   world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
@@ -75,52 +77,53 @@ void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& w
   });
 }
 
-/// A ray of a sensor that casts few of them, and what may stop it.
+/// A ray of a sensor that casts few rays.
 struct SightRay {
-  Vec2 origin = Vec2::Zero();               ///< world frame, m
-  Vec2 direction = Vec2::UnitX();           ///< of length 1
-  double length = 0;                        ///< m; what is as far or farther is not met
-  Row own;                                  ///< it passes all of this tree; not valid: it passes no body
-  std::optional<double> z;                  ///< its height, world frame; none: it meets bodies of any height
-  bool (*stops)(const Returns&) = nullptr;  ///< whether it ends at such a part; null: at all of them
+  Vec2 origin = Vec2::Zero();      ///< world frame, m
+  Vec2 direction = Vec2::UnitX();  ///< unit vector, world frame
+  double length = 0;               ///< m; surfaces at this range or farther are not met
+  Row own;  ///< passes through it and bodies that move as one with it; not valid: through none
+  std::optional<double> z;  ///< its height, world frame, m; not set: it meets surfaces of any height
+  bool (*stops)(const Returns&) = nullptr;  ///< whether it stops at a part; null: at all parts
 };
 
-/// What a ray met first.
+/// The first surface that a ray meets.
 struct Sighting {
-  double range = 0;        ///< m; the ray's length where it met nothing
-  BodyId body;             ///< not valid: it met nothing
+  double range = 0;        ///< m; the ray's length if it met nothing
+  BodyId body;             ///< not valid: the ray met nothing
   std::uint32_t part = 0;  ///< of the body's type
 
-  bool met() const { return body.valid(); }  ///< false: nothing within the ray's length
-  /// What it met, as its type says it; only where it met something.
+  bool met() const { return body.valid(); }  ///< whether the ray met a surface
+  /// The part that the ray met; only if met() is true.
   const PartSpec& part_spec(const World& world) const {
     return world.spec().types[world.spec().bodies[body.index()].type.index()].parts[part];
   }
 };
 
-/// The colour of what it met.
+/// Present colour of the part that a ray met.
 Color color_of(const World& world, const Sighting& sighting);
 
-/// The first surface along a ray.
-/// meets   outlines whose closed z interval holds the ray's height, from both sides
-/// ties    of two surfaces at one range the lower (body, part)
-/// errors  none; a ray that starts on an outline meets it at 0
-/// cost    a walk along the ray that looks at what lies near it and ends where it meets something; doubles
-///         throughout. Who casts several from one point has a Lookout (engine/lookout.hpp); rangers, which
-///         cast many beams at a time, have kernels (partition/ranging.hpp).
+/// Finds the first surface along a ray.
+/// meets   outlines whose closed z interval contains the ray's height, from both sides
+/// ties    of two surfaces at the same range, the lower (body, part)
+/// errors  none; a ray that starts on an outline meets it at range 0
+/// cost    a walk along the ray through the grid that ends at the first surface; in doubles. Sensors that
+/// cast
+///         several rays from one point use Lookout (engine/lookout.hpp); rangers, which cast many beams at
+///         once, use the kernels of partition/ranging.hpp.
 Sighting first_met(const World& world, const SightRay& ray);
 
-/// Where a vertex lies as seen along a ray: m, left of it negative, and onwards.
+/// A vertex relative to a ray.
 struct SeenVertex {
-  Vec2 to;      ///< from the ray's origin, world frame
-  double side;  ///< across the ray; times the length of its direction
-  /// Of a ray by its origin and unit direction, world frame.
+  Vec2 to;      ///< from the ray's origin, world frame, m
+  double side;  ///< signed distance from the ray, negative to its left, m, times the length of its direction
+  /// Origin and unit direction of the ray, and vertex, world frame.
   SeenVertex(const Vec2& origin, const Vec2& direction, const Vec2& vertex)
       : to(vertex - origin), side(cross(to, direction)) {}
 };
 
-/// Where the ray along the unit vector `direction` meets the closed edge, m from its origin; negative: it
-/// does not. Of edges that share a vertex it misses none between them.
+/// Range at which a ray with the unit vector `direction` meets an edge, ends included, m; negative if it does
+/// not. A ray never passes between two edges that share a vertex.
 inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
   constexpr double k_missed = -1;
   if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;
@@ -132,13 +135,13 @@ inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const Se
   const double range = along_a + a.side / (a.side - b.side) * (along_b - along_a);
   return std::clamp(range, near, far) < 0 ? k_missed : std::clamp(range, near, far);
 }
-/// The same, of an edge by its ends in the world's frame.
+/// The range for an edge that is given by its ends, world frame.
 inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
   return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
 }
 
-/// Holds a chain against a ray of this length: `nearest` is what it meets first of this chain and of what it
-/// met before, of two surfaces at one range the lower (body, part).
+/// Updates `nearest`, the first surface that a ray has met so far, with the edges of a chain; ties as in
+/// first_met().
 inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
                        Sighting& nearest) {
   if (chain.vertices.empty()) return;

@@ -8,7 +8,7 @@ namespace troupe {
 using engine::Description;
 namespace facts = engine::facts;
 
-constexpr double k_reach_m = 1e6;  // ten times as far as worlds reach, and cells still count in 32 bits
+constexpr double k_reach_m = 1e6;  // ten times the largest world, and cell numbers still fit 32 bits
 
 constexpr void describe(Description<Where>& d) {
   d.member<&Where::file>("file");
@@ -37,8 +37,8 @@ constexpr void describe(Description<Solid>& d) {
 namespace troupe::engine {
 namespace {
 
-constexpr double k_most_s = 1e15;        // more than any world says, and its ticks still count in 64 bits
-constexpr double k_most_return = 1e30;   // far within what a float holds
+constexpr double k_most_s = 1e15;        // more than any world needs, and its ticks still fit 64 bits
+constexpr double k_most_return = 1e30;   // far within the range of a float
 constexpr double k_least_tick_s = 1e-6;  // as in Stage, whose clock counts microseconds
 
 constexpr Fact k_within_reach = facts::within(-k_reach_m, k_reach_m);
@@ -79,7 +79,7 @@ constexpr void describe(Description<PartSpec>& d) {
   d.member<&PartSpec::solids>("solids");
   d.part<&PartSpec::returns>();
   d.member<&PartSpec::floor_plan>("floor_plan");
-  d.derived<&PartSpec::image>();  // what they make stands in `solids`, which needs no file
+  d.derived<&PartSpec::image>();  // not stored: `solids` holds the result and needs no file
   d.derived<&PartSpec::fitted>();
   d.member<&PartSpec::color>("color", k_within_reach);
   d.member<&PartSpec::where>("where", provenance);
@@ -173,8 +173,8 @@ constexpr void describe(Description<WatchSpec>& d) {
   d.member<&WatchSpec::paused>("paused");
 }
 
-// An experiment is stored as a JSON world says it, and without the places in it: what could be wrong with it
-// was found when the world was made.
+// An experiment is stored as in a JSON world, with file positions of whole entries only: errors inside of
+// entries were reported when the world was made.
 
 constexpr void describe(Description<StopSpec>& d) {
   d.member<&StopSpec::measure>("measure");
@@ -226,7 +226,7 @@ constexpr void describe(Description<ExperimentSpec>& d) {
   d.member<&ExperimentSpec::faults>("faults");
 }
 
-/// Two worlds compare the texts of names, whatever the words that they are made of.
+/// Provenance: comparisons of worlds compare the texts of names, not their words.
 constexpr void describe(Description<Name>& d) {
   d.member<&Name::word>("word", facts::provenance);
   d.member<&Name::number>("number", facts::provenance);

@@ -7,22 +7,22 @@
 
 namespace troupe::engine {
 
-// What a WorldSpec consists of, described once (engine/description.hpp): storing, restoring, comparing and
-// checking worlds (worldio/json/) are ordinary code over these tables. Limits are those of a world that runs
-// and can be stored; what an author may write is narrower, and is said by the format that is read.
+// The members of a WorldSpec, described once (engine/description.hpp): storing, restoring, comparing and
+// checking worlds (worldio/json/) is ordinary code over these tables. The limits are those of a world that
+// runs and can be stored; each file format has narrower limits of its own.
 
-const FieldTable& world_fields();       ///< WorldSpec
-const FieldTable& type_fields();        ///< TypeSpec
-const FieldTable& part_fields();        ///< PartSpec
-const FieldTable& drive_fields();       ///< DriveSpec
-const FieldTable& device_fields();      ///< DeviceSpec
-const FieldTable& controller_fields();  ///< ControllerSpec
-const FieldTable& measure_fields();     ///< MeasureSpec
-const FieldTable& ailment_fields();     ///< FaultSpec::Ailment
-const FieldTable& setting_fields();     ///< SettingSpec
-const FieldTable& experiment_fields();  ///< ExperimentSpec
-const FieldTable& body_fields();        ///< BodySpec
-const FieldTable& alias_fields();       ///< NamedBody
-const FieldTable& place_fields();       ///< Where
+const FieldTable& world_fields();       ///< fields of WorldSpec
+const FieldTable& type_fields();        ///< fields of TypeSpec
+const FieldTable& part_fields();        ///< fields of PartSpec
+const FieldTable& drive_fields();       ///< fields of DriveSpec
+const FieldTable& device_fields();      ///< fields of DeviceSpec
+const FieldTable& controller_fields();  ///< fields of ControllerSpec
+const FieldTable& measure_fields();     ///< fields of MeasureSpec
+const FieldTable& ailment_fields();     ///< fields of FaultSpec::Ailment
+const FieldTable& setting_fields();     ///< fields of SettingSpec
+const FieldTable& experiment_fields();  ///< fields of ExperimentSpec
+const FieldTable& body_fields();        ///< fields of BodySpec
+const FieldTable& alias_fields();       ///< fields of NamedBody
+const FieldTable& place_fields();       ///< fields of Where
 
 }  // namespace troupe::engine

@@ -41,7 +41,7 @@ std::uint64_t bits_at(const std::byte* place, std::size_t size) {
   }
 }
 
-/// `first` and `second` point at one field of two rows.
+/// `first` and `second` point at the same field of two rows.
 void compare_fields(const StateField& field, const std::byte* first, const std::byte* second,
                     const ReportValue& report) {
   const std::size_t size = element_size(field.element);
@@ -53,7 +53,7 @@ void compare_fields(const StateField& field, const std::byte* first, const std::
   }
 }
 
-/// The rows of a table by id, so that two tables are compared entity by entity.
+/// Rows of a table sorted by id, so that two tables can be compared entity by entity.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
   std::vector<std::size_t> rows(table.rows());
   for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = r;
@@ -67,7 +67,7 @@ bool same_fields(const StateTable& a, const StateTable& b) {
   });
 }
 
-/// How two tables of one component differ; entities is 0 where they hold other entities.
+/// Difference between two tables of one component; `entities` is 0 if their entities or fields differ.
 ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
   ComponentDifference found{.component = a.component(), .group = a.group()};
   if (a.component() != b.component() || a.rows() != b.rows() || !same_fields(a, b)) return found;
@@ -95,7 +95,7 @@ ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
   return found;
 }
 
-/// A component lies in several tables, one a type: told as one.
+/// Merges the differences of a component that has several tables, one per type.
 void merge(ComponentDifference& into, const ComponentDifference& other) {
   if (into.entities == 0 || other.entities == 0) {
     into.entities = 0;
@@ -106,7 +106,7 @@ void merge(ComponentDifference& into, const ComponentDifference& other) {
   into.entities = entities;
 }
 
-/// The order of the phases: what went wrong first stands first.
+/// Order in which the phases of a tick compute the groups: the first difference is nearest to the cause.
 int phase_order(HashGroup group) {
   switch (group) {
     case HashGroup::sensor: return 0;
@@ -156,7 +156,7 @@ std::vector<ComponentDifference> state_differences(World& first, World& second) 
 }
 
 std::string difference_text(const World& world, const ComponentDifference& difference) {
-  if (difference.entities == 0) return fmt::format("{}: has other entities or fields", difference.component);
+  if (difference.entities == 0) return fmt::format("{}: entities or fields differ", difference.component);
   return fmt::format(
       "{}: {} of \"{}\" (id {}) is {}, not {}; {}", difference.component, difference.field,
       world.spec().name(difference.body), difference.body.value, value_text(difference.second),

@@ -52,7 +52,7 @@ std::vector<StateField> sparse(std::vector<StateField> fields) {
 namespace {
 
 bool is_zero(const std::byte* first, std::size_t bytes) {
-  // Against itself, a byte further on: as fast as memory is read.
+  // Compares the bytes with themselves shifted by one: as fast as memory is read.
   return bytes == 0 || (first[0] == std::byte{0} && std::memcmp(first, first + 1, bytes - 1) == 0);
 }
 
@@ -66,7 +66,7 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
       fields_(std::move(fields)),
       ids_(std::move(ids)),
       component_hash_(hash_text(component_)) {
-  constexpr std::size_t k_align = 64;  // a cache line: columns of different fields never share one
+  constexpr std::size_t k_align = 64;  // a cache line, which columns of different fields never share
   const bool packed = row_bytes > 0;
   std::size_t end = 0;
   for (StateField& field : fields_) {
@@ -121,7 +121,7 @@ std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
 std::uint64_t StateTable::Sparse::hash_rows(std::span<const BodyId> ids, const std::byte* data,
                                             std::size_t first, std::size_t last) const {
   const std::byte* const begin = data + place.start;
-  // Nearly always it is 0 in all rows: a column of a field is compared in one call.
+  // Nearly always it is 0 in all rows: a contiguous column is then tested in one call.
   if (place.stride == place.bytes && is_zero(begin + first * place.stride, (last - first) * place.bytes))
     return 0;
   std::uint64_t sum = 0;
@@ -140,7 +140,7 @@ std::uint64_t StateTable::hash_dense(std::size_t first, std::size_t last) const 
                              data_.data() + row.start + first * row.stride, row.stride, row.bytes,
                              component_hash_);
   }
-  // Rows are gathered stretch by stretch, so that padding and layout never reach the hash.
+  // Rows are gathered stretch by stretch, so that the hash depends on neither padding nor layout.
   std::array<std::byte, 1024> small;
   std::vector<std::byte> large;
   const std::size_t bytes = sizeof(BodyId) + hashed_bytes_;
@@ -152,7 +152,7 @@ std::uint64_t StateTable::hash_dense(std::size_t first, std::size_t last) const 
     std::memcpy(p, &ids_[row], sizeof(BodyId));
     p += sizeof(BodyId);
     for (const Stretch& stretch : stretches_) {
-      if (stretch.bytes == 0) continue;  // a sensor without a beam; there may be no data at all
+      if (stretch.bytes == 0) continue;  // a sensor without beams; data_ may be empty
       std::memcpy(p, data_.data() + stretch.start + row * stretch.stride, stretch.bytes);
       p += stretch.bytes;
     }

@@ -10,9 +10,9 @@
 namespace troupe::engine {
 namespace {
 
-// Rows a task: a crowded tile is split, small ones are joined, and a task is worth waking a thread for.
-constexpr std::size_t k_batch = 64;   // that look about them
-constexpr std::size_t k_block = 256;  // that look at themselves
+// Rows per task. Crowded tiles are split and sparse ones merged so that every task is worth waking a thread.
+constexpr std::size_t k_batch = 64;   // for work that reads neighbours
+constexpr std::size_t k_block = 256;  // for work that does not
 
 std::string_view asked_for(ControlMode mode) {
   switch (mode) {
@@ -39,13 +39,12 @@ std::string_view phase_name(Phase phase) {
   return "index";
 }
 
-/// One tick. Each phase reads the state that the one before it left, and writes rows of its own only.
-/// The drive comes before the decision: a command takes effect a tick after the readings it was made from.
+/// Each phase reads the state that the phase before it has written; each task writes only its own rows.
+/// Drives run before controllers: a command takes effect one tick after the readings that it is based on.
 void World::step() {
   require_whole();
   const Completion completion(*this);
-  restore_fp_environment();  // a library that the caller loaded since may have switched its thread to fast
-                             // maths
+  restore_fp_environment();  // a library loaded since the last step may have enabled fast maths
   if (tick_ >= experiment_.due) intervene();
   if (before_tick_) before_tick_();
   ++tick_;
@@ -70,7 +69,7 @@ void World::for_neighbours(Work&& work) {
   const std::span<const std::uint32_t> order = index_.order();
   const std::size_t batches = (order.size() + k_batch - 1) / k_batch;
   parallel_.for_each(batches, [&](std::size_t b) {
-    // Of equal size, so that no thread is woken for a handful.
+    // Batches of nearly equal size: a short last one would not be worth waking a thread.
     const std::size_t first = order.size() * b / batches;
     const std::size_t count = order.size() * (b + 1) / batches - first;
     std::array<Row, k_batch> rows;
@@ -97,7 +96,7 @@ template <class Work>
 void World::for_types(std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return row_types_[row.index()]; };
   if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); })) {
-    // Those of one type stay in the order they come in: neighbours share what they look up.
+    // A stable sort by type: neighbours stay together, because they read the same data.
     std::array<Row, k_block> mixed;
     std::ranges::copy(rows, mixed.begin());
     std::size_t done = 0;
@@ -119,15 +118,15 @@ void World::for_types(std::span<Row> rows, Work&& work) {
   }
 }
 
-/// work(rows) for those of the rows for which something with this period is due in this tick of their lives:
-/// all, or none, where no life began later than another.
+/// Calls work(rows) for the rows for which something with this period, counted from birth, is due. Without
+/// lives that is all rows or none.
 template <class Work>
 void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !life_table_) {
     if (due(tick_, period)) work(rows);
     return;
   }
-  for (std::size_t i = 0; i < rows.size();) {  // those that follow one another go together
+  for (std::size_t i = 0; i < rows.size();) {  // one call for each run of consecutive rows
     std::size_t end = i;
     while (end < rows.size() && due(tick_ - birth_tick(rows[end]), period)) ++end;
     if (end > i) work(rows.subspan(i, end - i));
@@ -135,8 +134,7 @@ void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work
   }
 }
 
-/// work(rows) for those of the rows whose device runs: all, or where no controller reads it the subscribed
-/// ones; but not those whose supply is spent, nor those that are broken.
+/// Calls work(rows) for the rows whose device is due and runs, see runs().
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   for_due(rows, device.period, [&](std::span<const Row> due_rows) {
@@ -166,7 +164,7 @@ void World::sense() {
 }
 
 void World::decide() {
-  std::atomic<std::uint32_t> faulty = BodyId().value;  // the lowest id whose velocity is no number
+  std::atomic<std::uint32_t> faulty = BodyId().value;  // lowest id whose velocity is not finite
   const auto decide_for = [&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive)
       for_due(rows, type.drive->period, [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
@@ -239,12 +237,12 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
       }
       continue;
     }
-    // + 0.0 turns -0 into 0: equal velocities have equal bits.
+    // + 0.0 turns -0 into 0, so that equal velocities have equal bits.
     as<Velocity>(k_velocity)[rows[i].index()] = {v.x + 0.0, v.y + 0.0, v.turn + 0.0};
   }
 }
 
-/// Whose pack is empty stands still, whatever it is asked.
+/// Stops robots whose supply is spent, whatever their commands are.
 void World::halt_spent(std::span<const Row> rows, const BodyType::Drive& drive) {
   for (const Row row : rows)
     if (!is_supplied(row, drive.supply)) as<Velocity>(k_velocity)[row.index()] = {};
@@ -287,7 +285,7 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
 
 void World::move() {
   propose();
-  Pushables pushables = pushables_;  // as types have them: with joints at rest, and nothing carried
+  Pushables pushables = pushables_;  // sizes with joints at rest and nothing carried; widened below
   if (pushables.any())
     for (const std::uint32_t row : links_.composites) {
       if (row_pushable_[row] == 0) continue;
@@ -323,7 +321,7 @@ void World::apply_effects() {
   effects_.clear();
 }
 
-/// Devices learn what became of the joints that they asked to move.
+/// Tells devices the outcomes of the joint motions that they asked for.
 void World::report_joints() {
   if (!links_.asked.exchange(false, std::memory_order_relaxed)) return;
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
@@ -340,7 +338,7 @@ void World::report_joints() {
 
 void World::propose() {
   const double dt = spec_.tick_s;
-  const bool carrying = links_.carried > 0;  // who is carried goes where its carrier goes
+  const bool carrying = links_.carried > 0;  // carried bodies move with their carriers
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
     std::array<Motion*, k_block> turning;
     std::array<double, k_block> headings;
@@ -351,7 +349,7 @@ void World::propose() {
       Motion& motion = motions_[row.index()];
       motion.moves = type.drive && (v.x != 0 || v.y != 0 || v.turn != 0) && !(carrying && carrier(row));
       if (!motion.moves) continue;
-      // Euler with the old heading, as in Stage.
+      // Euler integration with the old heading, as in Stage.
       const Pose& from = poses()[row.index()];
       motion.turn = v.turn * dt;
       const Pose to = compose(from, transform(row), {v.x * dt, v.y * dt, 0, motion.turn});

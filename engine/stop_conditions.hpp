@@ -11,27 +11,27 @@
 
 namespace troupe::engine {
 
-/// The conditions on measures with which a world ends its run. They look on, as measures do.
-/// Not thread-safe; it runs on the world's workers.
+/// Conditions on measures that end the run of a world. They never change the world. Not thread-safe; computes
+/// on the world's workers.
 class StopConditions {
  public:
-  /// Reports at the conditions' places what MeasureSet does. Begins with the state that the world is in, of
-  /// which nothing is asked. World and registry must outlive it.
+  /// Reports the errors of MeasureSet, at the positions of the conditions. Measuring begins with the present
+  /// state, without evaluating the conditions. World and registry must outlive it.
   StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
                  Diagnostics& diagnostics);
 
-  /// To be called after every step.
+  /// Updates the measures and evaluates the conditions; to be called after every step.
   void see();
-  /// Asks of the state that was seen last, whether a step has led there or not.
+  /// Evaluates the conditions for the state that the measures saw last.
   void ask();
-  /// To be called after a reset: begins with the state that the world is in.
+  /// Begins again with the present state; to be called after a reset.
   void begin();
-  /// The first of the conditions that held when it was last asked.
+  /// Index of the first condition that held at the last evaluation; not set if none did.
   std::optional<std::size_t> holding() const { return holding_; }
 
-  /// Under which a checkpoint keeps what the measures remember: other conditions have another name.
+  /// Name of memory() in a checkpoint; it differs between different conditions.
   std::string memory_name() const;
-  /// What the measures remember, for a checkpoint; and back: MeasureSet::remember().
+  /// Memory of the measures, for a checkpoint, and its restoration: see MeasureSet.
   ///@{
   std::vector<std::byte> memory() const { return measures_.memory(); }
   bool remember(std::span<const std::byte> memory) { return measures_.remember(memory); }
@@ -48,7 +48,7 @@ class StopConditions {
 
   std::vector<Condition> conditions_;
   MeasureSet measures_;
-  std::vector<double> values_;  // of its columns
+  std::vector<double> values_;  // one per column of measures_
   std::string text_;            // of all conditions
   std::optional<std::size_t> holding_;
 };

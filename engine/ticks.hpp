@@ -4,15 +4,12 @@
 
 namespace troupe::engine {
 
-/// Longest time or interval that worlds and options may give, s: its ticks can still be counted in 64 bits.
-inline constexpr double k_most_seconds = 1e9;
-
-/// Ticks between two runs of something with this period: as in Stage, the next multiple of the tick, and
-/// every tick for 0. 0.3 s of 0.1 s ticks are 3, whatever their quotient rounds to.
+/// A period in ticks: as in Stage, rounded up to a multiple of the tick, and at least 1. 0.3 s are 3 ticks of
+/// 0.1 s, although their quotient in floating point is not exactly 3.
 std::uint64_t period_ticks(double period_s, double tick_s);
 
-/// The first tick whose time is `end_s` or later; 0 for times before the start. 0.7 s of 0.1 s ticks are 7,
-/// though neither is exact in binary: a billionth of a tick too early counts as in time.
+/// The first tick whose time is `end_s` or later; 0 for times before the start. A tick that is early by a
+/// relative error of 1e-9 counts: 0.7 s are 7 ticks of 0.1 s, although neither is exact in binary.
 std::uint64_t ticks_until(double end_s, double tick_s);
 
 }  // namespace troupe::engine

@@ -19,7 +19,7 @@ namespace troupe::engine {
 namespace {
 
 constexpr double k_most_beams = 10e6;  // of all types: some hundred bytes each
-const Localization k_true_pose;        // what is known of a body that no drive moves
+const Localization k_true_pose;        // of bodies without a drive
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
 
@@ -27,9 +27,9 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
-/// Cells an eighth of how far robots see on average, so that what a body looks up, and its own width, end
-/// at the border of a cell: small enough to leave out most of what is out of reach, large enough that a query
-/// runs over few of them. A few far-sighted robots among many do not coarsen them.
+/// The width of a cell is an eighth of the mean sensor reach, so that the reach of a body, and its own width,
+/// end at the border of a cell: small enough to exclude most bodies out of reach, large enough that a query
+/// visits few cells. The mean, not the maximum: a few robots of long range do not coarsen the grid.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
                                         double tile_size_m) {
   double sum = 0;
@@ -50,8 +50,10 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     width = std::max(width, 2 * radius);
     ++count;
   }
-  // As wide as the bodies that take most of the ground, so that few lie in several cells, and never so small
-  // that one lies in more than some hundred. Bodies of one width fit into their cells however the sums round.
+  // Cells are at least as wide as the bodies that cover most of the ground (mean width, weighted by width),
+  // so that few bodies overlap several cells, and at least an eighth of the widest body, so that none
+  // overlaps more than some hundred. The factor 1 + 1e-9 covers rounding of the sums: bodies of equal width
+  // fit.
   const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
   const double least = std::max({0.05, own_width, width / 8});
   const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
@@ -74,8 +76,8 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
     if (beams <= k_most_beams) continue;
     diagnostics.error(
         type.parts.front().where,
-        fmt::format("too large: with this type the world's sensors have more than {:.0f} beams; bodies "
-                    "that share a type share them",
+        fmt::format("too large: the sensors of the types up to this one have more than {:.0f} beams; bodies "
+                    "of one type share them",
                     k_most_beams));
     diagnostics.throw_if_errors();
   }
@@ -93,8 +95,8 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   report_overlaps(diagnostics);
 }
 
-/// A file of some kilobytes can ask for more memory than there is, and who runs out of it is killed without a
-/// word.
+/// A file of some kilobytes can ask for more memory than the machine has, and a process without memory is
+/// killed without a message.
 void World::check_size(Diagnostics& diagnostics) const {
   constexpr double k_most_bytes = 16e9;
   double fixed_vertices = 0;
@@ -132,16 +134,16 @@ void World::check_reserves(Diagnostics& diagnostics) const {
   for (const ReserveSpec& reserve : spec_.reserves) {
     const BodySpec& body = spec_.bodies[reserve.first.index()];
     if (!types_[body.type.index()].runs())
-      diagnostics.error(body.where,
-                        fmt::format("population \"{}\" has a reserve, and its bodies neither move nor sense "
-                                    "nor decide: such bodies are never born",
-                                    reserve.population));
+      diagnostics.error(
+          body.where, fmt::format("the reserve of population \"{}\" needs a type that has a drive, a device "
+                                  "or a controller, or that can be gripped or pushed",
+                                  reserve.population));
   }
 }
 
-/// Neighbours on the ground at the start become neighbours in memory, and remain so for long: of 100,000
-/// robots in a building, rows that lie anyhow cost half as much again. Nothing depends on the order but
-/// speed; it is that of the cells the world would choose for itself.
+/// Bodies that are neighbours at tick 0 become neighbours in memory, and remain so for a long time: with
+/// 100,000 robots in a building, arbitrary order costs half as much again. Only speed depends on the order,
+/// which is that of the default cells, independent of WorldOptions::tile_size_m.
 std::vector<BodyId> World::rows_by_place() const {
   struct Place {
     std::uint64_t key;
@@ -156,7 +158,7 @@ std::vector<BodyId> World::rows_by_place() const {
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const BodySpec& body = spec_.bodies[b];
     if (!types_[body.type.index()].runs()) continue;
-    if (!spec_.starts(BodyId(b))) {  // it is not known where it will be
+    if (!spec_.starts(BodyId(b))) {  // its place of birth is unknown
       places.push_back({~std::uint64_t{0}, BodyId(b)});
       continue;
     }
@@ -201,7 +203,7 @@ void World::build_rows() {
   row_shapes_.resize(rows());
   transforms_.resize(rows());
   outlines_.resize(vertices + partition::EdgeBlock::k_piece,
-                   Vec2::Zero());  // rangers copy more than there is
+                   Vec2::Zero());  // padding: rangers copy whole pieces
   motions_.resize(rows());
   free_circles_.resize(rows());
 }
@@ -250,7 +252,7 @@ void World::build_tables() {
                               {"heading", Element::f64, 1, "rad", "counter-clockwise from +x"}},
       row_bodies_);
   tables_.emplace_back("velocity", HashGroup::velocity, Layout::rows,
-                       std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, of this tick"},
+                       std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, in this tick"},
                                                {"y", Element::f64, 1, "m/s", "left"},
                                                {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
                        row_bodies_);
@@ -259,7 +261,7 @@ void World::build_tables() {
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
       std::vector<StateField>{
-          {"stalled", Element::u8, 1, "", "1: the last motion was refused, 2: it would have left the world"}},
+          {"stalled", Element::u8, 1, "", "1: last motion blocked, 2: it would have ended out of bounds"}},
       row_bodies_);
 
   if (std::ranges::any_of(types_, &BodyType::carries)) {
@@ -267,8 +269,8 @@ void World::build_tables() {
     tables_.emplace_back(
         "carrier", HashGroup::pose, Layout::rows,
         sparse({{"carrier", Element::u32, 1, "", "id of the body that carries it + 1; 0: none"},
-                {"joint", Element::u32, 1, "", "of the carrier, from which it hangs: its number from 1 on"},
-                {"x", Element::f64, 1, "m", "frame of the carrier, as that joint moves it"},
+                {"joint", Element::u32, 1, "", "joint of the carrier that holds it, from 1; 0: none"},
+                {"x", Element::f64, 1, "m", "frame of the carrier, moved by that joint"},
                 {"y", Element::f64, 1, "m", "same frame"},
                 {"z", Element::f64, 1, "m", "same frame"},
                 {"heading", Element::f64, 1, "rad", "same frame"}}),
@@ -285,13 +287,13 @@ void World::build_tables() {
     if (bodies[t].empty()) continue;
     for (BodyType::Joint& joint : types_[t].joints) {
       joint.table = tables_.size();
-      tables_.emplace_back(
-          fmt::format("joint/{}", joint.name), HashGroup::pose, Layout::rows,
-          std::vector<StateField>{{"x", Element::f64, 1, "m", "from its rest, in its own frame"},
-                                  {"y", Element::f64, 1, "m", "from its rest"},
-                                  {"z", Element::f64, 1, "m", "from its rest"},
-                                  {"heading", Element::f64, 1, "rad", "from its rest; not wrapped"}},
-          bodies[t]);
+      tables_.emplace_back(fmt::format("joint/{}", joint.name), HashGroup::pose, Layout::rows,
+                           std::vector<StateField>{
+                               {"x", Element::f64, 1, "m", "relative to its rest pose"},
+                               {"y", Element::f64, 1, "m", "relative to its rest pose"},
+                               {"z", Element::f64, 1, "m", "relative to its rest pose"},
+                               {"heading", Element::f64, 1, "rad", "relative to its rest pose; not wrapped"}},
+                           bodies[t]);
     }
     if (auto& drive = types_[t].drive; drive && drive->localization.kind == Localization::Kind::odom) {
       drive->odometry_table = tables_.size();
@@ -303,7 +305,8 @@ void World::build_tables() {
     }
     for (BodyType::Device& sensor : types_[t].devices) {
       sensor.table = tables_.size();
-      // Component names hold no type: types are an economy of ours, and two files may cut them differently.
+      // Component names do not contain the type: types only save memory, and two files may divide the same
+      // bodies into types differently.
       const std::string component = fmt::format("{}/{}", sensor.kind->name, sensor.name);
       tables_.emplace_back(component, HashGroup::sensor, Layout::rows, sensor.prepared.percepts, bodies[t],
                            sensor.prepared.percept_bytes);
@@ -339,7 +342,7 @@ void World::start() {
   const Completion completion(*this);
   tick_ = 0;
   beams_ = conflict_rounds_ = 0;
-  derive_experiment();  // lives begin with the parameters of tick 0
+  derive_experiment();  // first: bodies start with the parameters of tick 0
   for (StateTable& table : tables_) table.clear();
   for (std::size_t r = 0; r < rows(); ++r) {
     const BodyId body = row_bodies_[r];
@@ -448,25 +451,25 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
   redraw_ray_grid();
 }
 
-/// Where thousands of bodies stand at one place there are millions of pairs. To count them all would take a
-/// minute, so that no more are looked for once there are more than k_most_counted; how many were found by
-/// then does not depend on the number of threads.
+/// Thousands of bodies at one place are millions of pairs, and to count them all would take a minute. The
+/// search therefore ends once it has found more than k_most_counted pairs. The number found by then does not
+/// depend on the number of threads.
 void World::report_overlaps(Diagnostics& diagnostics) {
   constexpr std::size_t k_most_counted = 10'000;
   constexpr std::size_t k_most_listed = 100;
-  constexpr std::size_t k_bodies = 256;  // a task
-  constexpr std::size_t k_tasks = 64;    // at once
+  constexpr std::size_t k_bodies = 256;  // per task
+  constexpr std::size_t k_tasks = 64;    // per parallel loop
   for (const Row row : body_rows_)
     if (row.valid() && !row_shapes_[row.index()]->empty() &&
         row_shapes_[row.index()]->z.min + poses()[row.index()].z < 0)
       diagnostics.warning_once(spec_.bodies[body(row).index()].where,
-                               "a body reaches below the floor, which holds nothing here");
+                               "a body extends below the floor (z = 0), which is not an obstacle");
 
   const std::size_t most = diagnostics.thorough() ? k_most_listed : 1;
   using Pair = std::pair<BodyId, BodyId>;
   struct Found {  // by one task
     std::size_t pairs = 0;
-    std::vector<Pair> listed;  // the first of them
+    std::vector<Pair> listed;  // the first pairs
     std::vector<BodyId> others;
     void add(BodyId body, BodyId other, std::size_t most_listed) {
       ++pairs;
@@ -480,7 +483,7 @@ void World::report_overlaps(Diagnostics& diagnostics) {
     const partition::ObstacleShape& shape = *row_shapes_[row.index()];
     const ZInterval z = shape.z.shifted(z_of(row));
     const partition::PlacedShape placed(shape, transform(row), z_of(row));
-    // Of several that overlap a body, static bodies come first, then the lowest id: the grid does not show.
+    // Static bodies first, then the others by id: the order must not depend on the grid.
     if (scene_.has_obstacles())
       for (const BodyId wall : scene_.overlapping(shape, poses()[row.index()]))
         found.add(BodyId(b), wall, most);
@@ -521,7 +524,7 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   }
   if (pairs == 0) return;
   const auto where = [this](BodyId body) { return spec_.bodies[body.index()].where; };
-  const bool are_more = pairs > k_most_counted;  // than were looked for
+  const bool are_more = pairs > k_most_counted;  // the search ended early
   const auto count_of = [&](std::size_t count, std::string_view what) {
     return are_more     ? fmt::format("more than {} {}pairs of bodies overlap", count, what)
            : count == 1 ? fmt::format("1 {}pair of bodies overlaps", what)
@@ -574,8 +577,8 @@ void World::set_estimate(Row row, const Pose& pose) {
   const auto& drive = type(row).drive;
   if (!drive || !drive->odometry_table)
     throw std::logic_error(
-        fmt::format("\"{}\" has no odometry: it knows its true pose", spec_.name(body(row))));
-  if (!is_finite(pose)) throw std::invalid_argument("an estimate must be finite");
+        fmt::format("\"{}\" has no odometry: its estimate is its true pose", spec_.name(body(row))));
+  if (!is_finite(pose)) throw std::invalid_argument("the values of a pose estimate must be finite");
   as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
                                                      wrap_angle(pose.heading) + 0.0};
 }
@@ -588,14 +591,14 @@ void World::set_poses(std::span<const Placed> placed) {
     const Pose& p = place.pose;
     if (!is_there(place.row))
       throw std::invalid_argument(
-          fmt::format("\"{}\" cannot be put anywhere: it is not in the world", spec_.name(body(place.row))));
+          fmt::format("\"{}\" cannot be placed: it is not in the world", spec_.name(body(place.row))));
     if (!is_finite(p) || !inside.contains(p.position()))
       throw std::invalid_argument(
-          fmt::format("\"{}\" cannot be put at x {}, y {}, z {} (m), heading {} (rad): {}",
+          fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",
                       spec_.name(body(place.row)), p.x, p.y, p.z, p.heading,
                       is_finite(p) ? "that is outside the world's bounds" : "these must be finite numbers"));
     if (const std::optional<BodyId> by = carrier(place.row))
-      throw std::invalid_argument(fmt::format("\"{}\" cannot be put elsewhere: \"{}\" carries it",
+      throw std::invalid_argument(fmt::format("\"{}\" cannot be placed: \"{}\" carries it",
                                               spec_.name(body(place.row)), spec_.name(*by)));
   }
   for (const auto& [row, p] : placed) {
@@ -624,7 +627,7 @@ void World::remember_placed(Row row) {
   placed_[at - 1].pose = poses()[row.index()];
 }
 
-/// What was put elsewhere so far was put before the step that begins.
+/// Poses that were set so far were set before the step that begins.
 void World::begin_placing() {
   for (const Placed& place : placed_) placed_at_[place.row.index()] = 0;
   placed_before_.swap(placed_);
@@ -640,7 +643,7 @@ bool World::is_free(Row row, const Pose& pose) const {
   bool free = true;
   const auto look_at = [&](std::uint32_t r) {
     if (!free || r == row.index() || row_shapes_[r]->empty()) return;
-    // The lower id first, as in the rule of motions.
+    // The body with the lower id is the first argument, as in the rule of motions, so that answers agree.
     free = row_ids_[row.index()] < row_ids_[r] ? !overlap(shape, pose, *row_shapes_[r], poses()[r])
                                                : !overlap(*row_shapes_[r], poses()[r], shape, pose);
   };
@@ -651,7 +654,7 @@ bool World::is_free(Row row, const Pose& pose) const {
 }
 
 Box World::bounds() const {
-  constexpr double k_world_limit = 100e3;  // m: where a world without floor plans ends
+  constexpr double k_world_limit = 100e3;  // m, of worlds without bounds
   return spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
 }
 
@@ -660,7 +663,7 @@ bool World::held(Row row) const { return stall()[row.index()] == k_held; }
 
 void World::throw_half_made() const {
   throw std::logic_error(fmt::format(
-      "the step to tick {} threw, and left a state of no use: call reset() before anything else", tick_));
+      "the step to tick {} failed and left an incomplete state: call reset() before anything else", tick_));
 }
 
 void World::reset() {
@@ -676,7 +679,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
                                               bodies[b].pose_world_body != spec_.bodies[b].pose_world_body);
   spec_.seed = seed;
   std::ranges::copy(bodies, spec_.bodies.begin());
-  Diagnostics diagnostics(spec_.files);  // of what the constructor has found right already
+  Diagnostics diagnostics(spec_.files);  // stays empty: the constructor has checked the same
   if (has_scene_changed) build_scene();
   draw_odometry_errors();
   build_faults(registry, diagnostics);
@@ -695,7 +698,7 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     start();
     throw;
   }
-  constexpr double k_reach = 2e6;  // m: beyond any bounds, and cells still count in 32 bits
+  constexpr double k_reach = 2e6;  // m: beyond any bounds, and cell numbers still fit 32 bits
   const auto stands_somewhere = [](const Pose& pose) {
     return std::abs(pose.x) < k_reach && std::abs(pose.y) < k_reach && std::isfinite(pose.z) &&
            std::isfinite(pose.heading);
@@ -726,7 +729,7 @@ std::vector<BodyId> World::subscribed() const {
 
 std::uint64_t World::hash(const StateTable& table) {
   require_whole();
-  constexpr std::size_t k_block = 1024;  // rows a task
+  constexpr std::size_t k_block = 1024;  // rows per task
   const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
   std::atomic<std::uint64_t> sum = 0;
   parallel_.for_each(blocks, [&](std::size_t b) {
@@ -738,7 +741,7 @@ std::uint64_t World::hash(const StateTable& table) {
 
 Hashes World::hashes() {
   require_whole();
-  constexpr std::size_t k_block = 512;  // rows a task, of every table: one loop, as waking threads costs, too
+  constexpr std::size_t k_block = 512;  // rows per task, of all tables: a loop per table would cost more
   std::size_t rows = 0;
   for (const StateTable& table : tables_) rows = std::max(rows, table.rows());
   std::array<std::atomic<std::uint64_t>, k_hash_groups> sums{};
@@ -756,13 +759,13 @@ Hashes World::hashes() {
 double World::mean_displacement() const {
   require_whole();
   double sum = 0;
-  for (std::size_t b = 0; b < body_rows_.size(); ++b)  // in the order of the ids: a sum depends on it
+  for (std::size_t b = 0; b < body_rows_.size(); ++b)  // in order of ids: the sum depends on the order
     if (const Row r = body_rows_[b]; r.valid() && type(r).drive && is_there(r))
       sum += (transform(r).position - origin(r)).norm();
   return robots_ > 0 ? sum / static_cast<double>(robots_) : 0;
 }
 
-/// What bodies of a type look like: this one, or all with their joints at rest.
+/// Appearance of the body of a row; if `row` is not valid, of all bodies of the type with joints at rest.
 FrameType World::look_of(std::size_t t, Row row) const {
   FrameType look{
       .mobile = types_[t].drive.has_value(), .radius = types_[t].radius, .name = spec_.types[t].name};

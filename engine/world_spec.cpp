@@ -11,24 +11,25 @@ namespace {
 
 using Report = std::function<void(Where, const std::string&)>;
 
-/// Reports at a value of a type, whose place is that of its root.
+/// Checks the rules of one type.
 class TypeRules {
  public:
   TypeRules(const TypeSpec& type, std::size_t index, const Report& report)
       : type_(type), path_(fmt::format("types[{}]", index)), report_(report) {}
 
   void check() {
-    if (type_.parts.empty()) return report_({}, path_ + ": a type has at least one part");
+    if (type_.parts.empty()) return report_({}, path_ + ".parts: empty; a type needs at least one part");
     for (std::size_t p = 0; p < type_.parts.size(); ++p) {
       const PartSpec& part = type_.parts[p];
       if (part.parent >= std::max<std::size_t>(p, 1))
-        fault(part.where, fmt::format("parts[{}].parent", p), part.parent, "a part stands on one before it");
+        fault(part.where, fmt::format("parts[{}].parent", p), part.parent,
+              "must be the index of an earlier part");
       check_joint(part.where, fmt::format("parts[{}].joint", p), part.joint);
     }
     for (std::size_t j = 0; j < type_.joints.size(); ++j)
       if (type_.joints[j].parent >= static_cast<std::int32_t>(j))
         fault(type_.parts.front().where, fmt::format("joints[{}].parent", j), type_.joints[j].parent,
-              "a joint stands on one before it");
+              "must be the index of an earlier joint");
     for (std::size_t d = 0; d < type_.devices.size(); ++d) {
       const DeviceSpec& device = type_.devices[d];
       check_part(device.where, fmt::format("sensors[{}].part", d), device.part);
@@ -43,7 +44,7 @@ class TypeRules {
  private:
   template <class Index>
   void fault(Where where, const std::string& member, Index found, std::string_view rule) const {
-    report_(where, fmt::format("{}.{}: {}; here is {}", path_, member, rule, found));
+    report_(where, fmt::format("{}.{}: {}, found index {}", path_, member, rule, found));
   }
   void check_joint(Where where, const std::string& member, std::int32_t joint) const {
     if (joint >= static_cast<std::int32_t>(type_.joints.size()))
@@ -60,7 +61,7 @@ class TypeRules {
 };
 
 void check_bodies(const WorldSpec& spec, const Report& report) {
-  if (spec.bodies.empty()) report({}, "bodies: there is none: the first of every world is the ground");
+  if (spec.bodies.empty()) report({}, "bodies: empty; body 0 of every world is the ground");
   const std::size_t words = spec.names.words().size();
   const std::size_t types = spec.types.size();
   const auto bad = std::ranges::find_if(spec.bodies, [types, words](const BodySpec& body) {
@@ -68,18 +69,18 @@ void check_bodies(const WorldSpec& spec, const Report& report) {
   });
   if (bad != spec.bodies.end()) {
     const auto b = bad - spec.bodies.begin();
-    return report(
-        bad->where,
-        bad->type.value >= types
-            ? fmt::format("bodies[{}].type: the world has {} types; here is {}", b, types, bad->type.value)
-            : fmt::format("bodies[{}].name: the world has {} words; here is {}", b, words, bad->name.word));
+    return report(bad->where, bad->type.value >= types
+                                  ? fmt::format("bodies[{}].type: the world has {} types, found index {}", b,
+                                                types, bad->type.value)
+                                  : fmt::format("bodies[{}].name: the world has {} words, found index {}", b,
+                                                words, bad->name.word));
   }
   for (std::size_t a = 0; a < spec.aliases.size(); ++a) {
     if (spec.aliases[a].name.word >= words)
-      return report({}, fmt::format("aliases[{}].name: the world has {} words; here is {}", a, words,
+      return report({}, fmt::format("aliases[{}].name: the world has {} words, found index {}", a, words,
                                     spec.aliases[a].name.word));
     if (spec.aliases[a].body.index() >= spec.bodies.size())
-      return report({}, fmt::format("aliases[{}].body: the world has {} bodies; here is {}", a,
+      return report({}, fmt::format("aliases[{}].body: the world has {} bodies, found index {}", a,
                                     spec.bodies.size(), spec.aliases[a].body.value));
   }
 }
@@ -92,7 +93,7 @@ void check_part_names(const WorldSpec& spec, const Report& report) {
       return std::ranges::find(parts, place.part, &PartSpec::name) != parts.end();
     };
     if (!has_part())
-      return report({}, fmt::format("part_names: \"{}\" names a part that is not there", name));
+      return report({}, fmt::format("part_names: \"{}\" refers to a part that does not exist", name));
   }
 }
 
@@ -130,8 +131,8 @@ void check_settings(const WorldSpec& spec, const Report& report) {
     };
     if (!has_it())
       report(at.where,
-             fmt::format("experiment.at[{}].setting: names a type, or a drive, device or controller "
-                         "of a type, that is not there",
+             fmt::format("experiment.at[{}].setting: refers to a type, or to a drive, device or controller "
+                         "of a type, that does not exist",
                          i));
   }
 }
@@ -146,9 +147,10 @@ void check_rules(const WorldSpec& spec, const Report& report) {
   };
   for (std::size_t t = 0; t < spec.types.size(); ++t) TypeRules(spec.types[t], t, note).check();
   if (spec.bounds && spec.bounds->empty())
-    note({}, "bounds_m: the lower corner is beyond the upper: these are [x_min, y_min, x_max, y_max]");
+    note({},
+         "bounds_m: x_min exceeds x_max or y_min exceeds y_max; the order is [x_min, y_min, x_max, y_max]");
   check_bodies(spec, note);
-  if (!is_right) return;  // what follows looks bodies and types up
+  if (!is_right) return;  // the following checks use the indices of bodies and types
   check_part_names(spec, note);
   check_reserves(spec, note);
   check_settings(spec, note);
@@ -164,17 +166,17 @@ void add_ground(WorldSpec& spec) {
 }
 
 bool is_below(const TypeSpec& type, std::uint32_t below, std::uint32_t part) {
-  while (below > part) below = type.parts[below].parent;  // parents stand before their children
+  while (below > part) below = type.parts[below].parent;  // parents come before their children
   return below == part;
 }
 
 void add_spare(WorldSpec& spec, std::uint32_t count) {
   struct Population {
     BodySpec like;           // its first body
-    std::uint32_t next = 0;  // number of the next
+    std::uint32_t next = 0;  // number of the next body
     bool is_of_one_type = true;
   };
-  std::map<std::uint32_t, Population> populations;  // by word, in the order in which words came
+  std::map<std::uint32_t, Population> populations;  // by word, in the order in which words were added
   for (const BodySpec& body : spec.bodies) {
     if (body.name.number == Name::k_no_number || !is_mobile(spec.types[body.type.index()])) continue;
     Population& population = populations.try_emplace(body.name.word, Population{.like = body}).first->second;

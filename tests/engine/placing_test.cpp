@@ -141,10 +141,11 @@ TEST(Placing, RefusesWhatIsNoPlaceAndThenMovesNobody) {
     }
     return "";
   };
-  EXPECT_EQ(refusal({11, 0, 0, 0}),
-            "\"a\" cannot be put at x 11, y 0, z 0 (m), heading 0 (rad): that is outside the world's bounds");
+  EXPECT_EQ(
+      refusal({11, 0, 0, 0}),
+      "\"a\" cannot be placed at x 11, y 0, z 0 (m), heading 0 (rad): that is outside the world's bounds");
   EXPECT_EQ(refusal({0, std::numeric_limits<double>::infinity(), 0, 0}),
-            "\"a\" cannot be put at x 0, y inf, z 0 (m), heading 0 (rad): these must be finite numbers");
+            "\"a\" cannot be placed at x 0, y inf, z 0 (m), heading 0 (rad): these must be finite numbers");
   EXPECT_EQ(world.hashes().state, before);
 }
 

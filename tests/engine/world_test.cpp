@@ -125,8 +125,9 @@ TEST(World, ABodyBelowTheFloorIsAWarning) {
   scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {0, 0, -0.1, 0});
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-  EXPECT_THAT(diagnostics.warnings(),
-              testing::ElementsAre("warning: a body reaches below the floor, which holds nothing here"));
+  EXPECT_THAT(
+      diagnostics.warnings(),
+      testing::ElementsAre("warning: a body extends below the floor (z = 0), which is not an obstacle"));
 }
 
 struct Thrower {
@@ -238,7 +239,7 @@ TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
     scene.body(fmt::format("r{}", i), type, {i * 0.15, 0, i % 2 == 0 ? -0.1 : 0.0, 0});
   scene.wall(0, -1, 1, 1);
   const std::string floor =
-      "warning: a body reaches below the floor, which holds nothing here (and 349 more)";
+      "warning: a body extends below the floor (z = 0), which is not an obstacle (and 349 more)";
   const std::string pairs = fmt::format(
       "warning: {} pairs of bodies overlap at the start, first \"r700\" and \"r699\"; they may move apart, "
       "but "

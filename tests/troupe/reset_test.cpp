@@ -259,8 +259,9 @@ TEST_F(Reset, IsAllThatLeadsOnFromAStepThatThrew) {
       use();
       ADD_FAILURE() << name << " goes on";
     } catch (const std::logic_error& error) {
-      EXPECT_STREQ(error.what(),
-                   "the step to tick 1 threw, and left a state of no use: call reset() before anything else")
+      EXPECT_STREQ(
+          error.what(),
+          "the step to tick 1 failed and left an incomplete state: call reset() before anything else")
           << name;
     }
   }

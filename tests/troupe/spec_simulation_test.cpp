@@ -140,13 +140,14 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect([](Spec& s) { s.tick_s = 0; }, "error: tick: must be from 1e-06 to 1e+15 s, found 0");
   expect([](Spec& s) { s.measure_every_s = -1; },
          "error: measure_every: must be from 0 to 1e+15 s, found -1");
-  expect([](Spec& s) { s.types[2].parts.clear(); }, "error: types[2]: a type has at least one part");
+  expect([](Spec& s) { s.types[2].parts.clear(); },
+         "error: types[2].parts: empty; a type needs at least one part");
   expect([](Spec& s) { s.types[2].parts[0].parent = 1; },
-         "error: types[2].parts[0].parent: a part stands on one before it; here is 1");
+         "error: types[2].parts[0].parent: must be the index of an earlier part, found index 1");
   expect([](Spec& s) { s.types[2].devices[0].joint = 0; },
-         "error: types[2].sensors[0].joint: the type has 0 joints; here is 0");
+         "error: types[2].sensors[0].joint: the type has 0 joints, found index 0");
   expect([](Spec& s) { s.types[2].devices[0].part = 3; },
-         "error: types[2].sensors[0].part: the type has 1 parts; here is 3");
+         "error: types[2].sensors[0].part: the type has 1 parts, found index 3");
   expect([](Spec& s) { s.types[2].drive->kind = "hover"; },
          "error: types[2].drive.params: unknown drive \"hover\"");
   expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: the kind has ");
@@ -156,14 +157,13 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect([](Spec& s) { s.bodies[3].pose_world_body.x = k_nan; },
          "error: bodies[3].pose.x: must be from -1000000 to 1000000, found nan");
   expect([](Spec& s) { s.bodies[3].type = TypeId(7); },
-         "error: bodies[3].type: the world has 3 types; here is 7");
+         "error: bodies[3].type: the world has 3 types, found index 7");
   expect(
       [](Spec& s) {
         s.bodies[3].name = {77, 0};
       },
-      "error: bodies[3].name: the world has 4 words; here is 77");
-  expect([](Spec& s) { s.bodies.clear(); },
-         "error: bodies: there is none: the first of every world is the ground");
+      "error: bodies[3].name: the world has 4 words, found index 77");
+  expect([](Spec& s) { s.bodies.clear(); }, "error: bodies: empty; body 0 of every world is the ground");
   expect(
       [](Spec& s) {
         s.reserves = {{"r", BodyId(9), 5}};
@@ -176,7 +176,7 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
         s.experiment.at.emplace_back().action = engine::InterventionSpec::Action::set;
         s.experiment.at[0].setting = {TypeId(1), engine::SettingSpec::Of::drive, 0, {}};
       },
-      "error: experiment.at[0].setting: names a type, or a drive");
+      "error: experiment.at[0].setting: refers to a type, or to a drive");
   // Where a value has a place in a file, that stands in front.
   expect(
       [](Spec& s) {

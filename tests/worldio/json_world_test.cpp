@@ -622,7 +622,7 @@ INSTANTIATE_TEST_SUITE_P(
               "found 0"},
         Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 1e-6)",
               "maze.json:18: error: /populations/0/place: the region has 1e+12 cells of 1e-06 m; at most "
-              "100000000 are looked at"},
+              "100000000 are allowed"},
         Wrong{
             R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": "random", "heading_deg": 3)",
             R"(maze.json:18: error: /populations/0/place: give "heading": "random" or "heading_rad" or "heading_deg", not both)"},

@@ -177,7 +177,7 @@ TEST_F(Limits, SamplesAndReadings) {
   std::string types = many;
   for (int i = 1; i < 14; ++i) types += "bot( size [1 1 " + std::to_string(i) + "] )\n";
   EXPECT_THAT(refusal("types.world", types),
-              HasSubstr("too large: with this type the world's sensors have more than"));
+              HasSubstr("too large: the sensors of the types up to this one have more than"));
 }
 
 TEST_F(Limits, Populations) {
@@ -191,7 +191,7 @@ TEST_F(Limits, Populations) {
   };
   EXPECT_THAT(refusal("w.json", world("1000000000000", "1")),
               AllOf(HasSubstr("w.json:2: error: /populations/0/count"), HasSubstr("10000000")));
-  EXPECT_THAT(refusal("w.json", world("1", "0.001")), HasSubstr("at most 100000000 are looked at"));
+  EXPECT_THAT(refusal("w.json", world("1", "0.001")), HasSubstr("at most 100000000 are allowed"));
   EXPECT_THAT(
       refusal("w.json", world("1", "0.08")),
       HasSubstr(

@@ -352,13 +352,16 @@ TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
   };
   expect([](BodyColumns& c) { c.pose.pop_back(); }, "the columns of the bodies differ in length");
   expect([](BodyColumns& c) { c = {}; }, "there are no bodies: the first body of every world is the ground");
-  expect([](BodyColumns& c) { c.type[1] = 2; }, "bodies[1].type: the world has 2 types; here is 2");
-  expect([](BodyColumns& c) { c.word[1] = 99; }, "bodies[1].name: the world has 5 words; here is 99");
-  expect([](BodyColumns& c) { c.alias_word[0] = 99; }, "aliases[0].name: the world has 5 words; here is 99");
-  expect([](BodyColumns& c) { c.alias_body[0] = 9; }, "aliases[0].body: the world has 4 bodies; here is 9");
+  expect([](BodyColumns& c) { c.type[1] = 2; }, "bodies[1].type: the world has 2 types, found index 2");
+  expect([](BodyColumns& c) { c.word[1] = 99; }, "bodies[1].name: the world has 5 words, found index 99");
+  expect([](BodyColumns& c) { c.alias_word[0] = 99; },
+         "aliases[0].name: the world has 5 words, found index 99");
+  expect([](BodyColumns& c) { c.alias_body[0] = 9; },
+         "aliases[0].body: the world has 4 bodies, found index 9");
   expect([](BodyColumns& c) { c.pose[5] = std::numeric_limits<double>::quiet_NaN(); },
          "bodies[1].pose: must be from -1000000 to 1000000, found nan");
-  expect([](BodyColumns& c) { c.type[1] = 0; }, "part_names: \"/x\xff\" names a part that is not there");
+  expect([](BodyColumns& c) { c.type[1] = 0; },
+         "part_names: \"/x\xff\" refers to a part that does not exist");
 }
 
 }  // namespace
