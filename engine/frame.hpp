@@ -137,7 +137,7 @@ struct Frame {
   std::vector<double> charges;  ///< one per body of `mobile`: charge of its power pack, 0 to 1; NaN: none
   std::vector<double> values;   ///< one per body of `mobile`: value that colours it; NaN: none
   std::string value_name;       ///< name of `values` with unit: "velocity.x (m/s)"
-  double times_real_time = 0;   ///< speed to display with the time; 0: none
+  double times_real_time = 0;   ///< speed relative to real time, displayed with the time; 0: none
 };
 
 }  // namespace troupe::engine
