@@ -17,9 +17,9 @@ struct Carried {
   Pose pose;                  ///< pose of the body in the carrier's frame, as moved by that joint
 };
 
-/// The joints of bodies, and the *trees* of bodies that carry one another. The root of a tree is the body
-/// that is not carried. All members are derived from the components `joint/...` and `carrier`. The lists are
-/// empty if no type of the world has joints or can pick up bodies.
+/// The joints of bodies, and the *trees* of bodies that carry one another. The root of a tree is not carried.
+/// All members are derived from the components `joint/...` and `carrier`. The lists are empty if no type of
+/// the world has joints or can pick up bodies.
 ///
 /// A body whose shape changes, because it has joints or can carry, is *composite*. The shape of a root is
 /// that of its tree, in the root's frame; the shape of a carried body is empty.
