@@ -11,33 +11,33 @@
 
 namespace troupe::engine {
 
-/// What a person or a program does to a running world between two ticks (docs/live.md). Plain data: names,
-/// and numbers in SI units.
+/// An action that a person or a program applies to a running world between two ticks (docs/live.md). Plain
+/// data: names, and numbers in SI units.
 struct Act {
-  /// What is done.
+  /// The kind of action.
   enum class Kind : std::uint8_t {
-    move,   ///< a body is put at `pose`, where that place is free
-    speed,  ///< a robot is commanded `speed`, once
-    hold,   ///< a robot is commanded `speed` before every tick, whatever its controller says, until `release`
-    release,  ///< ends a hold
-    command,  ///< fields of the command of `device` are set to `values`
-    add,      ///< the next body of the reserve of population `whom` is born at `pose`
-    remove,   ///< a life ends
-    disable,  ///< all of a body stops: devices, controllers, drive
-    enable,   ///< what `disable` stopped goes on
+    move,     ///< puts a body at `pose`, if that place is free
+    speed,    ///< commands `speed` to a robot, once
+    hold,     ///< commands `speed` before every tick, overriding the controller, until `release`
+    release,  ///< ends a `hold`
+    command,  ///< sets fields of the command of `device` to `values`
+    add,      ///< spawns the next body of the reserve of population `whom` at `pose`
+    remove,   ///< ends the life of a body
+    disable,  ///< stops the devices, controllers and drive of a body
+    enable,   ///< ends `disable`
   };
-  Kind kind = Kind::move;  ///< in the order of k_acts
-  std::string whom;        ///< name of a body; of `add` of a population
-  Pose pose;               ///< of `move` and `add`: world frame, m and rad
+  Kind kind = Kind::move;  ///< k_acts holds its name
+  std::string whom;        ///< name of a body; for `add`, of a population
+  Pose pose;               ///< for `move` and `add`: world frame, m and rad
   std::array<double, 3>
-      speed{};         ///< of `speed` and `hold`: forward and left m/s, turn rad/s, as Model::set_speed
-  std::string device;  ///< of `command`: its name
-  /// Of `command`: fields of its struct, and a number a column.
+      speed{};         ///< for `speed` and `hold`: forward and left m/s, turn rad/s, as in Model::set_speed
+  std::string device;  ///< for `command`: name of the device
+  /// For `command`: fields of the device's command struct, each with one number per column.
   std::vector<std::pair<std::string, std::vector<double>>> values;
 
   friend bool operator==(const Act&, const Act&) = default;
 };
-/// As files and messages write them, in the order of Act::Kind.
+/// The names of Act::Kind in files and messages, in its order.
 inline constexpr std::array<std::string_view, 9> k_acts{"move", "speed",  "hold",    "release", "command",
                                                         "add",  "remove", "disable", "enable"};
 

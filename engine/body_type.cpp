@@ -63,7 +63,7 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
   const bool can_be_gripped =
       std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.gripper; });
   if (is_mobile(spec) || !spec.devices.empty() || can_be_gripped ||
-      type.pushable) {  // others: the static scene
+      type.pushable) {  // all other types belong to the static scene
     try {
       type.obstacle = obstacle_shape(spec);
       type.grip = shape_of(spec, [](const PartSpec& part) { return part.returns.gripper; });
@@ -76,7 +76,7 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
   type.radius = sqrt(radius2);
 }
 
-/// The kinds that supply others.
+/// Names of the kinds that supply power.
 std::vector<std::string_view> supply_names(const Registry& registry) {
   std::vector<std::string_view> names;
   for (const DeviceKind& kind : registry.devices)
@@ -84,7 +84,7 @@ std::vector<std::string_view> supply_names(const Registry& registry) {
   return names;
 }
 
-/// What runs on which supply: that of its own part, or else of the nearest one below.
+/// Assigns each device the supply of its own part, or else of the nearest part that carries it.
 void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& type,
                       Diagnostics& diagnostics) {
   std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
@@ -92,25 +92,27 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
     const BodyType::Device& device = type.devices[d];
     if (!device.kind->is_spent) continue;
     if (supplies[device.part])
-      diagnostics.error(spec.parts[device.part].where,
-                        fmt::format("\"{}\" and \"{}\" both supply one part: give it one of them",
-                                    type.devices[*supplies[device.part]].name, device.name));
+      diagnostics.error(
+          spec.parts[device.part].where,
+          fmt::format("\"{}\" and \"{}\" supply the same part: at most one supply per part is allowed",
+                      type.devices[*supplies[device.part]].name, device.name));
     supplies[device.part] = d;
   }
-  for (std::size_t p = 1; p < spec.parts.size(); ++p)  // a part stands on an earlier one
+  for (std::size_t p = 1; p < spec.parts.size(); ++p)  // parents come before their children
     if (!supplies[p]) supplies[p] = supplies[spec.parts[p].parent];
   for (BodyType::Device& device : type.devices) {
     if (!device.kind->is_spent) device.supply = supplies[device.part];
     if (device.kind->needs_supply && !device.supply)
-      diagnostics.error(spec.parts[device.part].where,
-                        fmt::format("\"{}\" ({}) needs a {} on its part, or on one below it", device.name,
-                                    device.kind->name, fmt::join(supply_names(registry), " or a ")));
+      diagnostics.error(
+          spec.parts[device.part].where,
+          fmt::format("\"{}\" ({}) needs a {} on its part, or on a part that carries it", device.name,
+                      device.kind->name, fmt::join(supply_names(registry), " or a ")));
   }
   if (type.drive) type.drive->supply = supplies.front();
 }
 
-/// The device that controllers of a part drive with: that of the part itself, or else of the nearest one
-/// below.
+/// The drive device that controllers of a part command: that of the part itself, or else of the nearest part
+/// that carries it. None: they command the body's drive.
 std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, std::uint32_t part) {
   for (;; part = spec.parts[part].parent) {
     for (std::size_t d = 0; d < type.devices.size(); ++d)
@@ -178,8 +180,8 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
   for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
   if (!prepared) return prepared;
   for (std::size_t& s : prepared->devices) {
-    if (s >= shown.size())  // a slip of its author's
-      return Error{fmt::format("chose sensor {} of {}", s, shown.size())};
+    if (s >= shown.size())  // a bug in the kind
+      return Error{fmt::format("chose device index {}, but has only {} devices", s, shown.size())};
     s = shown[s];
   }
   if (kind.look)
@@ -203,17 +205,17 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
 
   for (std::size_t j = 0; j < spec.joints.size(); ++j)
     if (spec.joints[j].parent >= static_cast<std::int32_t>(j))
-      diagnostics.error(spec.parts.front().where, "a joint stands on one that comes before it");
+      diagnostics.error(spec.parts.front().where, "the parent of a joint must come before it");
   for (const PartSpec& part : spec.parts)
     if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec.joints.size()))
-      diagnostics.error(part.where, "a part stands on a joint that its type does not have");
+      diagnostics.error(part.where, "a part refers to a joint that its type does not have");
 
   constexpr double k_thin_m = 0.5e-3;
   if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
     diagnostics.warning(
         spec.parts.front().where,
-        fmt::format("a part of type \"{}\" is only {:.3g} m thick: each of its motions is tested at "
-                    "steps of a quarter of that, which is slow; make it {} m or more",
+        fmt::format("a part of type \"{}\" is only {:.3g} m thick: each motion is tested at steps of a "
+                    "quarter of that, which is slow; make it {} m or more",
                     spec.name, type.obstacle.thinnest, k_thin_m));
   }
   if (spec.drive) {
@@ -238,8 +240,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
       if (type.pushable)
         diagnostics.error(
             spec.drive->where,
-            fmt::format("type \"{}\" has a drive and is pushable: only what does not move by itself "
-                        "is pushed",
+            fmt::format("type \"{}\" has a drive and is pushable: only a type without a drive can be "
+                        "pushable",
                         spec.name));
     } else
       diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
@@ -252,10 +254,9 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
       continue;
     }
     if (const double samples = samples_asked_for(kind->params, sensor.params); samples > k_most_readings) {
-      diagnostics.error(
-          sensor.where,
-          fmt::format("too large: sensor \"{}\" has {:.0f} samples, at most {:.0f} are possible", sensor.name,
-                      samples, k_most_readings));
+      diagnostics.error(sensor.where,
+                        fmt::format("too large: sensor \"{}\" has {:.0f} samples, at most {:.0f} are allowed",
+                                    sensor.name, samples, k_most_readings));
       continue;
     }
     const auto joints = static_cast<std::int64_t>(kind->joints.size());
@@ -267,14 +268,14 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
                         fmt::format("device \"{}\" needs joints that its type does not have", sensor.kind));
       continue;
     }
-    // Readings are found, and hashed, by name.
+    // Readings are looked up, and hashed, by name, so the name must be unique.
     std::string name = sensor.name;
     for (int n = 2; std::ranges::find(type.devices, name, &BodyType::Device::name) != type.devices.end(); ++n)
       name = fmt::format("{}#{}", sensor.name, n);
     if (name != sensor.name) {
       diagnostics.warning(
           sensor.where,
-          fmt::format("a second sensor \"{}\" of one robot: it is called \"{}\"", sensor.name, name));
+          fmt::format("the robot already has a sensor \"{}\": this one is named \"{}\"", sensor.name, name));
     }
     const std::uint32_t stream = stream_id(kind->name, name);
     Result<DeviceKind::Prepared> prepared = prepare_device(*kind, sensor, world, spec);
@@ -296,11 +297,11 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     type.joint_reach += type.devices.back().prepared.joint_reach_m;
     if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
-  constexpr double k_most_reach = 1000;  // m: the circle about a body lies in every cell that it touches
+  constexpr double k_most_reach = 1000;  // m: a body's circle is stored in every grid cell that it touches
   if (!(type.joint_reach <= k_most_reach))
     diagnostics.error(
         spec.parts.front().where,
-        fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are possible",
+        fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are allowed",
                     spec.name, type.joint_reach, k_most_reach));
   connect_supplies(spec, registry, type, diagnostics);
 
@@ -327,7 +328,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     ControllerKind::Prepared& prepared = *made;
     if (prepared.devices.size() > k_most_devices_read) {
       diagnostics.error(controller.where,
-                        fmt::format("controller \"{}\" reads {} sensors; at most {} are possible",
+                        fmt::format("controller \"{}\" reads {} sensors; at most {} are allowed",
                                     controller.kind, prepared.devices.size(), k_most_devices_read));
       continue;
     }

@@ -13,112 +13,115 @@
 
 namespace troupe::engine {
 
-/// A closed outline that rays may meet: vertices [first, first + count) of the type.
+/// A closed outline that rays may hit: vertices [first, first + count) of the type.
 struct RayOutline {
   std::uint32_t first = 0;  ///< index of its first vertex in BodyType::outline_vertices
   std::uint32_t count = 0;  ///< vertices, at least one
   ZInterval z;              ///< body frame
-  /// Intensity that rangers read, Returns::ranger; below 0 of outlines that they pass.
+  /// Intensity that rangers read (Returns::ranger); negative if their beams pass through the outline.
   float ranger_return = 1;
-  std::uint32_t part = 0;        ///< that it is of
-  std::uint32_t solid = 0;       ///< of the type: contours of one number are one even-odd region
-  std::int32_t joint = k_rigid;  ///< of the type, that it moves with
+  std::uint32_t part = 0;        ///< index of its part in the type
+  std::uint32_t solid = 0;       ///< index in the type: contours of one solid form one even-odd region
+  std::int32_t joint = k_rigid;  ///< index of the joint that moves it
 };
 
-/// A TypeSpec made ready to run: what identical bodies share and never changes during a run.
+/// A compiled TypeSpec: what identical bodies share. It is constant during a run, except for settings of
+/// parameters (SettingSpec).
 struct BodyType {
   std::string name;                           ///< TypeSpec::name
   partition::ObstacleShape obstacle;          ///< with every joint at rest
-  std::vector<std::int32_t> obstacle_joints;  ///< of its pieces; empty where the type has no joints
-  partition::ObstacleShape grip;              ///< what grippers feel; empty where they cannot take it
-  std::vector<Vec2> outline_vertices;         ///< body frame
-  std::vector<RayOutline> outlines;           ///< that rangers see; their vertices come first
-  std::vector<RayOutline> hidden_outlines;    ///< that rangers do not: fiducial finders and others do
-  /// Of the circle about the origin that encloses every outline, obstacle and target of fiducial finders, m.
+  std::vector<std::int32_t> obstacle_joints;  ///< joint of each piece; empty if the type has no joints
+  partition::ObstacleShape grip;            ///< shape that grippers sense; empty if they cannot grip the body
+  std::vector<Vec2> outline_vertices;       ///< body frame
+  std::vector<RayOutline> outlines;         ///< visible to rangers; their vertices come first
+  std::vector<RayOutline> hidden_outlines;  ///< invisible to rangers, but not to fiducial finders and others
+  /// Radius of the circle about the origin that encloses every outline, obstacle and fiducial target, m.
   double radius = 0;                   ///< with every joint at rest
-  double joint_reach = 0;              ///< by how much joints are known to widen it, m
-  std::vector<std::uint32_t> targets;  ///< parts that fiducial finders find
+  double joint_reach = 0;              ///< bound on how far joints extend `radius`, m
+  std::vector<std::uint32_t> targets;  ///< parts that fiducial finders detect
 
-  /// A JointSpec made ready to run.
+  /// A compiled JointSpec.
   struct Joint {
-    std::string name;       ///< of its component, `joint/<name>`
-    std::int32_t parent;    ///< index of the joint that it stands on, which comes before it; k_rigid: none
-    Mount at_rest;          ///< in the body's frame, as is
-    Mount to_body;          ///< its inverse
-    std::size_t table = 0;  ///< where it is: index into World::tables()
+    std::string name;       ///< its component is `joint/<name>`
+    std::int32_t parent;    ///< index of its parent joint, which precedes it; k_rigid: none
+    Mount at_rest;          ///< in the body frame
+    Mount to_body;          ///< inverse of `at_rest`
+    std::size_t table = 0;  ///< of its positions: index into World::tables()
   };
   std::vector<Joint> joints;  ///< in the order of TypeSpec::joints
 
-  /// A DriveSpec made ready to run.
+  /// A compiled DriveSpec.
   struct Drive {
     const DriveKind* kind;                                     ///< in the registry
-    std::any data;                                             ///< what the kind prepared
+    std::any data;                                             ///< result of DriveKind::prepare
     std::uint64_t period;                                      ///< ticks
-    Localization localization;                                 ///< how its robots know where they are
+    Localization localization;                                 ///< how its robots estimate their poses
     std::optional<std::size_t> odometry_table = std::nullopt;  ///< index into World::tables()
-    std::optional<std::size_t> supply = std::nullopt;          ///< what it runs on: index into `devices`
-    std::uint8_t pushes = 0;                                   ///< how many bodies it pushes at once
+    std::optional<std::size_t> supply = std::nullopt;          ///< its power supply: index into `devices`
+    std::uint8_t pushes = 0;                                   ///< most bodies that it pushes at once
   };
-  std::optional<Drive> drive;  ///< none: bodies of the type do not move by themselves
-  bool pushable = false;       ///< robots push it; it has no drive
+  std::optional<Drive> drive;  ///< none: bodies of the type do not move on their own
+  bool pushable = false;       ///< robots can push it; it has no drive
 
-  /// A DeviceSpec made ready to run.
+  /// A compiled DeviceSpec.
   struct Device {
     std::string name;                          ///< DeviceSpec::name
     const DeviceKind* kind;                    ///< in the registry
-    DeviceKind::Prepared prepared;             ///< what the kind prepared from its parameters
+    DeviceKind::Prepared prepared;             ///< result of DeviceKind::prepare
     std::uint64_t period;                      ///< ticks
-    bool active;                               ///< runs: always on, or a controller reads it
-    std::uint32_t part;                        ///< that carries it
-    std::int32_t joint;                        ///< of the type, that it stands on
+    bool active;                               ///< it runs: always on, or read by a controller
+    std::uint32_t part;                        ///< part that carries it: index in the type
+    std::int32_t joint;                        ///< joint that it is mounted on: index in the type
     std::int32_t moves;                        ///< first of the joints that it moves
     std::uint32_t stream;                      ///< of its random numbers
-    std::optional<std::size_t> supply;         ///< what it runs on: index into `devices`
-    std::size_t table = 0;                     ///< its percepts: index into World::tables()
-    std::optional<std::size_t> command_table;  ///< what is asked of it: index into World::tables()
+    std::optional<std::size_t> supply;         ///< its power supply: index into `devices`
+    std::size_t table = 0;                     ///< of its percepts: index into World::tables()
+    std::optional<std::size_t> command_table;  ///< of its commands: index into World::tables()
     std::uint32_t switch_bit = 0;              ///< in Command::off; 0: no controller switches it
   };
   std::vector<Device> devices;  ///< in the order of TypeSpec::devices
   std::vector<std::size_t>
-      joint_devices;     ///< those that move joints: the devices that stand on them come later
+      joint_devices;     ///< those that move joints, before the devices mounted on those joints
   bool carries = false;  ///< a device can pick up other bodies
 
-  /// A ControllerSpec made ready to run.
+  /// A compiled ControllerSpec.
   struct Controller {
     const ControllerKind* kind;        ///< in the registry
-    std::any data;                     ///< what the kind prepared from its parameters
+    std::any data;                     ///< result of ControllerKind::prepare
     std::vector<std::size_t> devices;  ///< indices into `devices`; the first is the trigger
     std::uint64_t period;              ///< ticks
     std::uint32_t stream;              ///< of its random numbers
-    std::optional<std::size_t> table;  ///< its memories: index into World::tables()
-    std::optional<std::size_t> drive;  ///< that it commands: index into `devices`; none: the body's
+    std::optional<std::size_t> table;  ///< of its memories: index into World::tables()
+    std::optional<std::size_t> drive;  ///< drive that it commands: index into `devices`; none: the body's
   };
   std::vector<Controller> controllers;  ///< in the order of TypeSpec::controllers
 
-  /// What a body of this type takes: readings, memories and its outline.
+  /// Estimated memory per body, bytes: readings, memories and its outline.
   double row_bytes() const;
-  /// Whether bodies of the type have a row: they can move, be moved, sense or decide.
+  /// Whether bodies of the type have a row: they move, can be moved, sense or decide.
   bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty() || pushable; }
-  /// Whether their obstacle shape changes.
+  /// Whether the obstacle shape of a body can change.
   bool is_composite() const { return !joints.empty() || carries; }
 };
 
-/// What a device's memory grows with, known before any is taken: the sum of its parameters that count
-/// readings (Field::counts_readings), also in lists of blocks.
+/// The number of readings that the parameters of a device ask for, known before memory is allocated: the sum
+/// of the parameters that count readings (Field::counts_readings), including those in lists of blocks.
 double samples_asked_for(const FieldTable& table, const Record& params);
 
-/// Makes a device of a type; or says what is wrong with it, also where its kind throws.
+/// Prepares a device of a type. The error says what is wrong with it, or what its kind threw.
 Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
                                             const WorldSpec& world, const TypeSpec& spec);
 
-/// Makes a controller for a type whose devices are made. It is shown those below its part only, and chooses
-/// among them; or says why it cannot have what it needs, also where its kind throws.
+/// Prepares a controller for a type whose devices are prepared. It chooses among the devices of its part and
+/// of the parts mounted on it, drives excluded, and marks those it claims. The error says what it lacks, or
+/// what its kind threw.
 Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const ControllerSpec& controller, const WorldSpec& world,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed);
 
-/// Reports what cannot be built (unknown kinds, controllers without their sensors) at the spec's places.
+/// Compiles a type. Reports what cannot be built (unknown kinds, controllers without their sensors) at the
+/// file positions of the spec.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 

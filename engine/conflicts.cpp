@@ -20,18 +20,18 @@ using partition::BodyCircle;
 using partition::ObstacleShape;
 using partition::PlacedShape;
 
-constexpr std::size_t k_batch = 128;  // rows a task
-constexpr std::size_t k_listed =
-    64;  // others that a row may list; with more it looks at all again each round
+constexpr std::size_t k_batch = 128;  // rows per task
+// The most dependencies that a row lists. A row with more repeats its geometric tests in each round.
+constexpr std::size_t k_listed = 64;
 constexpr std::uint32_t k_unlisted = ~0u;
 
-// A motion that is longer than this is far. A few bodies with far motions are looked at one by one, so that
-// they do not widen everybody's search.
+// A longer motion is called far. A few bodies with far motions are tested one by one, because they would
+// otherwise widen the search of every body.
 constexpr double k_far_m = 0.5;
 
 std::atomic_ref<std::uint32_t> atomic(std::uint32_t& value) { return std::atomic_ref(value); }
 
-/// Raises a maximum of non-negative numbers, whose bits are ordered as they are.
+/// Raises an atomic maximum of non-negative numbers, whose bit patterns have the order of their values.
 void raise(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
@@ -44,20 +44,21 @@ double value_of(const std::atomic<std::uint64_t>& most) {
 
 std::size_t motion_samples(double displacement, double thinnest) {
   const double samples = displacement / (0.25 * thinnest);
-  constexpr double k_most = 1e6;  // a needle at absurd speed must not hang the step
+  constexpr double k_most = 1e6;  // a needle at an absurd speed must not stall the step
   const double n = samples < k_most ? samples : k_most;
   const auto whole = static_cast<std::size_t>(n);
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
 }
 
-/// A row that proposes a motion. What only some need is worked out when it is first asked for.
+/// A row that proposes a motion. Samples and placed shapes are computed on first use: only some rows need
+/// them.
 class Mover {
  public:
   Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
       : row(r), from(crowd.poses[r]), motion(crowd.motions[r]), shape(*crowd.shapes[r]), crowd_(crowd) {}
 
   double length() const { return (motion.to.position() - from.position()).norm(); }
-  /// No vertex is ever farther from where it was, m.
+  /// Upper bound, m, on how far any vertex gets from its old place during the motion.
   double displacement() const { return length() + shape.radius * std::abs(motion.turn); }
 
   std::size_t samples() {
@@ -87,8 +88,8 @@ class Mover {
   std::optional<PlacedShape> there_;
 };
 
-/// The samples of a motion at which its origin may lie within `reach` of a point, and some to either side;
-/// none: first > last. For slow motions that is all of them; a fast one takes thousands.
+/// The first and the last sample of a motion at which its origin may lie within `reach` of a point, with a
+/// margin to either side; none: first > last. Short motions return all samples; a fast motion has thousands.
 std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
   constexpr std::size_t k_few = 8;
   const std::size_t n = mover.samples();
@@ -103,7 +104,7 @@ std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point
   return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
 }
 
-/// Numbers of which there are hardly ever many.
+/// A list of numbers that allocates only beyond 512 of them, which is rare.
 class Few {
  public:
   void add(std::uint32_t n) {
@@ -126,17 +127,17 @@ class Few {
   std::size_t count_ = 0;
 };
 
-/// A body that is being pushed.
+/// A body that is being pushed, with its positions, m, world frame.
 struct Pushed {
   std::uint32_t row;
-  Vec2 before;  // the motion
-  Vec2 last;    // at the pose before
+  Vec2 before;  // before the motion
+  Vec2 last;    // at the previous sample of the motion
   Vec2 now;
 };
 
 }  // namespace
 
-/// One tick's settling, as all threads see it.
+/// The resolution of one tick, shared by all threads.
 class Conflicts::Settling {
  public:
   Settling(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
@@ -148,7 +149,7 @@ class Conflicts::Settling {
         round_(conflicts.base_ + 1),
         mixture_(mix(crowd.seed, crowd.tick)) {}
 
-  /// Before the first round: how far out to look for those who may come near.
+  /// Before the first round: finds the longest motions, which say how far to search for neighbours.
   void measure(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
@@ -173,7 +174,8 @@ class Conflicts::Settling {
     conflicts_.longest_ = sqrt(std::max(longest2, value_of(longest_far2_))) + partition::k_rounding_m;
   }
 
-  /// First round: the static scene, and all who are sure to stand where they are when this body's turn comes.
+  /// First round: tests the static scene and every other body. Resolves the row unless its outcome depends on
+  /// whether bodies of higher priority move.
   void first_look(std::uint32_t row) {
     const Motion& motion = crowd_.motions[row];
     if (!motion.moves) return;
@@ -202,10 +204,10 @@ class Conflicts::Settling {
     wait(conflicts_.waiting_.get(), waiting);
   }
 
-  /// Further rounds: resolves each body that waits only for bodies that earlier rounds resolved, and each
-  /// that is blocked whatever the others do. Among the waiting bodies the one of highest priority is always
-  /// resolved, so this ends. A round reads only what earlier rounds resolved, so the number of rounds is the
-  /// same on any number of threads, too.
+  /// Further rounds: resolves each body that depends only on bodies that earlier rounds resolved, and each
+  /// body that a resolved body blocks. Among the waiting bodies the one of highest priority is always
+  /// resolved, so the rounds end. A round reads only outcomes of earlier rounds, so the number of rounds,
+  /// too, is the same on any number of threads.
   void look_again(const Waiting& waiting) {
     if (waiting.count == k_in_zone) return look_in_zone(waiting.row, conflicts_.still_waiting_.get());
     bool open = false;
@@ -231,23 +233,23 @@ class Conflicts::Settling {
       wait(conflicts_.still_waiting_.get(), waiting);
   }
   std::size_t push_count() const { return push_count_; }
-  /// How many wait, and on to the next round.
+  /// Begins the next round. Returns the number of waiting rows.
   std::size_t next_round() {
     ++round_;
     return waiting_count_.exchange(0, std::memory_order_relaxed);
   }
   std::uint32_t round() const { return round_; }
 
-  // ---- where something can be pushed
+  // ---- Only if the world has pushable bodies
 
-  /// How far out to look for those whose zones may meet.
+  /// Finds the largest zone, which says how far to search for overlapping zones.
   void measure_zones(std::size_t first, std::size_t last) {
     double largest = 0;
     for (std::size_t row = first; row < last; ++row)
       if (is_mover(row)) largest = std::max(largest, zone_radius(row));
     raise(largest_zone_, largest);
   }
-  /// Whether a pushable body stands in the row's zone.
+  /// Sets the row's zone to `pushes` if a pushable body is in it, else to `plain`.
   void find_zone(std::uint32_t row) {
     Zone& zone = conflicts_.zones_[row];
     zone = Zone::plain;
@@ -261,7 +263,7 @@ class Conflicts::Settling {
         zone = Zone::pushes;
     });
   }
-  /// Whether any robot may push a body into the zone of a row that has none in it.
+  /// Changes a plain zone to `may_push` if it overlaps a zone with a pushable body, which may be pushed in.
   void widen_zone(std::uint32_t row) {
     Zone& zone = conflicts_.zones_[row];
     if (zone != Zone::plain || !is_mover(row)) return;
@@ -280,7 +282,8 @@ class Conflicts::Settling {
     if (scene_refuses(mover)) return settle(row, Outcome::refused);
     look_in_zone(row, conflicts_.waiting_.get());
   }
-  /// All of higher priority whose zones meet this one come first. list: of those who wait for them.
+  /// Resolves the row if all movers of higher priority whose zones overlap its own are resolved. Else appends
+  /// it to `list`, the rows that wait.
   void look_in_zone(std::uint32_t row, Waiting* list) {
     bool open = false;
     for_each_zone(row, [&](std::uint32_t other) {
@@ -300,15 +303,16 @@ class Conflicts::Settling {
   bool is_mover(std::size_t row) const {
     return crowd_.motions[row].moves && !crowd_.shapes[row]->empty() && !leaves_world(crowd_.motions[row]);
   }
-  /// Of the circle about where the row stands that holds the whole motion and whatever it may push, wherever
-  /// that is pushed: each of them touches one that was met before it.
+  /// Radius of the row's zone: the circle about its old position that holds the whole motion and every body
+  /// that it may push, at each place on its way. The bound holds because each pushed body touches the mover
+  /// or one that was met before it.
   double zone_radius(std::size_t row) const {
-    constexpr double k_slack_m = 1e-6;  // of k_rounding_m each time that something is shifted
+    constexpr double k_slack_m = 1e-6;  // each shift adds k_rounding_m
     const double length = sqrt(length2_of(row));
     return length + crowd_.shapes[row]->radius + 2 * crowd_.pushables.limits[row] * crowd_.pushables.radius +
            k_slack_m;
   }
-  /// visit(row) for all other movers whose zones meet the row's.
+  /// Calls visit(row) for all other movers whose zones overlap the row's.
   template <class Visit>
   void for_each_zone(std::uint32_t row, Visit&& visit) const {
     const Vec2 at = crowd_.poses[row].position();
@@ -324,7 +328,7 @@ class Conflicts::Settling {
     return s / k_outcomes > conflicts_.base_ && s / k_outcomes < round_;
   }
 
-  /// Where a body is now that all that comes before `mover`, and may matter to it, is settled.
+  /// Place of a body at the turn of `mover`: all that comes before it, and may matter to it, is resolved.
   struct Place {
     Transform at;
     double z;
@@ -341,18 +345,18 @@ class Conflicts::Settling {
   }
   std::span<const Push> pushes_before(const Mover& mover, std::uint32_t row) const {
     if (is_plain(row) || !has_moved_before(mover, row)) return {};
-    // Whose zone does not meet the mover's may be being settled just now.
+    // A row whose zone does not overlap the mover's may be under resolution on another thread right now.
     if (!partition::in_reach(mover.from.position(), zone_radius(mover.row), crowd_.poses[row].position(),
                              zone_radius(row)))
       return {};
     const PushesOf& of = conflicts_.pushes_of_[row];
     return {conflicts_.pushes_.data() + of.first, of.count};
   }
-  /// From 1; 0: none.
+  /// Number of the row's last push, counted from 1; 0: none.
   std::uint32_t last_push(std::uint32_t row) const {
     return atomic(conflicts_.pushed_last_[row]).load(std::memory_order_acquire);
   }
-  /// Of a pushable body.
+  /// Current position of a pushable body.
   Vec2 position_now(std::uint32_t row) const {
     const std::uint32_t push = last_push(row);
     return push == 0 ? crowd_.transforms[row].position : conflicts_.pushes_[push - 1].position;
@@ -365,14 +369,14 @@ class Conflicts::Settling {
     return goes_first(a, b) ? overlap(at_a, at_b) : overlap(at_b, at_a);
   }
 
-  /// Whether the motion is free, or becomes so by pushing; then what is pushed is where it was pushed to.
+  /// Whether the motion is free, or becomes free by pushing. If so, records the pushes.
   bool push(Mover& mover) {
     const std::size_t limit = crowd_.pushables.limits[mover.row];
     const Vec2 from = mover.from.position();
     const double reach = zone_radius(mover.row);
     conflicts_.pushes_of_[mover.row] = {};
-    Few bodies;  // that do not give way
-    Few others;  // that do
+    Few bodies;  // these do not give way
+    Few others;  // these do
     const auto add = [&](std::uint32_t row) {
       const Place now = place_now(mover, row);
       if (!partition::in_reach(from, reach, now.at.position, crowd_.shapes[row]->radius)) return;
@@ -381,7 +385,8 @@ class Conflicts::Settling {
           !meet(mover.row, mover.here(), row, PlacedShape(*crowd_.shapes[row], now.at, now.z));
       (gives_way ? others : bodies).add(row);
     };
-    // What was pushed already is found with those who pushed it last: it may have come from afar.
+    // A body that was pushed already is found through the row that pushed it last: the index holds its old
+    // place, which may be far away.
     index_.for_each_near(Box::around(from, reach + value_of(largest_zone_)), [&](const BodyCircle& circle) {
       const std::uint32_t row = circle.row;
       if (row == mover.row || crowd_.shapes[row]->empty()) return;
@@ -428,10 +433,11 @@ class Conflicts::Settling {
     return true;
   }
 
-  /// Shifts what overlaps the mover there, and what overlaps that, until nothing does.
+  /// Shifts the bodies that overlap the mover at this pose, then those that overlap the shifted bodies, until
+  /// no bodies overlap. False if that needs too many bodies or passes.
   bool make_way(std::uint32_t row, const PlacedShape& mover, std::span<const std::uint32_t> pushable,
                 std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
-    /// What `by` overlaps, of those that were met after it.
+    /// Shifts the bodies that `by` overlaps, except those that were met before it.
     const auto shift = [&](std::uint32_t by, const PlacedShape& at, std::size_t after, bool& shifted) {
       for (const std::uint32_t other : pushable) {
         if (other == by) continue;
@@ -515,7 +521,7 @@ class Conflicts::Settling {
     list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
   }
 
-  /// True where the row's free circle holds the whole motion. Searches for the circle again if that may help.
+  /// Whether the row's free circle holds the whole motion. Computes a new circle if that may help.
   bool clear_of_scene(Mover& mover) const {
     FreeCircle& free = crowd_.free[mover.row];
     const auto holds = [&](const Vec2& p) {
@@ -525,11 +531,12 @@ class Conflicts::Settling {
     const Vec2 from = mover.from.position();
     const Vec2 to = mover.motion.to.position();
     if (holds(from) && holds(to)) return true;
-    // From the circle's centre to here the scene came nearer or went farther by no more than the way between.
+    // The distance to the scene changes by at most the distance travelled since the circle was computed. If
+    // even that cannot suffice, a new circle would be too small as well.
     const double needed = mover.shape.radius + mover.length();
     const double gone = (from - Vec2(free.x, free.y)).norm();
     if (free.radius > 0 && free.radius + gone < needed) return false;
-    constexpr double k_ticks = 32;  // so long the new circle shall last: a longer one costs more to make
+    constexpr double k_ticks = 32;  // intended life of the new circle; a larger circle costs more to compute
     const double clearance = scene_.clearance(from, 2 * mover.shape.radius + k_ticks * mover.length());
     const double rounding = 0x1p-23 * (std::abs(from.x()) + std::abs(from.y()) + clearance) + 1e-9;
     free = {static_cast<float>(from.x()), static_cast<float>(from.y()),
@@ -539,7 +546,7 @@ class Conflicts::Settling {
 
   bool scene_refuses(Mover& mover) const {
     if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
-    // A body in a floor plan crosses many of its edges: one answer for all of them.
+    // A body in a floor plan crosses many edges of one solid: the answer is computed once per solid.
     std::uint32_t known = ~0u;
     const auto already_in = [&](std::uint32_t solid) {
       if (solid == known) return true;
@@ -553,20 +560,20 @@ class Conflicts::Settling {
     return scene_.crossed(mover.there(), already_in) >= 0;
   }
 
-  /// visit(row) for all whose motions may come near that of the mover, and some more; of many, some perhaps
-  /// more than once.
+  /// Calls visit(row) for all bodies whose motions may come near that of the mover, and for some others. May
+  /// visit a row twice if there are many.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();
     const Vec2 to = mover.motion.to.position();
     const Vec2 middle = 0.5 * (from + to);
-    // A circle about the whole motion, widened by the longest of theirs and by what rounding may take.
+    // A circle about the whole motion, widened by the longest motion of the others and by a rounding bound.
     const double around = 0.5 * (to - from).norm() + mover.shape.radius + longest_;
     const double rounding = 0x1p-23 * (std::abs(middle.x()) + std::abs(middle.y()));
     const auto reach = static_cast<float>((around + rounding) * (1 + 0x1p-20));
     const auto x = static_cast<float>(middle.x());
     const auto y = static_cast<float>(middle.y());
-    const bool has_wide = index_.has_wide();  // they lie in several cells
+    const bool has_wide = index_.has_wide();  // a wide body lies in several cells
     std::array<std::uint32_t, 32> visited;
     std::size_t visits = 0;
     const auto is_repeat = [&](std::uint32_t row) {
@@ -575,7 +582,7 @@ class Conflicts::Settling {
       return false;
     };
     index_.for_each_run(Box::around(middle, around), [&](std::span<const BodyCircle> run) {
-      // Sifted without branches, which would be unpredictable; hardly any circle passes.
+      // The filter has no branches: they would be unpredictable. Hardly any circle passes.
       std::array<std::uint32_t, 64> near;
       while (!run.empty()) {
         const std::size_t some = std::min(run.size(), near.size());
@@ -599,9 +606,9 @@ class Conflicts::Settling {
     return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
   }
 
-  /// Whether the row must stay for a body that surely refuses it, or one of which depends(row, refuses once
-  /// it has moved?) says so. That is asked of bodies of higher priority that move, and refuse at one of their
-  /// poses only.
+  /// Whether another body blocks the mover: it does so in any case, or depends(row, blocks_at_its_new_pose)
+  /// returns true. `depends` is called for moving bodies of higher priority that block at exactly one of
+  /// their two poses.
   template <class Depends>
   bool refused_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
@@ -622,15 +629,15 @@ class Conflicts::Settling {
     return refused;
   }
 
-  /// False only where no part of the mover comes near any of another shape in its whole motion: most of what
-  /// comes near a body of many parts does not come near one of them.
+  /// False only if no piece of the mover comes near any piece of another shape during the whole motion. Saves
+  /// exact tests: most bodies near a shape of many pieces are not near any single piece.
   bool parts_come_near(const Mover& mover, const ObstacleShape& shape, const Transform& at) const {
     if (mover.shape.pieces.size() == 1 && shape.pieces.size() == 1) return true;
     return partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
                                       mover.displacement() + partition::k_rounding_m);
   }
 
-  /// Does `other`, standing there, refuse the motion?
+  /// Whether `other`, at height z and transform `at`, blocks the motion.
   bool refuses(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
     const ObstacleShape& shape = *crowd_.shapes[other];
     const bool first = crowd_.ids[mover.row] < crowd_.ids[other];
@@ -659,11 +666,11 @@ class Conflicts::Settling {
   const partition::BodyIndex& index_;
   std::uint32_t round_;
   std::uint64_t mixture_;
-  std::atomic<std::uint64_t> longest2_ = 0;  // bits of squares, m^2: of the motions that are not far
+  std::atomic<std::uint64_t> longest2_ = 0;  // bits of a squared length, m^2, of the motions that are not far
   std::atomic<std::uint64_t> longest_far2_ = 0;
   std::atomic<std::size_t> far_count_ = 0;
-  std::span<const std::uint32_t> far_;  // rows that are looked at one by one
-  double longest_ = 0;                  // m, of those found through the index
+  std::span<const std::uint32_t> far_;  // rows that are tested one by one
+  double longest_ = 0;                  // m, of the motions found through the index
   std::atomic<std::size_t> waiting_count_ = 0;
   std::atomic<std::uint32_t> others_count_ = 0;
   std::atomic<std::uint64_t> largest_zone_ = 0;  // bits of a radius, m
@@ -708,7 +715,7 @@ void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
   reserve(rows, crowd.pushables);
   for (const Push& push : pushes()) pushed_last_[push.row] = 0;
   push_count_ = 0;
-  constexpr std::uint32_t k_last_round = 1u << 29;  // after some years
+  constexpr std::uint32_t k_last_round = 1u << 29;  // reached after some years
   if (base_ + rounds_ > k_last_round) {
     std::ranges::fill(settled_, 0);
     base_ = 0;

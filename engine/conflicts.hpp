@@ -13,158 +13,164 @@
 
 namespace troupe::engine {
 
-/// A motion that a body proposes for one tick. The rest means nothing where it does not move.
+/// A motion that a body proposes for one tick. The other members are meaningless if `moves` is false.
 struct Motion {
-  Pose to;             ///< where it would go, world frame
+  Pose to;             ///< proposed pose, world frame
   Rotation rotation;   ///< of `to`
-  double turn = 0;     ///< rad, from where it stands; not wrapped
-  bool moves = false;  ///< false: it proposes to stay
+  double turn = 0;     ///< rad, relative to the old heading; not wrapped
+  bool moves = false;  ///< false: the body proposes to stay
 
-  Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, height left out
+  Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, without the height
 };
 
-/// A circle that no edge of a static obstacle meets, m, world frame.
+/// A circle that no edge of a static obstacle crosses, m, world frame.
 struct FreeCircle {
   float x = 0;       ///< centre
   float y = 0;       ///< centre
-  float radius = 0;  ///< 0: nothing is known yet
+  float radius = 0;  ///< 0: not yet known
 };
 
-/// The most bodies that one may push at once.
+/// The largest number of bodies that a body may push at once.
 inline constexpr std::size_t k_most_pushed = 16;
 
-/// Which rows can be pushed, and how many of them each row can push at once. One entry a row in both spans;
-/// empty where nothing in the world can be pushed.
+/// Which rows can be pushed, and how many bodies each row can push at once. One entry per row in both spans;
+/// both are empty if the world has no pushable bodies.
 struct Pushables {
   std::span<const std::uint8_t> is_pushable;  ///< 1: the row can be pushed
   std::span<const std::uint8_t> limits;       ///< at most k_most_pushed
-  double radius = 0;                          ///< of the largest that can be pushed, m
-  double thinnest = 0;                        ///< of the parts of all that can be pushed, m
-  std::size_t most = 0;                       ///< the limits taken together
+  double radius = 0;                          ///< of the largest pushable body, m
+  double thinnest = 0;                        ///< part of all pushable bodies, m
+  std::size_t most = 0;                       ///< sum of `limits`
 
-  bool any() const { return !is_pushable.empty(); }  ///< whether anything in the world can be pushed
+  bool any() const { return !is_pushable.empty(); }  ///< whether the world has pushable bodies
 };
 
-/// Who may move this tick, and what is pushed.
+/// Decides which bodies move in a tick, and which bodies they push.
 ///
-/// rule    In the order of priority, a body takes its proposed pose if the motion there is free of the static
-///         scene and of every other body where that one is then: at its new pose if it went before and moved,
-///         else at its old one. Otherwise it stays where it was. Priority is mix(seed, tick, id), ties by id.
-///         Touching is free. A pair that overlaps at the mover's old pose never refuses a motion that takes
-///         their origins apart, and a static solid that the body already overlaps does not refuse.
-/// tested  at n = ceil(displacement / (thinnest part / 4)) poses, equally spaced, the last being `to` itself,
-///         and at most a million. The displacement is |translation| + radius * |turn|, which no vertex
-///         exceeds: from one pose to the next a body moves less than its parts are thick, so nothing of any
-///         thickness passes through it whole. Something thin may pass a corner of a part, by less than a
-///         quarter of the part's width.
-/// pushed  What can be pushed does not refuse a body that can push, unless they overlap already where that
-///         one stands: it gives way, or the whole motion is refused and nothing is moved. The body goes
-///         through n = ceil(displacement / (thinnest part of it and of all that can be pushed / 4)) equally
-///         spaced poses. At each of them it, and then each body that it pushes, in the order in which they
-///         were first met, shifts whatever it overlaps, in the order of their ids, by partition::way_out and
-///         k_rounding_m more: without a turn, and without going on by itself. Earlier ones push later ones,
-///         never the other way round. That is repeated until nothing overlaps, at most k_push_passes
-///         times. The motion is refused where it takes more bodies than the limit, or more passes; where one
-///         of them would be shifted from one pose to the next by more than half of its thinnest part; and
-///         where its new place is not within the bounds, not free of the static scene, or not free of every
-///         body that is not pushed, each where it is then (but for what it overlapped before: as above).
-///         Several may push one body in a tick, one after the other.
-/// result  that of the sequential rule, body for body, on any number of threads
-/// source  deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
-///         algorithms can be fast, PPoPP 2012. Of the bodies of higher priority that move too, a body depends
-///         on those that would refuse it at one of their two poses and not at the other. Nearly all have none
-///         and settle at once, the rest in a few rounds, which need no geometry any more. Who may come to
-///         push has a circle that holds all that it could touch or move; it is looked at when all of higher
-///         priority whose circles meet its own are settled.
-/// memory  grows with the rows alone: settling allocates when there are more of them than ever before
+/// rule    Bodies take turns in the order of priority. A body takes its proposed pose if the motion there is
+///         free of the static scene and of every other body. A body that had its turn and moved is tested at
+///         its new pose, any other at its old pose. If the motion is blocked, the body stays at its old pose.
+///         Priority is mix(seed, tick, id), the lowest first, ties by id. Touching is free. A body that
+///         overlaps the mover at the mover's old pose never blocks a motion that increases the distance
+///         between their origins. A static solid that the mover already overlaps never blocks it.
+/// samples A motion is tested at n = ceil(displacement / (thinnest part / 4)) equally spaced poses, the last
+///         being `to` itself, and at most a million. The displacement is |translation| + radius * |turn|,
+///         which no vertex exceeds. Between two consecutive poses a body moves less than the thickness of its
+///         parts, so no body of any thickness passes through it whole. A thin body may pass a corner of a
+///         part, by less than a quarter of the part's width.
+/// pushing A pushable body does not block a body that can push, unless the two overlap at the pusher's old
+///         pose. Either it gives way, or the whole motion is blocked and no body moves. The pusher goes
+///         through n = ceil(displacement / (thinnest part of it and of all pushable bodies / 4)) equally
+///         spaced poses. At each pose the pusher, and then each body that it pushes, in the order in which
+///         they were first met, shifts every body that it overlaps, in the order of their ids, by
+///         partition::way_out plus k_rounding_m. Pushed bodies do not turn and do not keep moving. Earlier
+///         bodies push later ones, never the reverse. This is repeated until no bodies overlap, at most
+///         k_push_passes times. The motion is blocked if it needs more bodies than the limit, or more passes;
+///         if a pushed body would be shifted by more than half of its thinnest part between two poses; or if
+///         its new position is out of bounds, not free of the static scene, or not free of every body that is
+///         not pushed, each at its pose of that turn (except for overlaps from before, as above). Several
+///         bodies may push the same body in a tick, one after another.
+/// result  The outcome of each body is that of the sequential rule, on any number of threads.
+/// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
+///         algorithms can be fast, PPoPP 2012. Among the moving bodies of higher priority, a body depends on
+///         those that would block it at exactly one of their two poses. Nearly all bodies depend on none and
+///         are resolved at once; the rest are resolved in a few rounds that need no geometry, unless a body
+///         has very many dependencies. A body that may come to push has a zone: a circle that holds all that
+///         it could touch or move. It is resolved after all bodies of higher priority whose zones overlap its
+///         own.
+/// memory  Grows with the number of rows. settle() allocates only when there are more rows than ever before,
+///         or when a pusher has more than 512 bodies in its zone.
 class Conflicts {
  public:
-  static constexpr int k_push_passes = 16;  ///< see `pushed`, above
+  static constexpr int k_push_passes = 16;  ///< see `pushing`, above
 
-  /// One entry a row in each span.
+  /// The bodies of a tick: one entry per row in each span.
   struct Crowd {
-    std::span<const Pose> poses;            ///< where they stand
-    std::span<const Transform> transforms;  ///< of the poses
-    std::span<const Motion> motions;        ///< what each proposes
-    /// What of each blocks others, in its own frame; empty: nothing.
+    std::span<const Pose> poses;            ///< old poses, world frame
+    std::span<const Transform> transforms;  ///< of `poses`
+    std::span<const Motion> motions;        ///< proposed motions
+    /// Obstacle shapes, body frame. A body with an empty shape blocks no other and is never blocked.
     std::span<const partition::ObstacleShape* const> shapes;
-    std::span<const std::uint32_t> ids;  ///< no two alike
-    /// What is known of the static scene around each: kept by the caller from tick to tick while the scene is
-    /// the same, and changed here. It is no state: starting again with empty circles gives the same outcomes.
+    std::span<const std::uint32_t> ids;  ///< unique
+    /// A cache: a circle about each row that is free of the static scene. The caller keeps it from tick to
+    /// tick as long as the scene is the same; settle() updates it. It is not state: starting again with empty
+    /// circles gives the same outcomes.
     std::span<FreeCircle> free;
     std::uint64_t seed = 1;    ///< of the world, for priorities
-    std::uint64_t tick = 0;    ///< the one under way, for priorities
-    Box bounds;                ///< motions that end outside are refused
+    std::uint64_t tick = 0;    ///< the current tick, for priorities
+    Box bounds;                ///< m, world frame; a motion that ends outside is out of bounds
     Pushables pushables = {};  ///< empty: no robot pushes
   };
 
-  /// A row that was pushed, and where it is now; it has kept its height and heading.
+  /// A pushed row and its new position. Its height and heading do not change.
   struct Push {
-    std::uint32_t row;  ///< of the body
+    std::uint32_t row;  ///< of the pushed body
     Vec2 position;      ///< m, world frame
   };
 
-  /// What became of a row's motion.
+  /// The outcome of a row's motion.
   enum class Outcome : std::uint8_t {
-    stands,   ///< it proposed none
-    moved,    ///< it is where it wanted to be
-    refused,  ///< something is in the way: it stays where it was
-    held,     ///< it would have left the world's bounds: it stays where it was
+    stands,   ///< it proposed no motion
+    moved,    ///< it is at its proposed pose
+    refused,  ///< blocked: it stays at its old pose
+    held,     ///< out of bounds: it stays at its old pose
   };
 
-  /// The index holds every row at its pose; rows that are not in it propose no motion.
+  /// Resolves all motions of a tick. The index holds every row at its pose; rows that are not in it must
+  /// propose no motion.
   void settle(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
               partition::Parallel& parallel);
 
-  /// Overwrites with junk whatever the next settling must not read: no outcome may change by it. For tests.
+  /// Overwrites with junk all data that the next resolution must not read, so that tests can show that no
+  /// outcome depends on it.
   void forget();
 
-  /// Of the last settling.
+  /// Outcome of a row in the last resolution.
   Outcome outcome(std::size_t row) const {
     return settled_[row] / k_outcomes > base_ ? static_cast<Outcome>(settled_[row] % k_outcomes)
                                               : Outcome::stands;
   }
-  /// Rounds of the last resolution: 1 where no body had to wait.
+  /// Rounds of the last resolution; 1 if no body had to wait.
   std::uint64_t rounds() const { return rounds_; }
-  /// No body's origin went farther in the last resolution, by itself or pushed, m.
+  /// Upper bound, m, on how far any body's origin moved in the last resolution, driven or pushed.
   double longest() const { return longest_; }
-  /// All pushes of the last settling, in any order; of one row perhaps several, of which one is_last.
+  /// All pushes of the last resolution, in any order. A row may have several, exactly one of which is_last.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }
-  /// Whether no later push moved the same row: its position is where the row ends. Only for elements of
-  /// pushes().
+  /// Whether this is the last push of its row, so that its position is final. Only for elements of pushes().
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
 
  private:
   class Settling;
-  /// A row that waits for others, which are listed at [first, first + count) of others_.
+  /// A row that waits for other rows, which are listed at [first, first + count) of others_.
   struct Waiting {
     std::uint32_t row;
     std::uint32_t first;
     std::uint32_t count;
   };
-  enum class Zone : std::uint8_t { plain, pushes, may_push };  ///< may: if others push something there
+  /// Whether pushable bodies are in a mover's zone: none, some, or none unless another body pushes some in.
+  enum class Zone : std::uint8_t { plain, pushes, may_push };
   static constexpr std::uint32_t k_outcomes = 4;
   static constexpr std::size_t k_few_far = 64;
 
   void reserve(std::size_t rows, const Pushables& pushables);
 
-  // round * k_outcomes + outcome, read and written atomically. Rounds are counted through all ticks, so that
-  // what an earlier tick left needs no wiping: it is not above base_.
+  // round * k_outcomes + outcome, read and written atomically. The round count continues from tick to tick,
+  // so entries of earlier ticks need not be cleared: their rounds do not exceed base_.
   std::vector<std::uint32_t> settled_;
   std::uint32_t base_ = 0;
   std::uint64_t rounds_ = 0;
   double longest_ = 0;
 
-  // Lists that threads append to, in any order: no outcome depends on it. Not touched where no body waits.
+  // Lists that threads append to, in any order: no outcome depends on it. Unused if no body waits.
   std::size_t reserved_ = 0;
   std::unique_ptr<Waiting[]> waiting_;
   std::unique_ptr<Waiting[]> still_waiting_;
-  std::unique_ptr<std::uint32_t[]> others_;  // 2 * row, + 1 where it refuses once it has moved
+  std::unique_ptr<std::uint32_t[]> others_;  // 2 * row, + 1 if the row blocks at its new pose
   std::array<std::uint32_t, k_few_far> far_;
 
-  // Only where something can be pushed. Each push is written once and never changed, so that who reads a
-  // place that another thread replaces finds the old or the new one whole.
-  /// What a row pushed: [first, first + count) of pushes_.
+  // Only used if bodies can be pushed. Each push is written once and never changed, so a thread that reads a
+  // position while another thread replaces it finds either the old or the new one, complete.
+  /// The pushes of a row: [first, first + count) of pushes_.
   struct PushesOf {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
@@ -174,7 +180,7 @@ class Conflicts {
   std::vector<Push> pushes_;
   std::size_t push_count_ = 0;
   std::vector<std::uint32_t>
-      pushed_last_;  // of a row, its last push, from 1; 0: none. Read and written atomically
+      pushed_last_;  // last push of each row, counted from 1; 0: none. Read and written atomically
 };
 
 }  // namespace troupe::engine

@@ -23,7 +23,7 @@
 namespace troupe::engine {
 namespace detail {
 
-/// True when no member is listed twice: with as many names as members, each is listed once then.
+/// True if no member is listed twice. With as many names as members, each member is then listed once.
 template <class Memory>
 constexpr bool lists_distinct_members() {
   Memory example{};
@@ -103,7 +103,7 @@ Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInf
         std::size_t d = 0;
         while (d < devices.size() && (devices[d].kind != kind || std::ranges::count(chosen, d) > 0)) ++d;
         if (d == devices.size())
-          return Error{(chosen.empty() ? "needs, on its robot: " : "needs, on its robot, one more: ") +
+          return Error{(chosen.empty() ? "needs a device of kind " : "needs one more device of kind ") +
                        std::string(kind)};
         chosen.push_back(d);
       }
@@ -171,7 +171,7 @@ std::vector<StateField> listed_fields() {
 
 }  // namespace detail
 
-/// The state fields of a memory struct, with their places in it: of one that is described, or that lists its
+/// The state fields of a memory struct, with their offsets in it. The struct is described, or lists its
 /// members with TROUPE_FIELDS.
 template <class Memory>
 std::vector<StateField> memory_fields() {
@@ -185,22 +185,22 @@ std::vector<StateField> memory_fields() {
   }
 }
 
-/// A controller kind from a class C, which has
+/// Makes a controller kind from a class C, which has
 ///
 ///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
-///     void operator()(const DecideBatch&) const;                            // for many at once
+///     void operator()(const DecideBatch&) const;                            // for a batch of robots
 ///
 /// and may have
 ///
-///     struct Params { ...; describe };            // its parameters; else it has none
-///     struct Memory { ...; TROUPE_FIELDS(...) };  // what it remembers of each robot; or described
-///     static constexpr bool needs_drive = false;  // else only what drives may have it
+///     struct Params { ...; describe };            // its parameters; default: none
+///     struct Memory { ...; TROUPE_FIELDS(...) };  // its memory of each robot; may be described instead
+///     static constexpr bool needs_drive = false;  // default: true, the robot must have a drive
 ///     static constexpr bool switches = true;      // it switches devices on and off
-///     static C make(const Params&);               // else it is C{params}; without Params, of no arguments
+///     static C make(const Params&);               // default: C{params}; without Params it has no argument
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
-///                                                 // else it uses all, and claims none
+///                                                 // default: uses all devices and claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
-///                                                 // without choose: kinds of the devices it uses, in order
+///                                                 // instead of choose: kinds of its devices, in order
 ///     Result<> look(const WorldSpec&, const TypeSpec&, std::uint32_t part);     // ControllerKind::look
 ///     static constexpr std::array<std::string_view, N> brings;                  // ControllerKind::brings
 template <class C>

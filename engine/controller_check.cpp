@@ -15,13 +15,13 @@
 namespace troupe::engine {
 namespace {
 
-// What storage that was never set holds, and what it holds the other time.
+// Fill bytes of unset storage: the first time, and the second.
 constexpr std::byte k_junk{0xa5};
 constexpr std::byte k_other_junk{0x5a};
-// No divisor of the step's own batches, so that each robot finds itself among others.
+// Not a divisor of the batch size of the step, so each robot is batched with other robots than before.
 constexpr std::size_t k_batch = 61;
 
-/// Leaves junk on the stack, where the next call will have its local variables.
+/// Leaves junk on the stack, where the next call places its local variables.
 [[gnu::noinline]] void spoil_stack() {
   std::array<volatile std::byte, 16384> below;
   for (volatile std::byte& byte : below) byte = k_junk;
@@ -36,7 +36,8 @@ std::string controller_name(const BodyType::Controller& controller, std::size_t 
   return fmt::format("{}/{}", controller.kind->name, number);
 }
 
-/// Each field of each controller once: the repetition that came first, the lowest body, and how many.
+/// Merges a finding: each field of each controller is reported once, with the repetition that found it first,
+/// the lowest body and the number of decisions.
 void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findings) {
   const auto known = std::ranges::find_if(findings, [&](const ControllerFinding& other) {
     return other.controller == finding.controller && other.field == finding.field;
@@ -50,10 +51,10 @@ void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findi
   }
 }
 
-/// A controller of a type once more, on a stack of junk: a type is made on what the making of its other parts
-/// has left there, which may be the same each time.
+/// Makes a controller of a type again, on a stack of junk. Without it, the stack would hold what the
+/// preparation of other parts left there, which may be the same each time.
 void make_afresh(const WorldSpec& world, const TypeSpec& spec, BodyType& type, std::size_t controller) {
-  std::vector<bool> claimed(type.devices.size(), false);  // by those before it
+  std::vector<bool> claimed(type.devices.size(), false);  // by earlier controllers
   for (std::size_t c = 0; c <= controller; ++c) {
     spoil_stack();
     Result<ControllerKind::Prepared> prepared =
@@ -76,7 +77,7 @@ std::string finding_text(const World& world, const ControllerFinding& finding) {
       case ControllerFinding::Repeat::again: return "when decided again";
       case ControllerFinding::Repeat::afresh: break;
     }
-    return "when decided by a controller made afresh";
+    return "when decided by a newly made controller";
   };
   std::string text =
       fmt::format("controller \"{}\": {} of \"{}\" (id {}) is {} {}, not {}", finding.controller,
@@ -139,13 +140,13 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
   return findings;
 }
 
-/// Settings are done between two ticks, in the order of their ticks: those of a tick concern the decisions of
-/// the next one. As when the world was built, a setting makes its own controller only.
+/// Settings take effect between two ticks, in the order of their ticks: those of a tick apply to the
+/// decisions of the next tick. As in the world itself, a setting makes only its own controller again.
 void ControllerCheck::follow_settings(std::uint64_t tick) {
   const WorldSpec& spec = world_.spec();
   const auto in_force = static_cast<std::size_t>(
       std::ranges::lower_bound(settings_, tick, {}, &Setting::tick) - settings_.begin());
-  if (type_specs_.empty() || in_force < followed_) {  // at first, and where the world was reset
+  if (type_specs_.empty() || in_force < followed_) {  // on the first call, and after a reset of the world
     followed_ = 0;
     type_specs_ = spec.types;
     for (std::size_t t = 0; t < fresh_types_.size(); ++t)
@@ -183,7 +184,7 @@ ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
   return watched;
 }
 
-/// On the world's workers, in place of the decision.
+/// Called on the world's workers, in place of the decision.
 void ControllerCheck::record(const BodyType& type, const BodyType::Controller& controller,
                              const DecideBatch& batch) {
   Watched& watched = watched_[static_cast<std::size_t>(&type - world_.types().data())]
@@ -235,7 +236,7 @@ std::size_t ControllerCheck::pending() const {
 }
 
 std::vector<ControllerFinding> ControllerCheck::repeat() {
-  restore_fp_environment();  // of a thread that we have not seen before
+  restore_fp_environment();  // the calling thread may never have set it
   follow_settings(world_.tick());
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
@@ -257,7 +258,7 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   return findings;
 }
 
-/// Into commands_ and written_, from copies of what the first time began with.
+/// Repeats into commands_ and written_, from copies of the inputs of the first time.
 void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& watched) {
   const Decisions& taken = watched.taken;
   DecideBatch batch = taken.given;

@@ -21,7 +21,7 @@ const void* at(const void* object, const Field& field) {
 }
 
 const MemberType& member_of(const Field& field) {
-  if (field.member == nullptr) contradicts(field.name, "is of no member of a struct");
+  if (field.member == nullptr) contradicts(field.name, "names no member of a struct");
   return *field.member;
 }
 
@@ -47,14 +47,14 @@ void say(Field& field, const Fact& fact) {
   }
 }
 
-/// Whether a record says what the defaults of its table say; what these leave open may be anything.
+/// Whether a record equals the defaults of its table in all fields that have one.
 bool is_default(const Record& record, const Record& defaults) {
   for (std::size_t i = 0; i < defaults.size(); ++i)
     if (defaults[i].given() && record[i] != defaults[i]) return false;
   return true;
 }
 
-/// What stands in for a member that is not given, by what it is in T{}.
+/// The default of a member that is not given, from its value in T{}.
 Value fallback_of(const Field& field, const void* example) {
   Value value = get(field, example);
   if (field.type == FieldType::record && field.record != nullptr && value.given() &&
@@ -117,7 +117,7 @@ void set_colors(std::vector<Color>& colors, const Value& value) {
 
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts) {
-  if (table.find(name) >= 0) contradicts(name, "gives two members this name");
+  if (table.find(name) >= 0) contradicts(name, "gives this name to two members");
   Field field{.name = name, .type = type.type, .min = type.min, .max = type.max, .columns = type.columns};
   field.choices.assign(type.choices.begin(), type.choices.end());
   field.record = type.table != nullptr ? &type.table() : nullptr;
@@ -130,20 +130,21 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
     required = required || fact.kind == Fact::Kind::required;
   }
   const bool is_number = field.type == FieldType::number || field.type == FieldType::numbers;
-  if (field.unit != Unit::none && !is_number) contradicts(name, "gives a unit to what is no number");
-  if (field.min > field.max) contradicts(name, "leaves no value between its limits");
+  if (field.unit != Unit::none && !is_number)
+    contradicts(name, "gives a unit to a member that is not a number");
+  if (field.min > field.max) contradicts(name, "has a lower limit above its upper limit");
   if (field.columns != type.columns && (field.type != FieldType::numbers || type.columns > 0))
-    contradicts(name, "gives it other columns than its type has");
-  if (required && field.optional) contradicts(name, "requires what is optional");
+    contradicts(name, "contradicts the number of columns of its type");
+  if (required && field.optional) contradicts(name, "requires an optional member");
   if (required && field.type == FieldType::record) contradicts(name, "requires a block that has defaults");
   Value fallback = fallback_of(field, object);
-  if (field.optional && fallback.given()) contradicts(name, "is of an optional that has a default");
+  if (field.optional && fallback.given()) contradicts(name, "has an optional member with a default");
   if (!required) field.fallback = std::move(fallback);
   table.fields.push_back(std::move(field));
 }
 
 void add_apart(FieldTable& table, std::string_view name) {
-  if (table.find(name) >= 0) contradicts(name, "gives two members this name");
+  if (table.find(name) >= 0) contradicts(name, "gives this name to two members");
   table.fields.push_back({.name = name});
 }
 
@@ -159,7 +160,7 @@ Value all_numbers(const MemberType& lists, const void* member) {
 
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member) {
   for (Field field : part.fields) {
-    if (table.find(field.name) >= 0) contradicts(field.name, "gives two members this name");
+    if (table.find(field.name) >= 0) contradicts(field.name, "gives this name to two members");
     if (field.fallback.given() || field.type == FieldType::record)
       field.fallback = fallback_of(field, member);
     field.offset += offset_of(object, member);
@@ -177,7 +178,7 @@ Value get(const Field& field, const void* object) {
   const std::size_t size = type.size(member);
   if (size == 0 && type.optional) return {};
   records.reserve(size);
-  for (std::size_t i = 0; i < size; ++i)  // block() is for both: this one only reads
+  for (std::size_t i = 0; i < size; ++i)  // block() takes a mutable pointer; here it only reads
     records.push_back(record_of(*field.record, type.block(const_cast<void*>(member), i)));
   return records;
 }
@@ -193,7 +194,7 @@ void set(const Field& field, void* object, const Value& value) {
   }
   const std::size_t size = value.given() ? value.records().size() : 0;
   if (type.resize != nullptr) {
-    type.resize(member, 0);  // what the records do not give is as in new structs
+    type.resize(member, 0);  // members that the records do not give get the defaults of new structs
     type.resize(member, size);
   }
   for (std::size_t i = 0; i < std::min(size, type.size(member)); ++i)

@@ -36,35 +36,37 @@
 ///       static constexpr void describe(engine::Description<Transducer>& d) {
 ///         using namespace engine::facts;
 ///         using enum engine::Unit;
-///         d.member<&Transducer::pose>("pose", "of the transducer in the sensor's frame");
+///         d.member<&Transducer::pose>("pose", "pose of the transducer in the sensor's frame");
 ///         d.member<&Transducer::range_max>("range_max", meters, above(0), at_most(10'000), "beam length");
-///         d.member<&Transducer::samples>("samples", within(1, 100'000), counts_readings, "beams");
-///         d.member<&Transducer::law>("law", "what stops it");
-///         d.member<&Transducer::gain>("gain", at_least(0), "that of the sensor where it is not given");
+///         d.member<&Transducer::samples>("samples", within(1, 100'000), counts_readings, "number of beams");
+///         d.member<&Transducer::law>("law", "shape of the obstacles");
+///         d.member<&Transducer::gain>("gain", at_least(0), "default: the gain of the sensor");
 ///       }
 ///     };
 ///
-/// `described<Transducer>()` is its table, `from_record<Transducer>(record)` the struct that a record fills,
-/// `to_record(transducer)` the record of a struct. A member that is not described, or is described twice,
-/// does not compile. Fields have the order of the description. A struct of another folder is described beside
-/// the code that needs it, by `constexpr void describe(Description<Pose>&)` in namespace troupe::engine.
+/// `described<Transducer>()` returns its table, `from_record<Transducer>(record)` makes the struct from a
+/// record, and `to_record(transducer)` a record from the struct. A member that is not described, or described
+/// twice, is a compile error. Fields have the order of the description. A struct of another folder can be
+/// described next to the code that needs it, by `constexpr void describe(Description<Pose>&)` in namespace
+/// troupe::engine.
 ///
 /// members   bool; integers; float, double; std::string; enums with names_of(Enum), in the order of their
 ///           values from 0; std::vector<double>; std::vector<std::string>; std::array and Eigen vectors of
 ///           numbers; Color, std::vector<Color>; Id; Pose and any other described struct (a record),
-///           std::vector of such (records); std::optional of any of these but lists; std::vector of Eigen
-///           vectors, and of such lists (numbers in lists of lists); Record (a record whose table the reader
-///           of the struct knows)
-/// defaults  those of T{}; a `required` member has none. A std::optional has none either, and may be missing
-/// limits    as described, and no wider than the member's type: what it cannot hold is refused
+///           std::vector of described structs (records); std::optional of any of these except lists;
+///           std::vector of Eigen vectors, and of such lists (numbers in lists of lists); Record (a record
+///           whose table the reader of the struct knows)
+/// defaults  Those of T{}. A `required` member has none; neither has a std::optional, which may be missing.
+/// limits    As described, and never wider than the range of the member's type. Other values are errors.
 ///
 /// A struct that is state (a controller's memory, a device's state or commands: memory_fields<T>()) is
-/// described in the same way. Its members are numbers, bools and arrays of them; its units and texts stand in
-/// recordings.
+/// described in the same way. Its members are numbers, bools and arrays of them. Recordings store its units
+/// and texts.
 
 namespace troupe::engine {
 
-// What is made of a type is hidden, here and below: two plug-ins of one process may have types of one name.
+// Templates instantiated for a type have hidden visibility: two plug-ins in one process may have types of the
+// same name, and the dynamic linker would merge them.
 #define TROUPE_OF_TYPE [[gnu::visibility("hidden")]]
 
 template <class T>
@@ -72,19 +74,19 @@ class Description;
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described();
 
-/// Something that is said of a member: a unit, a limit, a text. Made by the functions of `facts`.
+/// A fact about a member: a unit, a limit, a text. Made by the functions of `facts`.
 class Fact {
  public:
-  /// What is said.
+  /// What the fact specifies.
   enum class Kind : std::uint8_t {
     text,             ///< `words`: Field::text
     unit,             ///< `unit`
-    at_least,         ///< `number`, and at most `high`
-    above,            ///< `number`, which is refused itself
-    at_most,          ///< `number`
+    at_least,         ///< `number`, included, to `high`
+    above,            ///< `number`, excluded
+    at_most,          ///< `number`, included
     choices,          ///< `choices`
     columns,          ///< `number`
-    required,         ///< it has no default
+    required,         ///< the member has no default
     counts_readings,  ///< Field::counts_readings
     fixed,            ///< Field::fixed
     provenance,       ///< Field::provenance
@@ -95,76 +97,77 @@ class Fact {
   constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< Field::text
   constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< Field::text
   constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< Field::unit
-  /// Of a kind that says a number, or none.
+  /// A fact with numbers, or with none.
   constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
-  /// Field::choices; the list is read before the call that takes the fact returns.
+  /// Field::choices. The list must live until the call that takes the fact returns.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
-  Kind kind;                                              ///< what is said
-  Unit unit = Unit::none;                                 ///< of Kind::unit
+  Kind kind;                                              ///< what the fact specifies
+  Unit unit = Unit::none;                                 ///< for Kind::unit
   double number = 0;                                      ///< see Kind
-  double high = std::numeric_limits<double>::infinity();  ///< of `at_least`: an upper limit beside it
-  std::string_view words;                                 ///< of Kind::text
-  std::span<const std::string_view> choices;              ///< of Kind::choices
+  double high = std::numeric_limits<double>::infinity();  ///< for `at_least`: the upper limit
+  std::string_view words;                                 ///< for Kind::text
+  std::span<const std::string_view> choices;              ///< for Kind::choices
 };
 
-/// What can be said of a member, besides its unit.
+/// The facts that a description can give, in addition to units.
 namespace facts {
 
-/// Limits in SI units; of a list, of each number.
+/// Limits in SI units; for a list, of each number.
 ///@{
 constexpr Fact at_least(double min) {
   return Fact(Fact::Kind::at_least, min, std::numeric_limits<double>::infinity());
 }
-constexpr Fact above(double min) { return Fact(Fact::Kind::above, min); }  ///< `min` itself is refused
+constexpr Fact above(double min) { return Fact(Fact::Kind::above, min); }  ///< `min` itself is not allowed
 constexpr Fact at_most(double max) { return Fact(Fact::Kind::at_most, max); }
 constexpr Fact within(double min, double max) { return Fact(Fact::Kind::at_least, min, max); }
 ///@}
-/// Of a std::string: it is one of these. Enums have names_of().
+/// Allowed values of a std::string. Enums have names_of().
 constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
   return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
 }
-/// The same of a list that there is already.
+/// Allowed values of a std::string, from an existing list.
 constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
-/// Of a std::vector<double>: it has so many numbers. Arrays and Eigen vectors have the columns of their type.
+/// Length of a std::vector<double>. Arrays and Eigen vectors have the columns of their type.
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
-/// It has no default.
+/// The member has no default.
 inline constexpr Fact required{Fact::Kind::required};
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};  ///< Field::counts_readings
 inline constexpr Fact fixed{Fact::Kind::fixed};                      ///< Field::fixed
-/// It says where the others come from: stored, and not compared.
+/// The member records the origin of the others: it is stored, but not compared.
 inline constexpr Fact provenance{Fact::Kind::provenance};
-/// Of state: StateField::sparse. Of others: where it is stored it may be missing, and then has its default.
+/// For state: StateField::sparse. For other structs: a stored record may lack the field, which then has its
+/// default.
 inline constexpr Fact is_sparse{Fact::Kind::sparse};
-inline constexpr Fact is_look{Fact::Kind::look};  ///< of state: StateField::look
+inline constexpr Fact is_look{Fact::Kind::look};  ///< for state: StateField::look
 }  // namespace facts
 
-/// How members of one C++ type are read and written by code that does not know the type.
+/// Type-erased access to members of one C++ type.
 struct MemberType {
   FieldType type = FieldType::number;                     ///< Field::type
   std::size_t columns = 0;                                ///< Field::columns
-  double min = -std::numeric_limits<double>::infinity();  ///< the least that it holds
-  double max = std::numeric_limits<double>::infinity();   ///< the most
-  bool optional = false;                                  ///< it may be missing
-  bool is_unsigned = false;                        ///< 64 bits without a sign: a Value has the same bits
-  std::span<const std::string_view> choices = {};  ///< of an enum
-  const FieldTable& (*table)() = nullptr;          ///< of records: described<T>()
-  /// The value of a member. Null for records.
+  double min = -std::numeric_limits<double>::infinity();  ///< smallest value of the type
+  double max = std::numeric_limits<double>::infinity();   ///< largest value of the type
+  bool optional = false;                                  ///< a std::optional
+  bool is_unsigned = false;                        ///< unsigned 64-bit integer: a Value holds the same bits
+  std::span<const std::string_view> choices = {};  ///< names of an enum
+  const FieldTable& (*table)() = nullptr;          ///< for records: described<T>()
+  /// Returns the value of a member. Null for records.
   Value (*get)(const void* member) = nullptr;
-  /// Throws std::bad_variant_access for a value of another type, std::invalid_argument for one that the
-  /// member cannot hold. Null for records.
+  /// Sets a member. Throws std::bad_variant_access for a value of another type, std::invalid_argument for one
+  /// that the member cannot hold. Null for records.
   void (*set)(void* member, const Value& value) = nullptr;
-  /// Of records: the structs that a member has. One that is a struct has one, a std::optional none or one.
+  /// For records: the structs that a member holds: one for a struct, none or one for a std::optional.
   ///@{
   std::size_t (*size)(const void* member) = nullptr;
-  void (*resize)(void* member, std::size_t n) = nullptr;  ///< null: it always has one
-  void* (*block)(void* member, std::size_t i) = nullptr;  ///< the i-th
+  void (*resize)(void* member, std::size_t n) = nullptr;  ///< null: always one
+  void* (*block)(void* member, std::size_t i) = nullptr;  ///< i-th struct
   ///@}
-  /// Of lists of lists of numbers, whose lists are blocks: what each of them is. Their get() puts all numbers
-  /// in one list, and they have no set().
+  /// For lists of lists of numbers: the type of an inner list, which is a block. get() concatenates all
+  /// numbers; there is no set().
   const MemberType* each = nullptr;
-  bool is_state = false;           ///< it can be state, of
-  Element element = Element::f64;  ///< these
+  bool is_state = false;           ///< the member can be state
+  Element element = Element::f64;  ///< element type, if it is state
 };
 
 namespace detail {
@@ -174,8 +177,8 @@ struct Anything {
   operator T() const;
 };
 
-// A concept, not an expression in takes(): clang's tools walk through the bodies of all templates, and take a
-// time that is quadratic in how often an expression that depends on nothing, as Anything{}, stands there.
+// A concept, not an expression in takes(): clang's tools walk through the bodies of all templates, and need
+// time quadratic in the number of non-dependent expressions such as Anything{}.
 template <class T, std::size_t... I>
 concept Takes = requires {
   T{(static_cast<void>(I), Anything{})...};
@@ -212,8 +215,8 @@ constexpr void describe_members(Description<T>& d) {
     describe(d);
 }
 
-/// A text for each member that tells it from the others in constant expressions. (Addresses of variables do
-/// not, where gcc instruments null pointers.)
+/// A distinct text per member, comparable in constant expressions. (Addresses of variables are not, when gcc
+/// instruments null pointers.)
 template <auto k_member>
 constexpr std::string_view tag() {
   return __PRETTY_FUNCTION__;
@@ -228,7 +231,7 @@ struct Pointed<M C::*> {
 };
 
 Value numbers_value(const double* numbers, std::size_t count);
-/// The numbers of a value that must have `count` of them.
+/// The numbers of a value. Throws std::invalid_argument unless there are `count` of them.
 std::span<const double> numbers_of(const Value& value, std::size_t count);
 std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
@@ -278,7 +281,7 @@ constexpr MemberType plain_type() {
     type.get = [](const void* m) { return Value(*static_cast<const bool*>(m)); };
     type.set = [](void* m, const Value& value) { *static_cast<bool*>(m) = value.boolean(); };
   } else if constexpr (std::is_integral_v<M>) {
-    // Unsigned ones of 64 bits keep their bits: a Value has no more than a signed one.
+    // Unsigned 64-bit integers keep their bits: the integer of a Value is signed.
     constexpr bool k_wide = sizeof(M) == sizeof(std::int64_t);
     constexpr auto k_least = k_wide ? std::numeric_limits<std::int64_t>::min()
                                     : static_cast<std::int64_t>(std::numeric_limits<M>::min());
@@ -348,7 +351,7 @@ constexpr MemberType plain_type() {
     type.set = [](void* m, const Value& value) { set_colors(*static_cast<std::vector<Color>*>(m), value); };
   } else if constexpr (Fixed<M>::size > 0) {
     using E = typename Fixed<M>::Element;
-    static_assert(std::is_arithmetic_v<E>, "an array that is described is one of numbers");
+    static_assert(std::is_arithmetic_v<E>, "a described array must have numbers as elements");
     constexpr std::size_t k_size = Fixed<M>::size;
     type.type = FieldType::numbers;
     type.columns = k_size;
@@ -368,10 +371,11 @@ constexpr MemberType plain_type() {
       for (std::size_t i = 0; i < k_size; ++i) to[i] = static_cast<E>(numbers[i]);
     };
   } else {
-    static_assert(Described<M>, "a member is of a type that can be described: engine/description.hpp");
+    static_assert(Described<M>,
+                  "a member must have a type that can be described: see engine/description.hpp");
     type.type = FieldType::record;
     if constexpr (std::is_same_v<M, Pose>)
-      type.table = pose_fields;  // one table everywhere, by which a pose is known
+      type.table = pose_fields;  // a single table, whose address identifies poses
     else
       type.table = described<M>;
     type.size = [](const void*) { return std::size_t{1}; };
@@ -417,7 +421,7 @@ struct TROUPE_OF_TYPE TypeOf<std::vector<M>> {
 template <class M>
 constexpr MemberType optional_type() {
   MemberType type = TypeOf<M>::value;
-  static_assert(TypeOf<M>::value.type != FieldType::records, "a list may be empty: it need not be optional");
+  static_assert(TypeOf<M>::value.type != FieldType::records, "a list cannot be optional: use an empty list");
   type.optional = true;
   type.is_state = false;
   if constexpr (TypeOf<M>::value.type == FieldType::record && !std::is_same_v<M, Record>) {
@@ -451,27 +455,27 @@ struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
   static constexpr MemberType value = optional_type<M>();
 };
 
-/// Appends the field of a member of a struct. Throws std::logic_error where the facts contradict one another
-/// or the type.
+/// Appends the field of a member of a struct. Throws std::logic_error if the facts contradict one another or
+/// the type.
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
-/// Appends the field of a member that each visitor has code of its own for.
+/// Appends the field of a member that each visitor handles with its own code.
 void add_apart(FieldTable& table, std::string_view name);
-/// Appends all fields of a part of a struct.
+/// Appends all fields of a member struct.
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail
 
-/// What `describe` is given: see above.
+/// The argument of `describe`: see above.
 template <class T>
 class Description {
  public:
-  /// Counts the members that are described, and adds no fields: for constant expressions.
+  /// Only counts the described members: for constant expressions.
   constexpr Description() = default;
-  /// Adds the fields. example: T{}
+  /// Adds the fields to a table. example: T{}
   constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
 
-  /// A member that is a field of this name. Names are unique, and live as long as the program or the plug-in.
+  /// Describes a member as a field. Names are unique, and must live as long as the program or the plug-in.
   template <auto k_member, class... Facts>
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -481,8 +485,7 @@ class Description {
       detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
                         {Fact(facts)...});
   }
-  /// A described struct whose fields stand among those of this one, in its place: what a kind that makes more
-  /// of another takes of that.
+  /// Describes a member struct, whose fields are inserted at this place: for kinds that extend another kind.
   template <auto k_member>
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -491,14 +494,14 @@ class Description {
     else
       detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
   }
-  /// A member that is worked out from the others: no field, neither stored nor compared.
+  /// Marks a member that is computed from the others: it is no field, neither stored nor compared.
   template <auto k_member>
   constexpr void derived() {
     if (table_ == nullptr) count(detail::tag<k_member>(), false);
   }
 
-  /// A member for which visitors have code of their own: a field without a Field::member, which keeps its
-  /// place among the others.
+  /// Marks a member that visitors handle with their own code: a field without a Field::member, which keeps
+  /// its place among the others.
   template <auto k_member>
   [[gnu::cold]] constexpr void apart(std::string_view name) {
     if (table_ == nullptr)
@@ -507,11 +510,11 @@ class Description {
       detail::add_apart(*table_, name);
   }
 
-  /// Members described so far, each counted once.
+  /// Number of members described so far.
   constexpr std::size_t members() const { return count_; }
   /// Whether a member was described twice.
   constexpr bool repeats() const { return repeats_; }
-  /// Whether all of them can be state.
+  /// Whether all described members can be state.
   constexpr bool is_state() const { return is_state_; }
 
  private:
@@ -532,7 +535,7 @@ class Description {
 };
 
 namespace detail {
-/// What describe() says of a type, without a table.
+/// The description of a type, without a table.
 template <class T>
 constexpr Description<T> described_members() {
   Description<T> d;
@@ -541,10 +544,11 @@ constexpr Description<T> described_members() {
 }
 }  // namespace detail
 
-/// The fields of a described struct, in the order of its description; static storage.
+/// Returns the fields of a described struct, in the order of its description. They have static storage.
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described() {
-  static_assert(std::is_aggregate_v<T>, "what is described has no constructors: give members initial values");
+  static_assert(std::is_aggregate_v<T>,
+                "a described struct must have no constructors: give its members initial values");
   static_assert(detail::described_members<T>().members() == detail::member_count<T>(),
                 "describe() must describe every member");
   static_assert(!detail::described_members<T>().repeats(), "describe() describes a member twice");
@@ -558,45 +562,45 @@ TROUPE_OF_TYPE const FieldTable& described() {
   return table;
 }
 
-/// What a pose is written as: pose_fields().
+/// Describes a pose, as in pose_fields().
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
   using enum Unit;
-  constexpr double k_reach = 100000;     // m: how far a world reaches
-  constexpr double k_turns = 20 * k_pi;  // more than ten turns is a slip of the unit
+  constexpr double k_reach = 100000;     // m: the largest extent of a world
+  constexpr double k_turns = 20 * k_pi;  // more than ten turns is probably a wrong unit
   d.member<&Pose::x>("x", meters, within(-k_reach, k_reach), "forward");
   d.member<&Pose::y>("y", meters, within(-k_reach, k_reach), "left");
   d.member<&Pose::z>("z", meters, within(-k_reach, k_reach), "up");
   d.member<&Pose::heading>("heading", radians, within(-k_turns, k_turns), "counter-clockwise from +x");
 }
 
-/// The values of a struct, by its table.
+/// Returns the values of a struct as a record of its table.
 Record record_of(const FieldTable& table, const void* object);
-/// Sets the members that a record, by the struct's table, gives; the others stay as they are. Throws
-/// std::bad_variant_access for values of another type, std::invalid_argument for those that a member cannot
-/// hold; a record that a reader checked has none.
+/// Sets the members of a struct from a record of its table. Members that the record does not give keep their
+/// values. Throws std::bad_variant_access for a value of another type, std::invalid_argument for one that the
+/// member cannot hold; records checked by a reader contain neither.
 void fill(const FieldTable& table, void* object, const Record& record);
 
-/// The value of one member of a struct; not given where a std::optional has none.
+/// Returns the value of one member of a struct; not given for an empty std::optional.
 Value get(const Field& field, const void* object);
-/// Sets one member. A value that is not given empties a std::optional, and leaves any other member as it is.
+/// Sets one member. A value that is not given empties a std::optional and does not change any other member.
 /// Throws as fill() does.
 void set(const Field& field, void* object, const Value& value);
 
-/// The struct that a record by described<T>() fills: T{} with what the record gives. Throws as fill() does.
+/// Returns T{} with the members that a record of described<T>() gives. Throws as fill() does.
 template <class T>
 T from_record(const Record& record) {
   T object{};
   fill(described<T>(), &object, record);
   return object;
 }
-/// The values of a struct, by described<T>().
+/// Returns the values of a struct as a record of described<T>().
 template <class T>
 Record to_record(const T& object) {
   return record_of(described<T>(), &object);
 }
 
-/// The fields of a table as those of a component of state whose rows are the described struct.
+/// Converts the fields of a table to those of a state component whose rows are the described struct.
 std::vector<StateField> state_fields(const FieldTable& table);
 
 }  // namespace troupe::engine

@@ -32,20 +32,19 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 
 }  // namespace detail
 
-/// The kind of a sensor, or of another device, from a class C. What its hooks work with is a C: what they are
-/// given as `data` otherwise. C may have
+/// Makes the kind of a sensor, or of another device, from a class C. Its hooks are members of C, and the
+/// `data` of DeviceKind is a C. C may have
 ///
-///     struct Params { ...; describe };            // its parameters; else it has none
-///     struct State { ...; describe };             // what a row is: its percepts, TROUPE_FIELDS or described
-///     struct Command { ...; describe };           // what controllers may ask of it
+///     struct Params { ...; describe };            // its parameters; default: none
+///     struct State { ...; describe };             // its percepts, one struct per row; or TROUPE_FIELDS
+///     struct Command { ...; describe };           // its commands from controllers
 ///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
-///         // DeviceKind::prepare; `data` must be a C. Without percepts and commands of its own it has those
-///         of
-///         // State and Command. Without Params it takes the pose alone
+///         // DeviceKind::prepare; `data` must be a C. Empty percepts and commands are set to the fields of
+///         // State and Command. Without Params its only argument is the pose
 ///     static C make(const Params&, const Pose& pose_body_device);
-///         // where nothing but the C is to be prepared; without it, that is C{params}
+///         // instead of prepare, if only the C is prepared; default: C{params}
 ///
-/// and, each as the hook of DeviceKind with its name, without `data` (row: where C has a State, a hook may
+/// and the following hooks of DeviceKind, without the argument `data` (row: if C has a State, the hook may
 /// take a State& instead of the table and the slot):
 ///
 ///     std::uint64_t sense(const DeviceBatch&) const;
@@ -79,7 +78,7 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
   kind.prepare = [](const Record& record, const Pose& pose_body_device) {
     DeviceKind::Prepared prepared = detail::prepare_device<C>(record, pose_body_device);
     if (std::any_cast<C>(&prepared.data) == nullptr)
-      throw std::logic_error("its prepare() gives data of another type than its hooks take");
+      throw std::logic_error("prepare() must return data of the type whose hooks the kind has");
     if constexpr (requires { typename C::State; }) {
       if (prepared.percepts.empty()) {
         prepared.percepts = memory_fields<typename C::State>();

@@ -8,11 +8,14 @@
 
 namespace troupe::engine {
 
-/// The kind of a drive from a class D, which has
+/// Makes the kind of a drive from a class D, which has
 ///
 ///     struct Params { ...; describe };         // its parameters
-///     void drive(const DriveBatch&) const;     // DriveKind::drive, as are those that it may have:
-///     static D make(const Params&);            // else it is D{params}
+///     void drive(const DriveBatch&) const;     // DriveKind::drive
+///
+/// and may have the other hooks of DriveKind:
+///
+///     static D make(const Params&);            // default: D{params}
 ///     static Result<> check(const Params&);
 ///     Velocity start() const;
 ///     static Result<Localization> localization(const Params&);

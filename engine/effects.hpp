@@ -10,51 +10,52 @@
 
 namespace troupe::engine {
 
-/// Verbs that the engine itself carries out, of whatever device: births and deaths. They come when all other
-/// effects of the tick are settled, first the deaths, then the births, each in the order of the effects.
+/// Verbs of any device that the engine itself applies: births and deaths. They are applied after all other
+/// effects of the tick, first the deaths, then the births, each in the order of the effects.
 inline constexpr std::uint32_t k_birth = ~0u;  ///< `reserve`; `payload`: x, y, z (m), heading (rad), world
-inline constexpr std::uint32_t k_death = ~0u - 1;  ///< of `target`
+inline constexpr std::uint32_t k_death = ~0u - 1;  ///< death of `target`
 
-/// What became of a birth. Numbers are part of the state of who asked.
+/// The result of a birth. The numbers are stored in the state of the requesting device.
 enum class BirthStatus : std::uint8_t {
-  unasked,   ///< none was asked for yet
-  born,      ///< it is there: Birth::body
-  occupied,  ///< something stands there, or it lies outside of the world
-  used_up,   ///< no body of the reserve remains
+  unasked,   ///< no birth was requested yet
+  born,      ///< Birth::body was born
+  occupied,  ///< the place is occupied or outside the world
+  used_up,   ///< the reserve has no body left
 };
-/// How a birth ended, as DeviceKind::born is told and World::spawn() returns it.
+/// The result of a birth, as passed to DeviceKind::born and returned by World::spawn().
 struct Birth {
-  BirthStatus status = BirthStatus::unasked;  ///< why no body was born, where none was
-  BodyId body;                                ///< that was born; else not valid
+  BirthStatus status = BirthStatus::unasked;  ///< whether a body was born, or why not
+  BodyId body;                                ///< the new body; invalid if none was born
 };
 
-/// What one body does to another in a tick: grips it, feeds it, drops it. A record, because no body writes
-/// into another's rows: it is emitted while all decide, in any order and on any thread, and applied when all
-/// have moved, one by one, in an order that is a property of the world.
+/// An action of one body on another in a tick: it grips, feeds or drops it. Effects are records because no
+/// body may write to the rows of another: they are emitted while all bodies decide, in any order and on any
+/// thread, and applied one by one after all bodies have moved, in an order that is independent of threads.
 struct Effect {
-  BodyId source;                    ///< who does it
-  std::uint32_t device = 0;         ///< that does it: index within the source's type
-  std::uint32_t sequence = 0;       ///< among those of one device in one tick
-  std::uint32_t verb = 0;           ///< what: a matter of the device's kind
-  BodyId target;                    ///< not valid where there is none
-  std::array<double, 4> payload{};  ///< a matter of the verb: SI, world frame where they are places
-  std::uint32_t reserve = 0;        ///< of a birth: index into WorldSpec::reserves
+  BodyId source;                    ///< the acting body
+  std::uint32_t device = 0;         ///< the acting device: index within the source's type
+  std::uint32_t sequence = 0;       ///< order among the effects of one device in one tick
+  std::uint32_t verb = 0;           ///< the action; defined by the device's kind
+  BodyId target;                    ///< invalid if there is none
+  std::array<double, 4> payload{};  ///< arguments of the verb: SI units; places in the world frame
+  std::uint32_t reserve = 0;        ///< for a birth: index into WorldSpec::reserves
 
-  /// Whether the engine itself carries it out.
+  /// Whether the engine itself applies it.
   bool is_of_life() const { return verb == k_birth || verb == k_death; }
 };
 
 /// The effects of one tick.
 class Effects {
  public:
-  /// Makes room for so many in a tick.
+  /// Allocates room for `most` effects in a tick.
   void reserve(std::size_t most);
-  /// From any worker. Throws std::length_error where a device emits more than its kind declared.
+  /// Adds an effect; thread-safe. Throws std::length_error if there are more than reserve() allowed: a device
+  /// emitted more than its kind declared.
   void emit(const Effect& effect);
-  /// Those emitted since the last clear(), by (source, device, sequence).
+  /// Returns the effects emitted since the last clear(), sorted by (source, device, sequence).
   std::span<const Effect> sorted();
-  void clear() { count_ = 0; }                ///< none is left; keeps the room
-  bool empty() const { return count_ == 0; }  ///< whether none was emitted since the last clear()
+  void clear() { count_ = 0; }                ///< removes all effects; keeps the memory
+  bool empty() const { return count_ == 0; }  ///< whether there are no effects
 
  private:
   std::unique_ptr<Effect[]> effects_;

@@ -9,16 +9,17 @@ namespace troupe::engine {
 std::span<const EventKind> event_kinds() {
   using enum EventType;
   static constexpr std::array<EventKind, 10> kinds{{
-      {stall_ends, "stall_ends", "the robot moved, or was not asked to, after its motions had been refused"},
-      {held_ends, "held_ends", "the robot moved, or was not asked to, after it had been held at the bounds"},
-      {stall_begins, "stall_begins", "the robot's motion was refused: something stood in its way"},
-      {held_begins, "held_begins", "the robot's motion would have left the world: it was held at the bounds"},
-      {release, "release", "the body let go of another, which it had carried"},
-      {grip, "grip", "the body took hold of another, and carries it from now on"},
-      {birth, "birth", "the body of a reserve was born, here"},
-      {death, "death", "the body died, here"},
-      {fails, "fails", "all of the body stopped: it was disabled, or a fault has it drop out"},
-      {recovers, "recovers", "it works again"},
+      {stall_ends, "stall_ends", "the robot moved, or had no command to move, after blocked motions"},
+      {held_ends, "held_ends", "the robot moved, or had no command to move, after it was held at the bounds"},
+      {stall_begins, "stall_begins", "the motion of the robot was blocked: something was in its way"},
+      {held_begins, "held_begins",
+       "the motion of the robot would have left the bounds of the world, so it stayed in place"},
+      {release, "release", "the robot released a body that it carried"},
+      {grip, "grip", "the robot gripped a body, and carries it from now on"},
+      {birth, "birth", "the body, of a reserve, was born at this pose"},
+      {death, "death", "the body died at this pose"},
+      {fails, "fails", "the robot stopped completely: it was disabled, or a drop_out fault occurred"},
+      {recovers, "recovers", "the robot works again"},
   }};
   return kinds;
 }
@@ -51,7 +52,7 @@ void EventWatch::remember(const World& world) {
   for (std::size_t r = 0; r < world.rows(); ++r) lives_[r] = world.presence(Row(r));
 }
 
-/// Of the dead nothing more is told.
+/// Reports no failures of dead bodies.
 void EventWatch::see_failures(const World& world) {
   for (std::size_t r = 0; r < outs_.size(); ++r) {
     const bool now = world.is_out(Row(r));

@@ -9,46 +9,46 @@
 
 namespace troupe::engine {
 
-/// What may happen to a robot, and what it may do to others.
+/// The types of events, in the order in which one robot's events of one tick are listed.
 enum class EventType : std::uint8_t {
-  stall_ends,    ///< its motions are no longer refused
-  held_ends,     ///< it no longer wants to leave the world
-  stall_begins,  ///< something stands in its way
-  held_begins,   ///< it would have left the world
-  release,       ///< it has let go of another body
-  grip,          ///< it has taken hold of another body
-  birth,         ///< its life begins
-  death,         ///< its life is over
-  fails,         ///< all of it has stopped
-  recovers,      ///< it works again
+  stall_ends,    ///< its motion is no longer blocked
+  held_ends,     ///< its motion is no longer out of bounds
+  stall_begins,  ///< its motion was blocked
+  held_begins,   ///< its motion was out of bounds
+  release,       ///< it stopped carrying another body
+  grip,          ///< it began to carry another body
+  birth,         ///< the body was born
+  death,         ///< the body died
+  fails,         ///< the robot stopped working completely
+  recovers,      ///< the robot works again
 };
 
-/// What tables and recordings call an event.
+/// Name and text of an event type in tables and recordings.
 struct EventKind {
-  EventType type;         ///< its place in event_kinds()
+  EventType type;         ///< its index in event_kinds()
   std::string_view name;  ///< "stall_begins"
-  std::string_view text;  ///< one line for people
+  std::string_view text;  ///< one line, for `troupe describe`
 };
-/// All of them, in the order in which one robot's events of one tick are told: the order of EventType.
+/// All event kinds, in the order of EventType.
 std::span<const EventKind> event_kinds();
-std::string_view event_name(EventType type);  ///< its name
+std::string_view event_name(EventType type);  ///< "stall_begins"
 
-/// Something that happened in a tick.
+/// An event of a tick.
 struct Event {
-  EventType type;  ///< what
-  BodyId body;     ///< to whom, or who did it
-  BodyId other;    ///< what it let go of, or took hold of; not valid of the rest
+  EventType type;  ///< type of the event
+  BodyId body;     ///< the body that it concerns
+  BodyId other;    ///< the body that was released or gripped; invalid for other types
 };
 
-/// Finds what happened in a tick from two states that follow one another: it remembers nothing that is not in
-/// the first, so that it may begin with any.
+/// Derives the events of a tick from two consecutive states. It keeps nothing except the previous state, so
+/// it may start at any tick.
 class EventWatch {
  public:
-  /// Begins with the state that the world is in.
+  /// Starts from the present state of the world.
   explicit EventWatch(const World& world);
 
-  /// The events of the tick that has just ended, by id, type and the other's id. To be called after every
-  /// step; of a tick that does not follow the last one (after a reset) nothing is told. Valid until the next
+  /// Returns the events of the tick that has just ended, sorted by id, type and the other's id. Call it after
+  /// every step. A tick that does not follow the last one (after a reset) has no events. Valid until the next
   /// call.
   std::span<const Event> see(const World& world);
 
@@ -61,10 +61,10 @@ class EventWatch {
   void remember(const World& world);
 
   std::uint64_t tick_ = 0;
-  std::vector<Stall> stalls_;     // a row each
-  std::vector<BodyId> carriers_;  // a row each; not valid: it is not carried
-  std::vector<Presence> lives_;   // a row each; empty where no body is born or dies
-  std::vector<bool> outs_;        // a row each; empty where no robot fails
+  std::vector<Stall> stalls_;     // one per row
+  std::vector<BodyId> carriers_;  // one per row; invalid: it is not carried
+  std::vector<Presence> lives_;   // one per row; empty if bodies are not born and do not die
+  std::vector<bool> outs_;        // one per row; empty if robots do not fail
   std::vector<Event> events_;
 };
 

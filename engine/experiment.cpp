@@ -24,24 +24,24 @@ using By = GroupSpec::By;
 using Of = SettingSpec::Of;
 using Strike = Experiment::Strike;
 
-constexpr std::uint32_t k_trials = 1000;    // for a place for one that is added, as when a world is loaded
-constexpr std::size_t k_most_newborn = 64;  // each is looked at for each birth, until all are indexed
+constexpr std::uint32_t k_trials = 1000;    // random places per added body, as when a world is loaded
+constexpr std::size_t k_most_newborn = 64;  // each birth tests all of them; then the index is rebuilt
 
 std::string_view without_number(std::string_view name) {
   return name.substr(0, name.find_last_not_of("0123456789") + 1);
 }
 
-/// "r17" is of population "r"; so is "r217" of one that is called "r2".
+/// "r17" belongs to population "r", and "r217" to a population named "r2".
 bool is_of_population(const Names& names, Name name, std::string_view population) {
   const std::string& word = names.words()[name.word];
-  if (word == population) return name.number != Name::k_no_number;  // of most there is no text to be made
+  if (word == population) return name.number != Name::k_no_number;  // most names need no text
   if (!word.starts_with(population) && !population.starts_with(word)) return false;
   const std::string text = names.text(name);
   return text.size() > population.size() && text.starts_with(population) &&
          without_number(text).size() <= population.size();
 }
 
-/// The heap's order: the earliest on top; of one tick in the order of the file, and of ids.
+/// The order of the heap: the earliest on top, ties by the order of the file, then by id.
 bool is_later(const Strike& a, const Strike& b) {
   return std::tuple(a.tick, a.fault, a.body) > std::tuple(b.tick, b.fault, b.body);
 }
@@ -62,32 +62,32 @@ bool same_fields(const std::vector<StateField>& a, const std::vector<StateField>
   });
 }
 
-/// Whether a device may run with the one as with the other.
+/// Whether a setting may replace one by the other: the layout of all state and readings is the same.
 bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
   return same_fields(a.percepts, b.percepts) && a.percept_bytes == b.percept_bytes &&
          same_fields(a.commands, b.commands) && a.command_bytes == b.command_bytes &&
          a.most_effects == b.most_effects && a.ends_lives == b.ends_lives &&
          a.joints.size() == b.joints.size() && a.joint_reach_m == b.joint_reach_m &&
-         a.bearings == b.bearings &&  // as controllers have seen them, as are:
+         a.bearings == b.bearings &&  // controllers have read these and the transducers
          std::ranges::equal(a.transducers, b.transducers, [](const Transducer& x, const Transducer& y) {
            return x.first == y.first &&
                   x.pose_sensor_transducer.position() == y.pose_sensor_transducer.position();
          });
 }
 
-constexpr std::string_view k_keeps_shape = "what changes while a world runs must keep the shape of its state";
+constexpr std::string_view k_keeps_shape = "a setting must not change its devices, readings or state fields";
 
-/// Whether a drive can go on with new parameters; else what is wrong with them.
+/// Whether a drive can run with new parameters. The error says what is wrong with them.
 Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
   for (std::size_t p = 0; p < kind.params.fields.size(); ++p)
     if (const Field& field = kind.params.fields[p]; field.fixed && before[p] != params[p])
-      return Error{fmt::format("\"{}\" is the same for as long as the world runs", field.name)};
+      return Error{fmt::format("\"{}\" cannot change while the world runs", field.name)};
   return kind.check(params);
 }
 
 }  // namespace
 
-// ---- what the world's maker wants, made ready
+// ---- Compiling the spec
 
 std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const {
   std::vector<Row> rows;
@@ -95,8 +95,8 @@ std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics
     const BodyId body = find(group.name);
     if (body.valid() && row(body).valid()) return {row(body)};
     if (body.valid()) {
-      diagnostics.error(where, fmt::format("\"{}\" never moves, senses or decides: nothing can be done to it "
-                                           "while the world runs",
+      diagnostics.error(where, fmt::format("\"{}\" never moves, senses or decides: interventions and "
+                                           "faults cannot act on it",
                                            group.name));
       return rows;
     }
@@ -135,7 +135,7 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
     e.interventions[i].stream = stream_id("at", std::to_string(i));
   }
   std::ranges::stable_sort(e.interventions, {}, &Experiment::Intervention::tick);
-  std::map<std::uint32_t, TypeSpec> types;  // as they are once all before has been done
+  std::map<std::uint32_t, TypeSpec> types;  // with all earlier settings applied
   std::size_t most = 0;
   for (Experiment::Intervention& intervention : e.interventions) {
     build_intervention(intervention, registry, types, diagnostics);
@@ -147,7 +147,7 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
     placed_at_.resize(rows());
 }
 
-/// Which bodies fail, and when, is drawn from the seed.
+/// The seed determines which bodies fail, and when.
 void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   e.faults.clear();
@@ -180,12 +180,12 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
                           : unknown_name("population with a reserve", spec.whom.name, known));
     }
     if (!spec.pose && !spec.region && !spec_.bounds)
-      error("give \"region_m\" or \"pose\" for those that are added, as the world has no bounds");
+      error("\"add\" needs \"region_m\" or \"pose\", because the world has no bounds");
     return;
   }
   intervention.whom = rows_of(spec.whom, spec.where, diagnostics);
   if (spec.action == Action::move && !bounds().contains(spec.pose->position()))
-    error(fmt::format("\"{}\" would be put outside of the world's bounds", spec.whom.name));
+    error(fmt::format("\"{}\" would be moved outside the world's bounds", spec.whom.name));
 }
 
 Result<> World::build_setting(const SettingSpec& setting, const Registry& registry,
@@ -206,7 +206,7 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
     const BodyType::Device& now = type.devices[setting.index];
     const std::string owner = fmt::format("device \"{}\"", device.name);
     Record params = changed(device.params, setting);
-    // Asked before anything is made of them, which may take all the memory there is.
+    // Checked before the device is prepared, because that could exhaust the memory.
     if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
       return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
     device.params = std::move(params);
@@ -218,7 +218,7 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
   }
   Record& params = spec.controllers[setting.index].params;
   params = changed(params, setting);
-  std::vector<bool> claimed(type.devices.size(), false);  // by those before it
+  std::vector<bool> claimed(type.devices.size(), false);  // by earlier controllers
   for (std::size_t c = 0; c <= setting.index; ++c) {
     const ControllerSpec& controller = spec.controllers[c];
     Result<ControllerKind::Prepared> prepared =
@@ -251,7 +251,7 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
       continue;
     }
     const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));
-    std::map<std::uint32_t, std::uint32_t> faults;  // by type: which devices are which differs
+    std::map<std::uint32_t, std::uint32_t> faults;  // per type, because device indices differ by type
     for (const Experiment::Candidate& candidate : chosen) {
       const std::uint32_t t = row_types_[candidate.row.index()];
       const auto [known, is_new] =
@@ -285,11 +285,11 @@ void World::build_conditions() {
       row_bodies_, sizeof(Condition));
 }
 
-// ---- the run
+// ---- Running
 
 void World::derive_experiment() {
   Experiment& e = experiment_;
-  while (e.next > 0)  // the last first
+  while (e.next > 0)  // undo the settings, the last one first
     if (Experiment::Intervention& done = e.interventions[--e.next]; is_setting(done)) swap_setting(done);
   for (; e.next < e.interventions.size() && e.interventions[e.next].tick < tick_; ++e.next)
     if (Experiment::Intervention& due = e.interventions[e.next]; is_setting(due)) swap_setting(due);
@@ -325,7 +325,7 @@ double World::slowness(Row row) const {
   return speed == 0 ? 1 : speed;
 }
 
-/// Who is out stands still; the others, in the same order.
+/// Sets the velocity of disabled and dropped-out robots to 0. Returns the others, in the same order.
 std::span<const Row> World::halt_those_out(std::span<const Row> rows, std::span<Row> others) {
   std::size_t count = 0;
   for (const Row row : rows) {
@@ -337,7 +337,8 @@ std::span<const Row> World::halt_those_out(std::span<const Row> rows, std::span<
   return others.first(count);
 }
 
-/// What is due when a tick has ended: first what the file says is done, in its order, then the faults.
+/// Applies all that is due at the end of a tick: first the interventions, in the order of the file, then the
+/// faults.
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
@@ -350,7 +351,7 @@ void World::intervene() {
   index_bodies();
 }
 
-/// True where a body was born or has died since all were indexed.
+/// Returns true if bodies were born or died since the index was built.
 bool World::carry_out(Experiment::Intervention& intervention) {
   const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
   if (spec.action == Action::set) {
@@ -394,9 +395,8 @@ bool World::set_disabled(Row row, bool disabled) {
   require_whole();
   if (!condition_table_)
     throw std::logic_error(
-        fmt::format("\"{}\" cannot be disabled: bodies of this world can only be where the world says "
-                    "\"mortal\": true, or "
-                    "disables or has faults itself",
+        fmt::format("\"{}\" cannot be disabled: the world needs \"mortal\": true, faults, or an intervention "
+                    "\"disable\" or \"enable\"",
                     spec_.name(body(row))));
   if (!is_there(row) || ((condition(row).out & Condition::k_disabled) != 0) == disabled) return false;
   toggle_disabled(row);
@@ -419,7 +419,7 @@ std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
   return {all.data(), count};
 }
 
-/// Stops adding bodies when one finds no free place in so many draws.
+/// Adds bodies until one finds no free place in k_trials draws. Returns whether any was added.
 bool World::add(const Experiment::Intervention& intervention) {
   const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
   const std::uint32_t trials = spec.pose ? 1 : k_trials;
@@ -450,7 +450,7 @@ bool World::is_setting(const Experiment::Intervention& intervention) const {
   return spec_.experiment.at[intervention.spec].action == Action::set;
 }
 
-/// What is swapped with what was there can be swapped back, and takes no memory.
+/// Applies a setting by a swap with the present data, so that it can be undone and needs no memory.
 void World::swap_setting(Experiment::Intervention& intervention) {
   const SettingSpec& setting = *spec_.experiment.at[intervention.spec].setting;
   BodyType& type = types_[setting.type.index()];
@@ -461,7 +461,7 @@ void World::swap_setting(Experiment::Intervention& intervention) {
   }
 }
 
-/// The tick behind which a fault strikes that may do so from this one on.
+/// The tick at whose end a fault occurs that may occur from tick `from` on.
 std::uint64_t World::next_strike(std::uint32_t fault, BodyId body, std::uint64_t from) const {
   const Experiment::Fault& f = experiment_.faults[fault];
   if (!(f.ailment.per_s > 0)) return from;
@@ -469,8 +469,8 @@ std::uint64_t World::next_strike(std::uint32_t fault, BodyId body, std::uint64_t
   return from + std::max<std::uint64_t>(1, ticks_until(random.exponential() / f.ailment.per_s, spec_.tick_s));
 }
 
-/// Takes the earliest, and inserts the one that follows it. A body that is dead by then goes on failing,
-/// without effect, so that nothing here depends on the state.
+/// Removes the earliest fault event and inserts its successor. Events of dead bodies continue without effect,
+/// so that the schedule does not depend on the state.
 Experiment::Strike World::take_strike() {
   std::vector<Strike>& heap = experiment_.strikes;
   const Strike now = heap.front();
@@ -498,7 +498,7 @@ void World::befall(const Experiment::Strike& strike) {
     now.dead |= ailment.dead;
     if (ailment.speed != 1) {
       now.speed = slowness(strike.row) * ailment.speed;
-      Velocity& v = as<Velocity>(k_velocity)[strike.row.index()];  // from which its drive goes on
+      Velocity& v = as<Velocity>(k_velocity)[strike.row.index()];  // acceleration limits start from it
       v = {v.x * ailment.speed, v.y * ailment.speed, v.turn * ailment.speed};
     }
     if (ailment.drops_out) now.out |= Condition::k_dropped_out;

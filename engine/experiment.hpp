@@ -13,68 +13,67 @@
 
 namespace troupe::engine {
 
-/// What keeps a body from working as its type says: a row of the component `condition`, all zero of one that
-/// is sound.
+/// The impairments of a body: a row of the component `condition`, all zero for an unimpaired body.
 struct Condition {
-  /// Why all of a body has stopped; both may be.
+  /// The reasons why a body is stopped completely; both may apply.
   enum Out : std::uint8_t {
-    k_disabled = 1,     ///< it was disabled; until it is enabled again
-    k_dropped_out = 2,  ///< a fault; until that passes, if ever
+    k_disabled = 1,     ///< it was disabled, until it is enabled again
+    k_dropped_out = 2,  ///< by a fault, until the fault ends, if ever
   };
-  double speed = 0;        ///< what its drive gives is multiplied by this; 0: it is not slow
-  std::uint32_t dead = 0;  ///< devices that do nothing: a bit each
-  std::uint8_t out = 0;    ///< bits of Out: where any is set, all of it has stopped
+  double speed = 0;        ///< factor on the velocity of its drive; 0: not impaired
+  std::uint32_t dead = 0;  ///< devices that do not work: one bit each
+  std::uint8_t out = 0;    ///< bits of Out; any bit stops devices, controllers and drive
 
-  /// Whether nothing keeps it from working.
+  /// Whether the body is unimpaired.
   bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
 };
 
-/// The interventions and faults of a world made ready, and which of them come next. Of this nothing is state:
-/// it follows from the spec and the tick.
+/// The compiled interventions and faults of a world, and which of them come next. None of this is state: it
+/// follows from the spec and the tick.
 struct Experiment {
-  /// The tick of what never comes.
+  /// A tick that never comes.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
-  /// An InterventionSpec made ready to run.
+  /// A compiled InterventionSpec.
   struct Intervention {
-    std::uint64_t tick = 0;    ///< it is done when this one has ended
+    std::uint64_t tick = 0;    ///< it is applied at the end of this tick
     std::size_t spec = 0;      ///< index into ExperimentSpec::at
     std::uint32_t stream = 0;  ///< of its random numbers
-    std::vector<Row> whom;     ///< by id; of `add` empty
-    std::size_t reserve = 0;   ///< of `add`
-    /// Of `set`, one of the three: what the type runs with from then on; and, while that holds, what it ran
-    /// with before.
+    std::vector<Row> whom;     ///< by id; empty for `add`
+    std::size_t reserve = 0;   ///< for `add`: index into WorldSpec::reserves
+    /// For `set` of a drive or controller: the prepared data of the new parameters. When it is applied, it is
+    /// swapped with the data of the old ones.
     std::any data;
-    DeviceKind::Prepared device;  ///< instead of `data`, of a device
+    DeviceKind::Prepared device;  ///< for `set` of a device, instead of `data`
   };
-  std::vector<Intervention> interventions;  ///< by tick; of one tick as the file has them
-  std::size_t next = 0;                     ///< of them
+  std::vector<Intervention> interventions;  ///< by tick; within a tick in the order of the file
+  std::size_t next = 0;                     ///< index of the next one
 
-  /// One impairment of a FaultSpec, for the bodies that may have it.
+  /// One impairment of a FaultSpec, for the bodies of one type.
   struct Fault {
-    Ailment ailment;           ///< what it does to a body
+    Ailment ailment;           ///< its effect on a body
     std::uint32_t stream = 0;  ///< of its random numbers
   };
-  std::vector<Fault> faults;  ///< those of all specs, one after another
+  std::vector<Fault> faults;  ///< the faults of all specs, in their order
   /// A fault event: a fault begins or ends in a body.
   struct Strike {
-    std::uint64_t tick = 0;   ///< when this one has ended
+    std::uint64_t tick = 0;   ///< it is applied at the end of this tick
     std::uint32_t fault = 0;  ///< index into `faults`
-    BodyId body;              ///< whom
-    Row row;                  ///< its row
-    bool begins = true;       ///< false: the fault leaves the body
+    BodyId body;              ///< the impaired body
+    Row row;                  ///< row of the body
+    bool begins = true;       ///< false: the fault ends
   };
-  std::vector<Strike> first_strikes;  ///< of each fault and body; a heap with the earliest on top, as is
-  std::vector<Strike> strikes;        ///< the next of each
+  std::vector<Strike> first_strikes;  ///< first event per fault and body: a heap with the earliest on top
+  std::vector<Strike> strikes;        ///< next event per fault and body: a heap as well
 
-  std::uint64_t due = k_never;  ///< the tick of what comes next
-  /// A body that an intervention may choose: those with the lowest keys are taken.
+  std::uint64_t due = k_never;  ///< tick of the next intervention or fault event
+  /// A body that an intervention may choose. Those with the lowest keys are chosen.
   struct Candidate {
-    std::uint64_t key = 0;  ///< random; of equal keys the lower id
-    BodyId body;            ///< who
-    Row row;                ///< its row
+    std::uint64_t key = 0;  ///< random; ties are broken by id
+    BodyId body;            ///< id of the body
+    Row row;                ///< row of the body
   };
-  std::vector<Candidate> candidates;  ///< room for a choice
+  std::vector<Candidate> candidates;  ///< scratch memory of a choice
 };
 
 }  // namespace troupe::engine

@@ -14,10 +14,9 @@
 
 namespace troupe::engine {
 
-// What a world file says of the experiment that is made in its world (docs/experiments.md): when it is over,
-// what is done to it while it runs, and how its robots fail.
+// The experiment of a world file (docs/experiments.md): its stop conditions, interventions and faults.
 
-/// How a measure is held against a number.
+/// How a measure is compared with a number.
 enum class Comparison : std::uint8_t {
   below,     ///< `a < b`
   at_most,   ///< `a <= b`
@@ -26,95 +25,95 @@ enum class Comparison : std::uint8_t {
   equal,     ///< `a == b`
   unequal,   ///< `a != b`
 };
-/// As files write them, in the order of Comparison.
+/// The operators in files, in the order of Comparison.
 inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", ">=", "==", "!="};
-/// Whether `a COMPARISON b` holds: never where one of them is no number.
+/// Whether `a COMPARISON b` holds. False if a or b is NaN, also for `unequal`.
 bool holds(double a, Comparison comparison, double b);
 
 /// A condition on a measure.
 struct StopSpec {
-  MeasureSpec measure;                        ///< what is measured
-  Comparison comparison = Comparison::below;  ///< in `measure COMPARISON value`
+  MeasureSpec measure;                        ///< left operand
+  Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
   double value = 0;                           ///< in the unit of the measure, SI
 };
-/// `coverage >= 0.9`, `stalls:leaders > 10`.
+/// The text of a condition: `coverage >= 0.9`, `stalls:leaders > 10`.
 std::string text_of(const StopSpec& condition);
 
-/// Some of the bodies of a world: all of a population (NAME0, NAME1, ...), of a type, or one model; or so
-/// many of them, chosen at random.
+/// A group of bodies: a population (NAME0, NAME1, ...), the bodies of a type, or one model; or a random
+/// choice among them.
 struct GroupSpec {
-  /// What its name names.
+  /// What `name` refers to.
   enum class By : std::uint8_t {
     population,  ///< NAME of NAME0, NAME1, ...
     type,        ///< TypeSpec::name
     model,       ///< the name of one body
   };
-  By by = By::population;             ///< see `name`
+  By by = By::population;             ///< what `name` refers to
   std::string name;                   ///< of a population, a type or a model
-  std::optional<std::int64_t> count;  ///< more than there are: all
-  std::optional<double> share;        ///< of those that there are, 0 to 1, rounded to the nearest number
+  std::optional<std::int64_t> count;  ///< number of bodies to choose; all if there are fewer
+  std::optional<double> share;        ///< fraction of the bodies to choose, 0 to 1; the count is rounded
 };
 
 /// New values for some parameters of a type.
 struct SettingSpec {
-  /// Whose parameters are set.
+  /// The owner of the parameters.
   enum class Of : std::uint8_t {
-    drive,       ///< of the body's own
+    drive,       ///< TypeSpec::drive
     device,      ///< TypeSpec::devices[index]
     controller,  ///< TypeSpec::controllers[index]
   };
-  TypeId type;              ///< the type of all bodies that it is for: a type shares its parameters
-  Of of = Of::drive;        ///< what of the type
-  std::uint32_t index = 0;  ///< of the device or controller in the TypeSpec
-  Record params;            ///< by the kind's field table; those that are not given stay as they are
+  TypeId type;              ///< the type; all its bodies share its parameters
+  Of of = Of::drive;        ///< what part of the type
+  std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec
+  Record params;            ///< in the order of the kind's field table; missing ones do not change
 };
 
-/// Parameters of a kind with the new values of a setting.
+/// Returns the parameters of a kind with the new values of a setting.
 Record changed(const Record& params, const SettingSpec& setting);
 
-/// What is done to a world when a tick has ended, before the next begins, as if a program did it.
+/// An intervention in a world, applied between two ticks, as a program could do it.
 struct InterventionSpec {
-  /// What is done.
+  /// The kind of intervention.
   enum class Action : std::uint8_t {
-    remove,   ///< their lives end
-    add,      ///< so many are born
-    disable,  ///< all of them stops: devices, controllers, drive
-    enable,   ///< what `disable` stopped goes on
-    move,     ///< one model is put elsewhere
-    set,      ///< parameters of a type change
+    remove,   ///< ends lives
+    add,      ///< spawns bodies
+    disable,  ///< stops devices, controllers and drive
+    enable,   ///< ends `disable`
+    move,     ///< moves one model to `pose`
+    set,      ///< changes parameters of a type
   };
-  double time_s = 0;                   ///< a time between two ticks is rounded up
-  Action action = Action::remove;      ///< in the order of k_actions
-  GroupSpec whom;                      ///< of `add` a population with a reserve, of `move` one model
-  std::optional<Pose> pose;            ///< of `move`; of `add` where they are born, else:
-  std::optional<Box> region;           ///< anywhere in it, heading anywhere; not given: in the world's bounds
-  std::optional<SettingSpec> setting;  ///< of `set`, which has no group
-  Where where;                         ///< for messages
+  double time_s = 0;               ///< world time, rounded up to the end of a tick
+  Action action = Action::remove;  ///< k_actions holds its name
+  GroupSpec whom;                  ///< for `add` a population with a reserve, for `move` one model
+  std::optional<Pose> pose;        ///< for `move`; for `add` the pose of each new body
+  std::optional<Box> region;       ///< for `add` without `pose`: poses are random in it; default: the bounds
+  std::optional<SettingSpec> setting;  ///< for `set`, which has no group
+  Where where;                         ///< file position, for messages
 };
-/// As files write them, in the order of Action.
+/// The names of Action in files, in its order.
 inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "disable",
                                                            "enable", "move", "set"};
 
-/// How some of the bodies fail that are there at the start.
+/// Faults of some of the bodies that are present at the start.
 struct FaultSpec {
-  GroupSpec whom;     ///< who may fail; chosen once, at random where not all
-  double from_s = 0;  ///< from when on, world time
-  /// One way in which they fail.
+  GroupSpec whom;     ///< bodies that may fail; chosen once, when the world is built
+  double from_s = 0;  ///< earliest time, world time
+  /// One impairment.
   struct Ailment {
-    std::string kind;  ///< of Registry::faults
-    Record params;     ///< by the kind's field table
+    std::string kind;  ///< name in Registry::faults
+    Record params;     ///< in the order of the kind's field table
   };
   std::vector<Ailment> ailments;  ///< each occurs independently of the others
-  Where where;                    ///< for messages
+  Where where;                    ///< file position, for messages
 };
 
-/// All that a world's experiment consists of.
+/// The experiment of a world.
 struct ExperimentSpec {
-  std::vector<StopSpec> stop_when;   ///< the run is over when one of them holds
+  std::vector<StopSpec> stop_when;   ///< the run ends when one of them holds
   std::vector<InterventionSpec> at;  ///< in any order of time
-  std::vector<FaultSpec> faults;     ///< of robots that are there at the start
+  std::vector<FaultSpec> faults;     ///< of robots that are present at the start
 
-  /// Whether nothing is said: the run ends where its caller ends it.
+  /// Whether there is no experiment; then only the caller ends the run.
   bool empty() const { return stop_when.empty() && at.empty() && faults.empty(); }
 };
 

@@ -10,29 +10,30 @@ namespace troupe::engine {
 
 struct BodyType;
 
-/// What a fault does to a body.
+/// The effect of a fault on a body.
 struct Ailment {
-  std::uint32_t dead = 0;  ///< devices that do nothing any more: a bit each, in the order of the type's
-  double speed = 1;        ///< what its drive gives is multiplied by this; above 0, at most 1
-  bool drops_out = false;  ///< all of it stops: devices, controllers, drive
-  double per_s = 0;        ///< mean rate at which it occurs, once it may; 0: at once
-  double lasts_s = 0;      ///< of dropping out: how long; then it may occur again. 0: for good
+  std::uint32_t dead = 0;  ///< devices that stop working: one bit each, in the order of the type's devices
+  double speed = 1;        ///< factor on the velocity of its drive; above 0, at most 1
+  bool drops_out = false;  ///< devices, controllers and drive stop
+  double per_s = 0;        ///< mean rate of its occurrence, from FaultSpec::from_s on; 0: at once
+  double lasts_s = 0;      ///< duration of a drop-out, after which it may occur again; 0: for good
 };
 
-/// The devices that can be dead: Ailment::dead has no more bits.
+/// The largest number of devices that can fail: Ailment::dead has as many bits.
 inline constexpr std::size_t k_most_fallible = 32;
 
-/// A way to fail. It says what the fault does; who fails and when is the world's business, and no robot that
-/// is sound pays for it.
+/// A kind of fault. It defines the effect only. The world decides which robots fail and when; unimpaired
+/// robots cost no time.
 struct FaultKind {
-  std::string_view name;  ///< as files say it; unique in the registry
+  std::string_view name;  ///< name in files; unique in the registry
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// For bodies of this type, once, when the world is built; or why such a body cannot fail so.
+  /// Called once per type when the world is built. The error says why bodies of the type cannot have the
+  /// fault.
   Result<Ailment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
 };
 
-/// A kind of a class F that has a described `struct Params` and
+/// Makes a fault kind from a class F that has a described `struct Params` and
 ///
 ///     static Result<Ailment> prepare(const Params&, const BodyType&);
 template <class F>

@@ -13,25 +13,25 @@ namespace troupe::engine {
 
 struct Value;
 
-/// The values of one block of parameters, in the order of its field table.
+/// The values of a parameter block, in the order of its field table.
 using Record = std::vector<Value>;
 
-/// One parameter as a world file gives it, in SI units.
+/// The value of a parameter, in SI units.
 struct Value {
   std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
                std::vector<Record>, std::vector<std::string>>
-      v;  ///< nothing at all: not given
+      v;  ///< std::monostate: not given
 
-  // None is inline: records are made and copied in nearly every source, and each would compile the variant's
-  // own again.
-  /// Not given.
+  // None of these is inline: records are made and copied in nearly every source, and each would instantiate
+  // the variant's members again.
+  /// A value that is not given.
   Value();
   Value(const Value&);                 ///< a copy
-  Value(Value&&) noexcept;             ///< takes what the other holds
+  Value(Value&&) noexcept;             ///< moves
   Value& operator=(const Value&);      ///< a copy
-  Value& operator=(Value&&) noexcept;  ///< takes what the other holds
+  Value& operator=(Value&&) noexcept;  ///< moves
   ~Value();
-  /// Of what fields hold, each kept as what it is: 1 is an integer and 1.0 a number.
+  /// A value of a field. The type is kept: 1 is an integer and 1.0 a number.
   ///@{
   Value(bool x);
   Value(int x);
@@ -44,10 +44,10 @@ struct Value {
   Value(std::vector<std::string> x);
   ///@}
 
-  /// False: no value stands there.
+  /// Whether there is a value.
   bool given() const { return !std::holds_alternative<std::monostate>(v); }
-  /// What it holds. Throws std::bad_variant_access where it is something else: a field table's reader has
-  /// seen to it.
+  /// The value as its type. Throws std::bad_variant_access if it has another type; the reader of a field
+  /// table has checked it.
   ///@{
   bool boolean() const { return std::get<bool>(v); }
   std::int64_t integer() const { return std::get<std::int64_t>(v); }
@@ -57,13 +57,13 @@ struct Value {
   const std::vector<Record>& records() const { return std::get<std::vector<Record>>(v); }
   const std::vector<std::string>& texts() const { return std::get<std::vector<std::string>>(v); }
   ///@}
-  friend bool operator==(const Value&, const Value&);  ///< of one kind, and equal
+  friend bool operator==(const Value&, const Value&);  ///< same type and equal value
 };
 
 /// The dimension of a number. A JSON key carries its unit: the field `fov` (rad) is written `fov_rad` or
-/// `fov_deg`, `range` (m) is `range_m`, `range_cm` or `range_mm`; fields without a dimension stand bare.
+/// `fov_deg`, `range` (m) is `range_m`, `range_cm` or `range_mm`; fields without a dimension have no suffix.
 enum class Unit {
-  none,                        ///< a bare number, or no number
+  none,                        ///< dimensionless, or no number
   meters,                      ///< m
   radians,                     ///< rad
   seconds,                     ///< s
@@ -77,57 +77,58 @@ enum class Unit {
   watts,                       ///< W
 };
 
-/// What a parameter is.
+/// The type of a parameter.
 enum class FieldType {
   boolean,  ///< true or false
-  integer,  ///< whole, 64 bits
+  integer,  ///< 64 bits
   number,   ///< a double, of the field's unit
-  text,     ///< one of `choices` where there are any
-  texts,    ///< any count of texts
+  text,     ///< one of `choices`, if there are any
+  texts,    ///< a list of texts of any length
   numbers,  ///< `columns` numbers of one unit; columns 0: any count
-  color,    ///< one that files may name (stored as numbers: red, green, blue, opacity)
-  colors,   ///< any count of colours, which files may name (stored as numbers: red, green, blue, ...)
-  record,   ///< one block described by `record` (stored as a list of one)
-  records,  ///< a list of blocks described by `record`
+  color,    ///< a colour, also by name in files (stored as numbers: red, green, blue, opacity)
+  colors,   ///< a list of colours of any length (stored as numbers: red, green, blue, opacity, red, ...)
+  record,   ///< one parameter block, described by `record` (stored as a list of one)
+  records,  ///< a list of parameter blocks, described by `record`
 };
 
 struct FieldTable;
 struct MemberType;
 
-/// One parameter of a kind: from this parsing, validation, error texts, `troupe describe` and the reference
-/// page are made.
+/// A parameter of a kind. Parsing, validation, error messages, `troupe describe` and the reference page are
+/// derived from it.
 struct Field {
-  std::string_view name;               ///< lower case with underscores; in files its unit stands behind it
-  FieldType type = FieldType::number;  ///< what it is
+  std::string_view name;               ///< lower case with underscores; files append the unit
+  FieldType type = FieldType::number;  ///< type of the value
   Unit unit = Unit::none;              ///< of number and numbers
-  /// Not given: the field is required.
+  /// Default value. Not given: the field is required, unless it is optional or a record.
   Value fallback;
-  double min = -std::numeric_limits<double>::infinity();  ///< of numbers, in SI; of lists, each
-  double max = std::numeric_limits<double>::infinity();   ///< as `min`; included
+  double min =
+      -std::numeric_limits<double>::infinity();          ///< smallest number, in SI units; in a list, of each
+  double max = std::numeric_limits<double>::infinity();  ///< largest number, included
   std::string_view text;                  ///< one sentence for `troupe describe`, errors and the schema
-  std::size_t columns = 0;                ///< of `numbers`
-  std::vector<std::string_view> choices;  ///< of `text`; empty: any text
-  const FieldTable* record = nullptr;     ///< of `record` and `records`; must outlive the field
-  /// The lower limit itself is refused (sizes, periods).
+  std::size_t columns = 0;                ///< length of `numbers`; 0: any
+  std::vector<std::string_view> choices;  ///< allowed values of `text`; empty: any text
+  const FieldTable* record = nullptr;     ///< for `record` and `records`; must outlive the field
+  /// The lower limit itself is not allowed (sizes, periods).
   bool above_min = false;
-  /// Of `integer`: how many readings a sensor has for it. What memory a device takes is known by the sum of
-  /// these, before any is taken.
+  /// For `integer`: a number of readings of a sensor. Their sum limits the memory of a device before it is
+  /// allocated.
   bool counts_readings = false;
-  /// It may be missing, and then has no value: it is neither required nor has it a fallback.
+  /// The field may be missing, and then has no value: it is not required and has no default.
   bool optional = false;
-  /// It stays as it is for as long as the world runs: interventions cannot change it.
+  /// Interventions cannot change it while the world runs.
   bool fixed = false;
-  /// It says where the others come from (a file and a line): stored, and not compared.
+  /// It records the origin of the other fields (a file and a line): it is stored, but not compared.
   bool provenance = false;
-  bool sparse = false;  ///< of state: StateField::sparse
-  bool look = false;    ///< of state: StateField::look
-  /// Of a described struct (engine/description.hpp): how the member is read and written, and where it lies.
+  bool sparse = false;  ///< for state: StateField::sparse
+  bool look = false;    ///< for state: StateField::look
+  /// For a described struct (engine/description.hpp): access to the member, and its offset in the struct.
   ///@{
   const MemberType* member = nullptr;
   std::size_t offset = 0;  ///< bytes
   ///@}
 
-  /// Nothing stands in for it where it is not given, and something must.
+  /// Whether a file must give the field.
   bool required() const { return !fallback.given() && !optional && type != FieldType::record; }
 };
 
@@ -135,26 +136,27 @@ struct Field {
 struct FieldTable {
   std::vector<Field> fields;  ///< in the order of the records' values
 
-  /// Position of a field, or -1.
+  /// Index of a field, or -1.
   int find(std::string_view name) const;
-  /// Every field at its default; required fields are left not given.
+  /// A record of the default values; required fields are not given.
   Record defaults() const;
 };
 
-/// Key suffixes of a unit with the factor to SI, the SI one first: {"_rad", 1}, {"_deg", pi/180}.
+/// A key suffix for a unit, with the factor to SI: {"_deg", "deg", pi/180}.
 struct UnitSuffix {
-  std::string_view suffix;  ///< as keys end: "_deg"; of no unit empty
-  std::string_view symbol;  ///< for people: "rad", "deg", "m/s"
+  std::string_view suffix;  ///< end of the key: "_deg"; empty for Unit::none
+  std::string_view symbol;  ///< for messages: "rad", "deg", "m/s"
   double to_si;             ///< factor from this unit to SI
 };
-std::span<const UnitSuffix> unit_suffixes(Unit unit);  ///< never empty; static storage
+/// The suffixes of a unit, the SI one first. Never empty; static storage.
+std::span<const UnitSuffix> unit_suffixes(Unit unit);
 
-/// The value of a field, by its name; the table must have it.
+/// The value of a field by name. The table must have the field.
 inline const Value& get(const FieldTable& table, const Record& record, std::string_view name) {
   return record[static_cast<std::size_t>(table.find(name))];
 }
 
-/// The fields x, y, z (m) and heading (rad), each 0 by default: how poses are written.
+/// The table of poses: x, y, z (m) and heading (rad), each 0 by default.
 const FieldTable& pose_fields();
 
 }  // namespace troupe::engine

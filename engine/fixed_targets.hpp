@@ -9,21 +9,22 @@
 
 namespace troupe::engine {
 
-/// Parts of bodies that never move and that fiducial finders find, by where they stand.
+/// A spatial index of the fiducial targets of static bodies.
 class FixedTargets {
  public:
-  /// One such part.
+  /// A marked part.
   struct Target {
-    BodyId body;             ///< whose it is
-    std::uint32_t part = 0;  ///< of the body's type
+    BodyId body;             ///< body of the part
+    std::uint32_t part = 0;  ///< index in the body's type
     Pose pose_world_part;    ///< with every joint at rest
   };
 
   FixedTargets() = default;
-  /// Takes the marked parts (Returns::fiducial) of all bodies for which is_fixed says so.
+  /// Collects the marked parts (Returns::fiducial) of all bodies for which is_fixed returns true.
   FixedTargets(const WorldSpec& spec, const std::function<bool(BodyId)>& is_fixed);
 
-  /// visit(target) for those whose origin lies in the box, each once or more, and perhaps some that do not.
+  /// Calls visit(target) for all targets whose origin lies in the box. May visit a target more than once, and
+  /// others near the box too.
   template <class Visit>
   void for_each_near(const Box& box, Visit&& visit) const {
     places_.any_near(box, [&](std::uint32_t i) {

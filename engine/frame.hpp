@@ -11,38 +11,38 @@
 
 namespace troupe::engine {
 
-// What a viewer needs of one instant, as plain data: no viewer reads the engine's tables.
+// The data that a viewer needs to draw one instant. Viewers do not read the engine's tables.
 
-/// A solid to be drawn.
+/// A solid to draw.
 struct FrameShape {
   Solid solid;                 ///< body frame
-  std::optional<Color> color;  ///< not given: the body's
+  std::optional<Color> color;  ///< not given: that of the body
 };
 
-/// What bodies of one look are drawn as.
+/// The shapes of bodies of one appearance.
 struct FrameType {
   std::vector<FrameShape> shapes;  ///< of all parts
-  bool mobile = false;             ///< robots get a heading mark
+  bool mobile = false;             ///< bodies of the type are robots and get a heading mark
   double radius = 0;               ///< of the circle about the body's origin that encloses it, m
-  std::string name;                ///< of the type, for people
+  std::string name;                ///< name of the type, for display
 };
 
-/// A body to be drawn.
+/// A body to draw.
 struct FrameBody {
-  std::uint32_t type = 0;  ///< index into FrameScene::types; from their number on, into Frame::types
-  Pose pose_world_body;    ///< of the instant; of static bodies, for the whole run
-  Color color;             ///< of shapes without one of their own
-  bool stalled = false;    ///< its last motion was refused
+  std::uint32_t type = 0;  ///< index into FrameScene::types followed by Frame::types
+  Pose pose_world_body;    ///< at the instant; static bodies keep it for the whole run
+  Color color;             ///< of shapes without a colour
+  bool stalled = false;    ///< its last motion was blocked or out of bounds
   std::uint32_t id = 0;    ///< BodyId
 };
 
-/// Beams that leave from one place: of a ranger of one type.
+/// The beams of a ranger that start at one place.
 struct FrameTransducer {
   Pose pose_body;           ///< body frame, with joints at rest
   double range_max = 0;     ///< m
-  double fov = 0;           ///< between the first beam and the last, rad; of a single one: how wide it is
-  std::size_t first = 0;    ///< of its readings among the ranger's
-  std::size_t samples = 1;  ///< how many of them are its
+  double fov = 0;           ///< from the first beam to the last, rad; the width of a single beam
+  std::size_t first = 0;    ///< index of its first reading among those of the ranger
+  std::size_t samples = 1;  ///< number of its readings
 };
 
 /// A ranger of a type, whose readings can be drawn.
@@ -52,93 +52,92 @@ struct FrameRanger {
   std::vector<FrameTransducer> transducers;  ///< together they have all readings
 };
 
-/// What never changes during a run.
+/// The data that is constant during a run.
 struct FrameScene {
   std::vector<FrameType> types;      ///< by TypeId
   std::vector<FrameBody> fixed;      ///< static bodies
-  Box bounds;                        ///< of everything at the start, m
-  std::string title;                 ///< of the world
-  std::vector<FrameRanger> rangers;  ///< those that some scan may be of
-  double tile_m = 0;          ///< edge of the tiles of the index, and of the cells in them; 0: not known
-  double cell_m = 0;          ///< see `tile_m`
-  std::optional<Box> limits;  ///< where robots may go, m; none: the world does not say
+  Box bounds;                        ///< of all bodies at the start, m
+  std::string title;                 ///< title of the world
+  std::vector<FrameRanger> rangers;  ///< rangers that scans refer to
+  double tile_m = 0;                 ///< edge of the tiles of the spatial index; 0: unknown
+  double cell_m = 0;                 ///< edge of the cells of the tiles; 0: unknown
+  std::optional<Box> limits;         ///< bounds of the world, m; none: not given
 };
 
-/// What one ranger reads.
+/// The readings of one ranger.
 struct FrameScan {
   std::uint32_t body = 0;    ///< index into Frame::mobile
   std::uint32_t ranger = 0;  ///< index into FrameScene::rangers
-  std::size_t first = 0;     ///< of its readings: index into Frame::ranges
-  Pose moved;  ///< body frame: takes the ranger from where it rests to where joints have carried it
+  std::size_t first = 0;     ///< index of its first reading in Frame::ranges
+  Pose moved;                ///< body frame: displacement of the ranger from its rest pose by joints
 };
 
-/// Who sees whom: from one body's sensor to what it found, world frame, m.
+/// A detection: a line from a sensor to the body it found, world frame, m.
 struct FrameSight {
   std::uint32_t body = 0;                          ///< index into Frame::mobile
-  Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< where the sensor is
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< the origin of what it found
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< position of the sensor
+  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the detected part
 };
 
-/// A stretch of one colour that a blob finder sees, as the triangle from its eye to both ends, world frame,
-/// m.
+/// A blob of one colour that a blob finder sees: the triangle from the sensor to both edges, world frame, m.
 struct FrameBlob {
   std::uint32_t body = 0;                           ///< index into Frame::mobile
-  Eigen::Vector3d from = Eigen::Vector3d::Zero();   ///< its eye
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();  ///< where the stretch ends on its right
-  Eigen::Vector3d left = Eigen::Vector3d::Zero();   ///< where it ends on its left
-  Color color;                                      ///< that it sees
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();   ///< position of the sensor
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();  ///< right edge of the blob
+  Eigen::Vector3d left = Eigen::Vector3d::Zero();   ///< left edge of the blob
+  Color color;                                      ///< colour of the blob
 };
 
-/// A line between two things that belong together, world frame, m.
+/// A line between two related points, world frame, m.
 struct FrameTie {
-  /// What belongs together.
+  /// The relation.
   enum class Kind : std::uint8_t {
-    carries,      ///< from a carrier to what it carries
-    holds,        ///< from a gripper to what it holds
-    beam,         ///< between its paddles: nothing is in the way
-    broken_beam,  ///< something is
+    carries,      ///< from a carrier to a carried body
+    holds,        ///< from a gripper to the body it holds
+    beam,         ///< between the paddles of a gripper: uninterrupted
+    broken_beam,  ///< between the paddles of a gripper: interrupted
   };
-  Kind kind = Kind::carries;                       ///< decides how it is drawn
+  Kind kind = Kind::carries;                       ///< the relation
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< m, world frame
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< m, world frame
 };
 
-/// A square of the floor on which robots have been: [x, x + 1) times [y, y + 1) edges.
+/// A square of the floor that robots have visited: [x, x + 1) times [y, y + 1), in units of Frame::covered_m.
 struct FrameSquare {
-  std::int32_t x = 0;   ///< edges east of the origin
-  std::int32_t y = 0;   ///< edges north of it
-  float freshness = 1;  ///< from 0, when watching began, to 1, now: when a robot was there last
+  std::int32_t x = 0;   ///< number of squares east of the origin
+  std::int32_t y = 0;   ///< number of squares north of the origin
+  float freshness = 1;  ///< time of the last visit: 0 is when watching began, 1 is now
 };
 
-/// Where a body was before.
+/// Past positions of a body.
 struct FrameTrail {
   std::uint32_t body = 0;  ///< index into Frame::mobile
   /// World frame, m, from the oldest to now.
   std::vector<Eigen::Vector3d> points;
 };
 
-/// One instant: what moves, and what was asked for beside it.
+/// One instant: the bodies that may change, and what a viewer requested in addition.
 struct Frame {
   double time_s = 0;              ///< world time
   std::uint64_t tick = 0;         ///< ticks done
-  std::vector<FrameBody> mobile;  ///< bodies that have a row and are there, by id
-  std::vector<FrameType> types;   ///< of bodies of which parts have moved: as they look now
+  std::vector<FrameBody> mobile;  ///< bodies that have a row and are present, by id
+  std::vector<FrameType> types;   ///< present shapes of bodies whose parts have moved
 
-  // What a viewer asked for beside the bodies; else empty.
+  // The following are empty unless the viewer requests them.
   std::vector<FrameScan> scans;      ///< of rangers, by body
   std::vector<float> ranges;         ///< of all scans, m
-  std::vector<FrameSight> sights;    ///< by fiducial finders, by body
+  std::vector<FrameSight> sights;    ///< of fiducial finders, by body
   std::vector<FrameBlob> blobs;      ///< of blob finders, by body
-  std::vector<FrameTie> grips;       ///< beams between paddles, and what grippers hold
-  std::vector<FrameTie> links;       ///< from carriers to what they carry
-  std::vector<FrameTrail> trails;    ///< the ways of bodies
-  std::vector<FrameSquare> covered;  ///< the floor that was covered
+  std::vector<FrameTie> grips;       ///< beams between paddles, and the bodies that grippers hold
+  std::vector<FrameTie> links;       ///< from carriers to carried bodies
+  std::vector<FrameTrail> trails;    ///< past positions of bodies
+  std::vector<FrameSquare> covered;  ///< squares that robots have visited
   double covered_m = 0;              ///< edge of those squares
-  std::vector<std::string> names;    ///< beside `mobile`
-  std::vector<double> charges;       ///< beside `mobile`: share that its power pack holds; NaN: it has none
-  std::vector<double> values;        ///< beside `mobile`: what bodies are coloured by; NaN: it has none
-  std::string value_name;            ///< with its unit: "velocity.x (m/s)"
-  double times_real_time = 0;        ///< what the clock tells beside the time; 0: nothing
+  std::vector<std::string> names;    ///< one per body of `mobile`
+  std::vector<double> charges;  ///< one per body of `mobile`: charge of its power pack, 0 to 1; NaN: none
+  std::vector<double> values;   ///< one per body of `mobile`: value that colours it; NaN: none
+  std::string value_name;       ///< name of `values` with unit: "velocity.x (m/s)"
+  double times_real_time = 0;   ///< speed relative to real time, displayed with the time; 0: none
 };
 
 }  // namespace troupe::engine

@@ -10,13 +10,13 @@ namespace troupe::engine {
 
 class World;
 
-/// What the exception that is being handled says: `threw: no map`, or that it is no std::exception. Only
-/// within a handler.
+/// Text of the exception that is being handled: `threw: no map`, or that it is not a std::exception. Call it
+/// only within a handler.
 std::string thrown_text();
 
-/// Throws, in place of the exception that is being handled, a StepError that names the tick, what threw, and
-/// the robot: the one that a DecisionError names, else the first of the rows. A StepError comes out as it is:
-/// it names its robot itself. rows: for which the kind's function was called; empty: for none in particular.
+/// Throws, in place of the exception that is being handled, a StepError that names the tick, the kind that
+/// threw, and the robot: that of a DecisionError, else the first of the rows. A StepError is rethrown as it
+/// is: it names its robot already. rows: those that the kind's function was called for; may be empty.
 ///@{
 [[noreturn]] void throw_step_error(const World& world, std::span<const Row> rows,
                                    const BodyType::Controller& what);
@@ -26,8 +26,8 @@ std::string thrown_text();
                                    const BodyType::Drive& what);
 ///@}
 
-/// call(), a function of the kind of a controller, a device or a drive: what it throws comes out as of
-/// throw_step_error(). Kinds are written by users, and a plug-in's exception tells nothing of where it came
+/// Calls call(), a function of the kind of a controller, device or drive. Converts its exceptions by
+/// throw_step_error(): kinds are written by users, and the exception of a plug-in does not say where it came
 /// from.
 template <class What, class Call>
 auto call_kind(const World& world, std::span<const Row> rows, const What& what, Call&& call) {

@@ -16,7 +16,7 @@ namespace {
 using partition::ObstacleShape;
 using partition::PlacedShape;
 
-constexpr std::size_t k_batch = 64;  // trees a task
+constexpr std::size_t k_batch = 64;  // trees per task
 
 const ObstacleShape k_no_shape;
 
@@ -29,7 +29,7 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
-/// How much a shape of a tree has to hold: what is not picked up by what is carried itself.
+/// Capacity of a tree's shape. It does not count bodies that carried bodies pick up.
 struct Room {
   std::size_t pieces = 0;
   std::size_t corners = 0;
@@ -40,7 +40,7 @@ struct Room {
   }
 };
 
-/// Of the types that can be picked up the one with most pieces; null: there is none.
+/// The type with the most pieces among those that can be picked up; null if there is none.
 const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
   const BodyType* most = nullptr;
   for (const BodyType& type : types)
@@ -49,7 +49,7 @@ const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
   return most;
 }
 
-/// Where a joint at q takes points of the body at rest, when its parent takes them to `parent`.
+/// The mount of a joint at displacement q, when its parent joint is at `parent`.
 Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q) {
   if (q == Pose{}) return parent;
   return compose(compose(compose(parent, joint.at_rest), Mount(q)), joint.to_body);
@@ -57,11 +57,11 @@ Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q)
 
 }  // namespace
 
-/// A part of a tree that is to be drawn.
+/// A body of a tree, as visited by a walk from the root.
 struct World::Limb {
   Row row;
-  Mount place;         // of the row's frame in the root's
-  bool moves = false;  // with some joint below
+  Mount place;         // of the body's frame in the root's
+  bool moves = false;  // a joint between the root and the body moves
 };
 
 void World::build_links() {
@@ -89,8 +89,8 @@ void World::build_links() {
   links.samples.resize(links.composites.size());
   links.refused.resize(links.composites.size());
 
-  // So that the first grip of a run takes no memory; nor a later one, unless of what carries something.
-  constexpr std::size_t k_most_pieces = 64;  // beyond that room is made when it is needed
+  // Reserves memory now, so that a grip allocates none unless the gripped body carries something itself.
+  constexpr std::size_t k_most_pieces = 64;  // larger shapes allocate when they are needed
   const BodyType* cargo = most_intricate_cargo(types_);
   for (std::size_t c = 0; c < links.composites.size(); ++c) {
     const BodyType& t = type(Row(links.composites[c]));
@@ -129,7 +129,7 @@ std::optional<BodyId> World::carrier(Row row) const {
   return BodyId(id - 1);
 }
 
-/// Whether what the tables say of joints and carriers makes trees.
+/// Whether the tables of joints and carriers are valid and describe trees.
 bool World::links_hold() const {
   for (const std::uint32_t r : links_.composites)
     for (std::size_t j = 0; j < type(Row(r)).joints.size(); ++j)
@@ -146,7 +146,7 @@ bool World::links_hold() const {
     if (!by.valid() || !type(by).carries || link.joint > type(by).joints.size() || !is_finite(link.pose))
       return false;
   }
-  // Finds cycles of carriers: one walk takes two steps up where the other takes one.
+  // Finds cycles of carriers: one walk takes two steps towards the root while the other takes one.
   for (std::uint32_t r = 0; r < rows(); ++r) {
     Row slow(r);
     for (Row fast(r); fast.valid(); slow = carrier_row(slow.value)) {
@@ -165,7 +165,8 @@ void World::derive_links() {
   if (!links.any()) return;
   std::ranges::fill(links.first_cargo, Links::k_none);
   for (std::uint32_t r = 0; r < rows(); ++r) links.roots[r] = r;
-  for (const std::uint32_t r : links.composites) rest_joints(Row(r));  // before any tree's shape is made
+  for (const std::uint32_t r : links.composites)
+    rest_joints(Row(r));  // before any shape of a tree is computed
   for (std::uint32_t r = 0; carrier_table_ && r < rows(); ++r) {
     const std::uint32_t id = tables_[*carrier_table_].as<Carried>(r).carrier;
     if (id != 0) hang(r, body_rows_[id - 1].value);
@@ -193,13 +194,13 @@ void World::forget_links() {
   links_.asked = true;
 }
 
-/// The joints of a row are where its tables say, and asked for nothing.
+/// Clears the goals of a row's joints and places them by the tables.
 void World::rest_joints(Row row) {
   for (Links::Joint& joint : joints(row)) joint.state = Links::Goal::none;
   move_to_joints(row);
 }
 
-/// Works out where the joints of a row are.
+/// Computes the places of a row's joints from the tables.
 void World::move_to_joints(Row row) {
   const std::span<Links::Joint> all = joints(row);
   for (std::size_t j = 0; j < all.size(); ++j) {
@@ -209,7 +210,7 @@ void World::move_to_joints(Row row) {
   }
 }
 
-/// By id, so that sums over what is carried do not tell in which order it was picked up.
+/// Inserts by id, so that sums over the cargo do not depend on the order in which it was picked up.
 void World::hang(std::uint32_t cargo, std::uint32_t carrier) {
   std::uint32_t* at = &links_.first_cargo[carrier];
   while (*at != Links::k_none && row_ids_[*at] < row_ids_[cargo]) at = &links_.next_cargo[*at];
@@ -231,8 +232,8 @@ void World::set_root(std::uint32_t row, std::uint32_t root) {
     set_root(c, root);
 }
 
-/// Adds the obstacles of a body and of all that it carries. `then`: only what moves in this round, and where
-/// it would go.
+/// Adds the obstacle pieces of a body and of all bodies that it carries. then: only the pieces that move in
+/// this round, at their goals.
 void World::add_limb(const Limb& limb, bool then, ShapeBuffer& out, double& thinnest) const {
   const BodyType& t = type(limb.row);
   const std::span<const Links::Joint> all = joints(limb.row);
@@ -260,13 +261,13 @@ void World::add_limb(const Limb& limb, bool then, ShapeBuffer& out, double& thin
   }
 }
 
-/// What conflicts and queries know of a row's body.
+/// Updates the shape and radius of a row that conflict resolution and queries use.
 void World::reshape(std::uint32_t row) {
   if (!is_there(Row(row))) return show(Row(row));
   const BodyType& t = type(Row(row));
   const std::uint32_t c = links_.composite_of[row];
   const ObstacleShape* shape = &t.obstacle;
-  // Who carries nothing and has its joints at rest has the shape of its type, which stays in the caches.
+  // A body without cargo whose joints are at rest uses the shape of its type, which stays in the CPU caches.
   const auto is_at_rest = [&] {
     for (std::size_t j = 0; j < t.joints.size(); ++j)
       if (!(joint_state(Row(row), j) == Pose{})) return false;
@@ -286,11 +287,11 @@ void World::reshape(std::uint32_t row) {
   if (c != Links::k_none)
     for (const Links::Joint& joint : joints(Row(row)))
       shift = std::max(shift, joint.now.transform.position.norm());
-  // No point of the body is farther from its origin: joints turn points about the origin, then shift them.
+  // An upper bound for all points of the body: joints rotate points about the origin, then shift them.
   row_radii_[row] = std::max(t.radius + shift, shape->radius);
 }
 
-/// Outlines of a row with joints.
+/// Updates the outlines of a row with joints.
 void World::put_outlines(Row row, const BodyType& type, const Transform& transform) {
   Vec2* out = outlines_.data() + outline_begins_[row.index()];
   const std::span<const Links::Joint> all = joints(row);
@@ -304,7 +305,7 @@ void World::put_outlines(Row row, const BodyType& type, const Transform& transfo
   for (const RayOutline& outline : type.hidden_outlines) put(outline);
 }
 
-// ---- joints settle
+// ---- Resolution of joint motions
 
 template <class Work>
 void World::for_roots(Work&& work) {
@@ -315,19 +316,20 @@ void World::for_roots(Work&& work) {
   });
 }
 
-/// Joints of one device of every body settle in one round: those that others stand on come before these. What
-/// moves of a tree must be free of the static scene, and of every other tree where that one is now, both with
-/// its joints as they are and as they would be: so it does not matter which of two is asked first, and
-/// nothing overlaps, whichever of them may move.
+/// Resolves the motions of joints. A round moves the joints of one device per body; parent joints have
+/// earlier rounds than their children. The moving pieces of a tree must be free of the static scene, and of
+/// every other tree at its present pose, with the joints of that tree both at their present places and at
+/// their goals. So the order in which two trees are tested does not matter, and trees do not come to overlap,
+/// whichever of them move.
 void World::settle_joints() {
   Links& links = links_;
   if (!links.asked.load(std::memory_order_relaxed)) return;
-  // The index still has each tree as a circle about where its origin was. To where it is now its origin went
-  // no farther than the longest motion or push; its radius has grown by what joints have moved in this tick
-  // and would move in this round. Turns change neither.
+  // The index still holds each tree as a circle about its old origin. Since then its origin has moved by at
+  // most the longest motion or push. Its radius has grown by at most the joint motions of this tick, those of
+  // this round included. Turns change neither.
   double reach = conflicts_.longest();
   for (std::size_t round = 0; round < links.rounds; ++round) {
-    std::atomic<std::uint64_t> longest = 0;  // bits of a number that is not negative, ordered as it is
+    std::atomic<std::uint64_t> longest = 0;  // bits of a non-negative number: they have its order
     for_roots([&](std::size_t c, std::uint32_t r) {
       const auto bits = std::bit_cast<std::uint64_t>(ask_joints(c, Row(r), round));
       std::uint64_t known = longest.load(std::memory_order_relaxed);
@@ -345,8 +347,9 @@ void World::settle_joints() {
   }
 }
 
-/// Works out where the joints of a body, and of all it carries, would be a part t of the way on; returns how
-/// far that moves any point, at most, from where it is, m. 0: none is asked to move in this round.
+/// Computes the places of the joints of a body, and of all bodies that it carries, at a fraction t of their
+/// motions of this round. Returns an upper bound on how far the motions to t = 1 move any point, m; 0: no
+/// joint moves in this round.
 double World::aim_joints(const Limb& limb, std::size_t round, double t, double radius) {
   const BodyType& type = this->type(limb.row);
   const std::span<Links::Joint> all = joints(limb.row);
@@ -383,7 +386,8 @@ double World::aim_joints(const Limb& limb, std::size_t round, double t, double r
   return way;
 }
 
-/// Makes the shape of what moves, where it would go.
+/// Computes the shape of the moving pieces of a tree at their goals, and the number of samples of the motion.
+/// Returns an upper bound on how far any point moves, m.
 double World::ask_joints(std::size_t c, Row root, std::size_t round) {
   links_.samples[c] = 0;
   links_.refused[c] = 0;
@@ -397,7 +401,7 @@ double World::ask_joints(std::size_t c, Row root, std::size_t round) {
   moved.begin();
   add_limb({root, Mount()}, true, moved, thinnest);
   moved.finish(thinnest);
-  // As motions of bodies are tested: see Conflicts.
+  // The same sampling as for motions of bodies: see Conflicts.
   constexpr double k_most = 1e6;
   const double samples = moved.shape().empty() ? 1 : std::min(k_most, std::ceil(way / (0.25 * thinnest)));
   links_.samples[c] = std::max(1u, static_cast<std::uint32_t>(samples));
@@ -431,7 +435,7 @@ bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double re
   return false;
 }
 
-/// Whether some other tree is in the way of what moves of this one, and was not before.
+/// Whether the moving pieces of this tree overlap another tree that this tree did not overlap before.
 bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape& after, double reach) const {
   const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
     const Transform& at = transform(other);
@@ -440,7 +444,7 @@ bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape
     return body(root) < body(other) ? overlap(mine, theirs) : overlap(theirs, mine);
   };
   bool refuses = false;
-  // Runs of cells, because the index still has the rows where they were.
+  // Visits whole runs of cells and tests present poses, because the index still holds the old ones.
   index_.for_each_run(
       Box::around(after.position(), after.shape().radius + reach),
       [&](std::span<const partition::BodyCircle> run) {
@@ -458,7 +462,7 @@ bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape
   return refuses;
 }
 
-/// Tells the joints of this round what became of them.
+/// Applies the outcome of this round to the joints of a tree.
 void World::answer_joints(Row row, std::size_t round, bool refused) {
   const BodyType& type = this->type(row);
   if (round < type.joint_devices.size()) {
@@ -473,7 +477,7 @@ void World::answer_joints(Row row, std::size_t round, bool refused) {
   }
   if (!refused) {
     move_to_joints(row);
-    // Of what is carried: see carry().
+    // carry() updates the outlines of carried bodies.
     if (links_.roots[row.index()] == row.value) put(row, type, transform(row));
   }
   for (std::uint32_t c = links_.first_cargo[row.index()]; c != Links::k_none; c = links_.next_cargo[c])
@@ -481,9 +485,9 @@ void World::answer_joints(Row row, std::size_t round, bool refused) {
   if (!refused) reshape(row.value);
 }
 
-// ---- cargo
+// ---- Cargo
 
-/// What is carried goes where its carrier goes.
+/// Moves carried bodies with their carriers.
 void World::carry() {
   if (links_.carried == 0) return;
   for_roots([&](std::size_t, std::uint32_t r) { carry_cargo_of(Row(r)); });
@@ -537,7 +541,7 @@ void World::redraw_ray_grid() {
   ray_grid_->redraw(outlines_, poses(), parallel_, linked);
 }
 
-// ---- what devices see of it
+// ---- Joints in DeviceBatch
 
 Mount DeviceBatch::mount(std::size_t i) const {
   return world.mount(rows[i], world.type(rows[i]).devices[device].joint);
@@ -554,8 +558,8 @@ const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {
 }
 void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const {
   if (!is_finite(to))
-    throw StepError(fmt::format("tick {}: a joint of \"{}\" was asked to move to what is not a finite number",
-                                world.tick(), world.spec().name(body(i))));
+    throw StepError(fmt::format("tick {}: the goal of a joint of \"{}\" is not a finite number", world.tick(),
+                                world.spec().name(body(i))));
   Links::Joint& joint = links.joints[links.joint_begins[rows[i].index()] + joint_index(*this, i, n)];
   joint.goal = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
   joint.state = Links::Goal::asked;

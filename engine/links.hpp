@@ -10,60 +10,60 @@
 
 namespace troupe::engine {
 
-/// A row of the component `carrier`: all zero where the body is not carried.
+/// A row of the component `carrier`: all zero if the body is not carried.
 struct Carried {
-  std::uint32_t carrier = 0;  ///< its id + 1
-  std::uint32_t joint = 0;    ///< of the carrier's type, from which the body hangs: its index + 1; 0: none
-  Pose pose;                  ///< of the body, in the carrier's frame as that joint moves it
+  std::uint32_t carrier = 0;  ///< id of the carrier + 1
+  std::uint32_t joint = 0;    ///< joint of the carrier that holds the body: its index + 1; 0: none
+  Pose pose;                  ///< pose of the body in the carrier's frame, as moved by that joint
 };
 
-/// What hangs together: the joints of bodies, and the *trees* of bodies that carry one another, each under
-/// its root, the one that is not carried. All of it is derived from the components `joint/...` and `carrier`;
-/// the lists are empty where no type of the world has joints or picks up others.
+/// The joints of bodies, and the *trees* of bodies that carry one another. The root of a tree is not carried.
+/// All members are derived from the components `joint/...` and `carrier`. The lists are empty if no type of
+/// the world has joints or can pick up bodies.
 ///
-/// A body whose shape changes, because it has joints or may carry, is *composite*. The shape of a root is
-/// that of its tree, in its own frame; that of a carried body is empty.
+/// A body whose shape changes, because it has joints or can carry, is *composite*. The shape of a root is
+/// that of its tree, in the root's frame; the shape of a carried body is empty.
 struct Links {
   static constexpr std::uint32_t k_none = ~0u;  ///< no row
-  /// What became in this tick of what a joint was asked for.
+  /// The outcome of a joint's motion in this tick.
   enum class Goal : std::uint8_t {
-    none,     ///< it was not asked to move
-    asked,    ///< it is still to be settled
-    moved,    ///< it is there
-    refused,  ///< something was in the way: it is where it was
+    none,     ///< it has no command to move
+    asked,    ///< it is not yet resolved
+    moved,    ///< it is at its goal
+    refused,  ///< blocked: it is at its old place
   };
 
   /// A joint of one body.
   struct Joint {
-    Mount now;                ///< takes a point of the body at rest to where it is, in the body's frame
-    Mount then;               ///< where it would be: while joints settle
+    Mount now;                ///< maps a point of the joint part at rest to its present place, body frame
+    Mount then;               ///< the same for the goal, while joint motions are resolved
     Pose goal;                ///< relative to rest
-    Goal state = Goal::none;  ///< of this tick
-    bool moves = false;       ///< with the joints of this round
+    Goal state = Goal::none;  ///< outcome in this tick
+    bool moves = false;       ///< it moves in this round
   };
 
-  std::vector<std::uint32_t> joint_begins;  ///< a row each: its first in `joints`
+  std::vector<std::uint32_t> joint_begins;  ///< one per row: its first joint in `joints`
   std::vector<Joint> joints;                ///< of all rows, by row
-  std::atomic<bool> asked = false;          ///< some joint, in this tick
-  std::size_t rounds = 0;                   ///< the most devices with joints that one body has
+  std::atomic<bool> asked = false;          ///< a joint has a command to move in this tick
+  std::size_t rounds = 0;                   ///< largest number of devices with joints on one body
 
-  std::vector<std::uint32_t> composites;    ///< rows
-  std::vector<std::uint32_t> composite_of;  ///< a row each: index into the following, or k_none
-  std::vector<ShapeBuffer> shapes;          ///< of roots that of their tree, in their own frame
-  std::vector<ShapeBuffer> moved;           ///< of this round: what of the tree moves, where it would go
-  std::vector<ShapeBuffer> on_the_way;      ///< the same, while the way there is tested
-  std::vector<std::uint32_t> samples;  ///< of this round: poses at which that is tested; 0: nothing moves
-  std::vector<std::uint8_t> refused;   ///< of this round: 1 where something is in the way
+  std::vector<std::uint32_t> composites;    ///< rows of composite bodies
+  std::vector<std::uint32_t> composite_of;  ///< one per row: index into the lists below, or k_none
+  std::vector<ShapeBuffer> shapes;          ///< shapes of trees, in the frame of their root
+  std::vector<ShapeBuffer> moved;           ///< this round: the moving pieces of the tree, at their goals
+  std::vector<ShapeBuffer> on_the_way;      ///< this round: the moving pieces, at the sample under test
+  std::vector<std::uint32_t> samples;       ///< this round: number of samples of the motion; 0: no motion
+  std::vector<std::uint8_t> refused;        ///< this round: 1 if the motion is blocked
 
-  // A row each; empty where there are no composites.
-  std::vector<std::uint32_t> roots;        ///< row of the tree's root; its own where it is not carried
-  std::vector<std::uint32_t> first_cargo;  ///< of lowest id that it carries itself; k_none: nothing
-  std::vector<std::uint32_t> next_cargo;   ///< of the next higher id on the same carrier; k_none: the last
-  std::size_t carried = 0;                 ///< rows that are carried
+  // One per row; empty if there are no composites.
+  std::vector<std::uint32_t> roots;        ///< row of the tree's root; its own row if it is not carried
+  std::vector<std::uint32_t> first_cargo;  ///< row of lowest id that it carries itself; k_none: none
+  std::vector<std::uint32_t> next_cargo;   ///< row of the next higher id on the same carrier; k_none: none
+  std::size_t carried = 0;                 ///< number of carried rows
 
-  std::vector<double> lifts;  ///< m, of each outline that the grid ray engine draws
+  std::vector<double> lifts;  ///< m, height offset of each outline that the grid ray engine draws
 
-  /// Whether anything in the world has joints or can carry.
+  /// Whether bodies in the world have joints or can carry.
   bool any() const { return !composites.empty(); }
 };
 

@@ -48,7 +48,7 @@ void World::build_lives() {
   if (spec_.ranging == RangingEngine::grid) not_drawn_.resize(rows());
 }
 
-/// Whether what the table says can have come about.
+/// Whether the rows of the component `life` are consistent with one another and with the tick.
 bool World::lives_hold(std::uint64_t tick) const {
   if (!life_table_) return true;
   const StateTable& lives = tables_[*life_table_];
@@ -66,7 +66,7 @@ bool World::lives_hold(std::uint64_t tick) const {
     const Row by = id == 0 || id > body_rows_.size() ? Row() : body_rows_[id - 1];
     if (by.valid() && presence(by) != Presence::there) return false;
   }
-  for (const ReserveSpec& reserve : spec_.reserves)  // they are born in the order of their ids
+  for (const ReserveSpec& reserve : spec_.reserves)  // bodies of a reserve are born in the order of their ids
     for (std::uint32_t i = 1; i < reserve.count; ++i) {
       const Row before = body_rows_[reserve.first.index() + i - 1];
       const Row row = body_rows_[reserve.first.index() + i];
@@ -95,7 +95,7 @@ void World::derive_lives() {
   }
 }
 
-/// Of a tree, and of a body with joints, World::reshape() knows more.
+/// Updates the shape and radius of a row. For trees and bodies with joints, World::reshape() refines them.
 void World::show(Row row) {
   const bool there = is_there(row);
   row_shapes_[row.index()] = there ? &type(row).obstacle : &k_no_shape;
@@ -105,7 +105,7 @@ void World::show(Row row) {
 
 void World::clear(Row row) {
   for (StateTable& table : tables_) {
-    // Of all rows, or of those of one type; where there is no other, the slots are the rows.
+    // A table has a row per body, or per body of one type. If there is only one type, slots equal rows.
     const std::size_t at = table.rows() == rows() ? row.index() : slot(row);
     if (at < table.rows() && table.ids()[at] == body(row)) table.clear_row(at);
   }
@@ -124,7 +124,8 @@ std::optional<std::size_t> World::reserve(std::string_view population) const {
   return static_cast<std::size_t>(found - spec_.reserves.begin());
 }
 
-/// The index holds all that were there when it was made, where they are now; newborn_ those who came since.
+/// Spawns the next body of a reserve, if its place is free. The index must hold all bodies present when it
+/// was built, at their current poses; newborn_ holds the bodies born since.
 Birth World::bear(std::size_t reserve, const Pose& pose) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(spec_.reserves[reserve].first.index() + next_born_[reserve]);
@@ -151,7 +152,7 @@ Birth World::bear(std::size_t reserve, const Pose& pose) {
   return {BirthStatus::born, id};
 }
 
-/// Its pose stays: where it died.
+/// Ends a life. The row keeps the pose at death and the record of birth; the rest of its state becomes 0.
 void World::die(Row row) {
   if (!is_there(row)) return;
   if (links_.any()) {
@@ -170,16 +171,17 @@ void World::die(Row row) {
   derive(row);
 }
 
-/// The deaths first, so that what they leave may be taken at once.
+/// Applies deaths before births, so that a birth can take the place of a body that died in this tick.
 void World::settle_lives(std::span<const Effect> effects) {
-  if (!life_table_) throw std::logic_error("a device ends lives and has not said that it may");
+  if (!life_table_)
+    throw std::logic_error("a device emitted a birth or a death that its kind did not declare");
   for (const Effect& effect : effects)
     if (effect.verb == k_death && effect.target.index() < body_rows_.size() && row(effect.target).valid())
       die(row(effect.target));
   bool is_indexed = false;
   for (const Effect& effect : effects) {
     if (effect.verb != k_birth || !is_there(row(effect.source))) continue;
-    if (!is_indexed) index_.rebuild(transforms_, row_radii_, parallel_);  // all have moved since
+    if (!is_indexed) index_.rebuild(transforms_, row_radii_, parallel_);  // bodies have moved since
     is_indexed = true;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     const auto [x, y, z, heading] = effect.payload;
@@ -195,7 +197,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
   require_whole();
   restore_fp_environment();  // as before a step
   if (!is_finite(pose))
-    throw std::invalid_argument(fmt::format("no body of \"{}\" can be born at a pose that is not finite",
+    throw std::invalid_argument(fmt::format("cannot spawn a body of \"{}\": the pose is not finite",
                                             spec_.reserves[reserve].population));
   const Completion completion(*this);
   const Birth birth = bear(reserve, pose);
@@ -208,7 +210,7 @@ void World::remove(Row row) {
   restore_fp_environment();  // as before a step
   if (!life_table_)
     throw std::logic_error(
-        "no body may be removed from this world: \"mortal\": true allows it, and so does a reserve");
+        "bodies of this world cannot be removed: the world needs \"mortal\": true or a reserve");
   if (!is_there(row)) return;
   die(row);
   count_stalls();

@@ -5,7 +5,7 @@
 namespace troupe::engine {
 namespace {
 
-// How far odometry is off where the world does not say: Stage's, of which half to either side.
+// Default widths of the odometry errors, from Stage; an error is within half of the width to either side.
 constexpr double k_way_error = 0.03;
 constexpr double k_turn_error = 0.05;
 
@@ -45,10 +45,11 @@ Pose Estimates::of(Row row, std::size_t slot) const {
 
 Result<Localization> LocalizationParams::read() const {
   const std::vector<double>& at = localization_origin;
-  if (!at.empty() && at.size() != 2) return Error{"localization_origin needs two numbers, [x, y], or none"};
+  if (!at.empty() && at.size() != 2)
+    return Error{"localization_origin must have two numbers, [x, y], or none"};
   const std::vector<double>& error = odom_error;
   if (!error.empty() && error.size() != 3)
-    return Error{"odom_error needs three numbers, [forward, left, turn], or none"};
+    return Error{"odom_error must have three numbers, [forward, left, turn], or none"};
   Localization how{.kind = localization, .along_new_heading = odom_heading == Heading::changed};
   if (!at.empty()) how.origin = Pose{at[0], at[1], 0, localization_origin_heading};
   if (!error.empty()) how.error = {error[0], error[1], error[2]};

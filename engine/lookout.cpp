@@ -9,16 +9,16 @@ namespace {
 
 using partition::BodyCircle;
 
-// Marks of circles of pieces; rows lie below both.
+// Flags of circles of static pieces; rows are smaller than both.
 constexpr std::uint32_t k_seen = 1u << 31;    // in StaticScene::outlines()
 constexpr std::uint32_t k_hidden = 1u << 30;  // in StaticScene::hidden_outlines()
-constexpr std::size_t k_room = 1024;          // circles: a crowd of that size grows the arrays at once
-constexpr std::size_t k_crowd = 512;          // of more circles than these those along the ray are fewer
+constexpr std::size_t k_room = 1024;          // circles: initial size of the arrays
+constexpr std::size_t k_crowd = 512;          // with more circles, the walk along the ray tests fewer
 constexpr float k_far = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-/// Adds those that come within the reach, relative to the origin and widened by more than rounding takes.
+/// Adds the circles within the reach, relative to the origin and widened by more than the rounding error.
 void Lookout::add_near(std::span<const BodyCircle> run, std::uint32_t mark) {
   const auto margin = static_cast<float>(1e-6 + 3e-6 * reach_);
   const auto reach = static_cast<float>(reach_) + margin;
@@ -41,7 +41,7 @@ void Lookout::stand(const World& world, const Vec2& origin, double reach, Row ow
   fixed_reach_ = -1;
   size_ = 0;
   circles_.make_room(std::min(world.rows(), k_room));
-  // Wide bodies lie in several cells of the index.
+  // Wide bodies are stored in several cells of the index.
   const float wide = world.index().has_wide() ? static_cast<float>(0.5 * world.geometry().cell_m) : k_far;
   const auto is_left_out = [&](std::size_t i, std::size_t kept) {
     if (own.valid() && world.same_tree(Row(circles_.row[i]), own)) return true;
@@ -84,7 +84,7 @@ Sighting Lookout::first_met(const SightLine& ray) {
     return engine::first_met(
         *world_, {.origin = origin_, .direction = ray.direction, .length = ray.length, .own = own_, .z = z_});
   Sighting nearest{.range = ray.length};
-  const std::size_t count = find_hits(ray);  // which may move hits_
+  const std::size_t count = find_hits(ray);  // may reallocate hits_
   const std::span<Hit> hits(hits_.data(), count);
   std::ranges::sort(hits, {}, &Hit::near);
   for (const Hit& hit : hits) {
@@ -94,7 +94,7 @@ Sighting Lookout::first_met(const SightLine& ray) {
   return nearest;
 }
 
-/// The circles that the ray passes through; the compiler takes several of them at once.
+/// Finds the circles that the ray passes through. The compiler vectorizes the loop.
 std::size_t Lookout::find_hits(const SightLine& ray) {
   if (near_.size() < size_) {
     near_.resize(2 * size_);

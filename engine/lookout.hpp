@@ -9,32 +9,32 @@
 
 namespace troupe::engine {
 
-/// A ray from where a Lookout stands.
+/// A ray from the origin of a Lookout.
 struct SightLine {
-  Vec2 direction = Vec2::UnitX();  ///< world frame, of length 1
-  double length = 0;               ///< m; what is as far or farther is not met
+  Vec2 direction = Vec2::UnitX();  ///< world frame, unit length
+  double length = 0;               ///< m; outlines at this distance or farther are not hit
 };
 
-/// What stands about a point, looked up once for all rays that a sensor casts from there. Each meets what
-/// first_met() finds, bit for bit: that walks along every ray through the grid, while here all circles that
-/// are near are held against it at once, and what is left is met from near to far. A thread keeps one: its
-/// arrays only grow.
+/// Casts many rays from one origin. It looks up the bodies near the origin once for all rays. The results
+/// equal those of first_met() bit for bit. first_met() walks each ray through the grid; here each ray is
+/// tested against all nearby circles at once, and the remaining candidates are intersected from near to far.
+/// Keep one per thread: its arrays only grow.
 class Lookout {
  public:
-  /// Finds the bodies. reach: no ray is longer, m; own, z: as in SightRay. The world must not change while it
-  /// stands there.
+  /// Sets the origin and looks up the bodies near it. reach: the largest ray length, m; own, z: as in
+  /// SightRay. The world must not change until the last ray is cast.
   void stand(const World& world, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
-  /// The rows of bodies whose circles come within the reach, each once, and perhaps some that just do not;
-  /// own tree left out.
+  /// Rows of the bodies whose circles are within the reach, each once, and possibly of bodies slightly beyond
+  /// it. The own tree is excluded.
   std::span<const std::uint32_t> bodies() const { return {circles_.row.data(), bodies_}; }
 
-  /// found[i]: what ray i meets first. Sizes are equal.
+  /// Sets found[i] to the first hit of ray i. Sizes are equal.
   void first_met(std::span<const SightLine> rays, std::span<Sighting> found);
 
  private:
   struct Hit {
-    float near;  // no surface in the circle is met nearer than this, m
+    float near;  // lower bound on the distance to a surface in the circle, m
     std::uint32_t mark;
   };
   void add_near(std::span<const partition::BodyCircle> run, std::uint32_t mark);
@@ -48,10 +48,10 @@ class Lookout {
   double reach_ = 0;
   Row own_;
   std::optional<double> z_;
-  partition::CircleArrays circles_;  // relative to the origin: of bodies, then of pieces of the static scene
+  partition::CircleArrays circles_;  // relative to the origin: bodies, then pieces of the static scene
   std::size_t bodies_ = 0;
   std::size_t size_ = 0;
-  double fixed_reach_ = 0;  // how far out pieces are known, m; negative: not at all
+  double fixed_reach_ = 0;  // pieces are known up to this distance, m; negative: none
   std::vector<float> near_;
   std::vector<Hit> hits_;
 };

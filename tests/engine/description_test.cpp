@@ -304,12 +304,12 @@ struct DefaultedOptional {
 };
 
 TEST(Description, FactsThatContradictOneAnotherAreTold) {
-  EXPECT_THAT(contradiction<SameNames>(), HasSubstr("description of \"a\" gives two members this name"));
-  EXPECT_THAT(contradiction<NoNumber>(), HasSubstr("gives a unit to what is no number"));
-  EXPECT_THAT(contradiction<NothingBetween>(), HasSubstr("leaves no value between its limits"));
-  EXPECT_THAT(contradiction<RequiredOptional>(), HasSubstr("requires what is optional"));
-  EXPECT_THAT(contradiction<OtherColumns>(), HasSubstr("other columns than its type has"));
-  EXPECT_THAT(contradiction<DefaultedOptional>(), HasSubstr("of an optional that has a default"));
+  EXPECT_THAT(contradiction<SameNames>(), HasSubstr("description of \"a\" gives this name to two members"));
+  EXPECT_THAT(contradiction<NoNumber>(), HasSubstr("gives a unit to a member that is not a number"));
+  EXPECT_THAT(contradiction<NothingBetween>(), HasSubstr("has a lower limit above its upper limit"));
+  EXPECT_THAT(contradiction<RequiredOptional>(), HasSubstr("requires an optional member"));
+  EXPECT_THAT(contradiction<OtherColumns>(), HasSubstr("contradicts the number of columns of its type"));
+  EXPECT_THAT(contradiction<DefaultedOptional>(), HasSubstr("has an optional member with a default"));
 }
 
 struct State {

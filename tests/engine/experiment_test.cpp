@@ -437,18 +437,18 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
                         "\"reserve\""));
   InterventionSpec outside = at(1, Action::move, model("r0"));
   outside.pose = Pose{1e6, 0, 0, 0};
-  EXPECT_THAT(doing(outside), HasSubstr("\"r0\" would be put outside of the world's bounds"));
+  EXPECT_THAT(doing(outside), HasSubstr("\"r0\" would be moved outside the world's bounds"));
   const FieldTable& drive = test::registry().drive("diff")->params;
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "velocity_max_x", -2.0)),
               HasSubstr("drive \"diff\": velocity_x: lower bound -1 exceeds upper bound -2"));
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "localization", "odom")),
-              HasSubstr("\"localization\" is the same for as long as the world runs"));
+              HasSubstr("\"localization\" cannot change while the world runs"));
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "pushes", 2)),
-              HasSubstr("\"pushes\" is the same for as long as the world runs"));
+              HasSubstr("\"pushes\" cannot change while the world runs"));
   const FieldTable& ranger = test::registry().device("ranger")->params;
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
                             get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
-              HasSubstr("device \"eye\": what changes while a world runs must keep the shape of its state"));
+              HasSubstr("device \"eye\": a setting must not change its devices, readings or state fields"));
 
   const auto failing = [&](FaultSpec spec) {
     return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });

@@ -105,8 +105,9 @@ TEST(World, TwoSensorsOfOneNameAreToldApart) {
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
   EXPECT_EQ(world.types()[type.index()].devices[1].name, "ir#2");
-  EXPECT_THAT(diagnostics.warnings(),
-              testing::ElementsAre("warning: a second sensor \"ir\" of one robot: it is called \"ir#2\""));
+  EXPECT_THAT(
+      diagnostics.warnings(),
+      testing::ElementsAre("warning: the robot already has a sensor \"ir\": this one is named \"ir#2\""));
 }
 
 TEST(World, AWaferThinRobotIsAWarning) {
@@ -116,8 +117,8 @@ TEST(World, AWaferThinRobotIsAWarning) {
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
   EXPECT_THAT(
       diagnostics.warnings(),
-      testing::ElementsAre("warning: a part of type \"wafer\" is only 1e-05 m thick: each of its motions is "
-                           "tested at steps of a quarter of that, which is slow; make it 0.0005 m or more"));
+      testing::ElementsAre("warning: a part of type \"wafer\" is only 1e-05 m thick: each motion is tested "
+                           "at steps of a quarter of that, which is slow; make it 0.0005 m or more"));
 }
 
 TEST(World, ABodyBelowTheFloorIsAWarning) {

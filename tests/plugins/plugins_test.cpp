@@ -208,7 +208,7 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
                 "has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy");
   EXPECT_THAT(fault_of("swarm:leadr", "plugins"), EndsWith("(did you mean \"swarm:leader\"?)"));
   EXPECT_THAT(fault_of("swarm:needy", "plugins"),
-              EndsWith("controller \"swarm:needy\" needs, on its robot: ranger"));
+              EndsWith("controller \"swarm:needy\" needs a device of kind ranger"));
 }
 
 TEST_F(PluginsTest, WhoseControllersThrowAreNamedWithTickAndRobot) {
