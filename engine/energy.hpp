@@ -2,6 +2,9 @@
 
 namespace troupe::engine {
 
+inline constexpr double k_most_watts = 1e9;    ///< greatest power that a world may give
+inline constexpr double k_most_mass_kg = 1e6;  ///< greatest mass that a world may give
+
 /// The energy account of a device, J; the flows are sums since tick 0.
 struct Energy {
   double stored_j = 0;      ///< present charge

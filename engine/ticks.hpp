@@ -4,6 +4,9 @@
 
 namespace troupe::engine {
 
+/// Longest time or interval that worlds and options may give, s: its ticks can still be counted in 64 bits.
+inline constexpr double k_most_seconds = 1e9;
+
 /// A period in ticks: as in Stage, rounded up to a multiple of the tick, and at least 1. 0.3 s are 3 ticks of
 /// 0.1 s, although their quotient in floating point is not exactly 3.
 std::uint64_t period_ticks(double period_s, double tick_s);
