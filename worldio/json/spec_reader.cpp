@@ -147,14 +147,12 @@ class SpecReader {
 
  private:
   void read_object(const JsonCursor& at, const FieldTable& table, void* object);
-  void read_member(const JsonCursor& at, const JsonCursor& owner, const Field& field, const FieldTable& table,
-                   void* object);
+  void read_member(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
   void read_list(const JsonCursor& at, const Field& field, const engine::MemberType& type, void* list);
   void read_struct(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
   void read_numbers(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
   void read_place(const JsonCursor& at, Where& where);
-  void read_parameters(const JsonCursor& at, const JsonCursor& owner, const Field& field,
-                       const FieldTable& table, void* object);
+  void read_parameters(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
   void read_apart(JsonObject& object, std::string_view name);
   void read_files(const JsonCursor& at);
   void read_words(const JsonCursor& at);
@@ -190,20 +188,20 @@ void SpecReader::read_object(const JsonCursor& at, const FieldTable& table, void
     }
     const std::string key = key_of(field);
     if (const JsonNode* node = json.find(key))
-      read_member(JsonCursor(at, key, *node), at, field, table, object);
+      read_member(JsonCursor(at, key, *node), field, table, object);
     else if (!may_be_missing(field))
       json.missing(key, k_always);
   }
   json.finish();
 }
 
-void SpecReader::read_member(const JsonCursor& at, const JsonCursor& owner, const Field& field,
-                             const FieldTable& table, void* object) {
+void SpecReader::read_member(const JsonCursor& at, const Field& field, const FieldTable& table,
+                             void* object) {
   const engine::MemberType& type = *field.member;
   void* member = member_of(field, object);
   if (field.type == FieldType::records || type.each != nullptr) return read_list(at, field, type, member);
   if (field.type == FieldType::record && field.record == nullptr)
-    return read_parameters(at, owner, field, table, object);
+    return read_parameters(at, field, table, object);
   if (field.type == FieldType::record) {
     if (type.resize != nullptr) type.resize(member, 1);
     return read_struct(at, field, *field.record, type.block(member, 0));
@@ -260,10 +258,10 @@ void SpecReader::read_place(const JsonCursor& at, Where& where) {
   where = here(file, entry(1));
 }
 
-void SpecReader::read_parameters(const JsonCursor& at, const JsonCursor& owner, const Field& field,
-                                 const FieldTable& table, void* object) {
+void SpecReader::read_parameters(const JsonCursor& at, const Field& field, const FieldTable& table,
+                                 void* object) {
   const Result<const FieldTable*> parameters = parameters_of(table, object, registry_);
-  if (!parameters) return owner.error(parameters.error().text);
+  if (!parameters) return at.parent()->error(parameters.error().text);
   JsonObject json(at);
   engine::Record record = read_fields(json, **parameters);
   json.finish();
