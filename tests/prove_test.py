@@ -79,8 +79,8 @@ class Proofs(unittest.TestCase):
     def test_kernels_of_another_instruction_set_than_asked_for_are_a_fault(self):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
-            for ran, asked, fault in (("sse4", "sse4", None), ("avx2", "sse4", "must run on sse4, they ran on avx2"),
-                                      ("", "sse4", "must run on sse4, they ran on an unknown one")):
+            for ran, asked, fault in (("sse4", "sse4", None), ("avx2", "sse4", "must run on sse4, but ran on avx2"),
+                                      ("", "sse4", "must run on sse4, but ran on an unknown one")):
                 program = folder / "program"
                 head = f"# simd: {ran}\n" if ran else ""
                 log = "\n".join(LOG)

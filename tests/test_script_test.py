@@ -24,7 +24,7 @@ class Arguments(unittest.TestCase):
             done = call(option)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertIn("\n  scripts/test --all ", done.stdout)
-            self.assertIn(f"PRESET...   the same of other presets: {', '.join(self.presets())}\n", done.stdout)
+            self.assertIn(f"PRESET...   other presets: {', '.join(self.presets())}\n", done.stdout)
             self.assertNotIn("set -", done.stdout)
 
     def test_unknown_arguments_are_errors(self):

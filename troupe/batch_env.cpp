@@ -790,9 +790,9 @@ std::span<const std::uint64_t> BatchEnv::seeds() const { return impl_->seeds; }
 void BatchEnv::reset(std::span<const std::uint8_t> which,
                      std::span<const std::optional<std::uint64_t>> seeds) {
   if (!which.empty() && which.size() != copies())
-    refuse(fmt::format("reset(): which has {} values: give {}, one per copy", which.size(), copies()));
+    refuse(fmt::format("reset(): `which` has {} values: give {}, one per copy", which.size(), copies()));
   if (!seeds.empty() && seeds.size() != copies())
-    refuse(fmt::format("reset(): seeds has {} values: give {}, one per copy", seeds.size(), copies()));
+    refuse(fmt::format("reset(): `seeds` has {} values: give {}, one per copy", seeds.size(), copies()));
   const auto is_meant = [&](std::size_t c) { return which.empty() || which[c] != 0; };
   for (std::size_t c = 0; c < copies(); ++c)
     if (!is_meant(c) && !impl_->copies[c]->has_begun)
@@ -813,7 +813,7 @@ void BatchEnv::reset(std::span<const std::uint8_t> which,
 void BatchEnv::step(std::span<const std::uint8_t> begins) {
   if (!impl_->was_reset) throw std::logic_error("step(): call reset() before the first step");
   if (!begins.empty() && begins.size() != copies())
-    refuse(fmt::format("step(): begins has {} values: give {}, one per copy", begins.size(), copies()));
+    refuse(fmt::format("step(): `begins` has {} values: give {}, one per copy", begins.size(), copies()));
   const auto does_begin = [&](std::size_t c) { return !begins.empty() && begins[c] != 0; };
   for (const Impl::TeamData& team : impl_->teams) {
     const std::size_t row = team.actions_plan.size();

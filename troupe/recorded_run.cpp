@@ -427,8 +427,7 @@ Result<> RecordedRun::check(const FrameWishes& wishes) const {
   for (const auto& [wished, layer] : {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
                                       std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
     if (wished)
-      return Error{
-          fmt::format("the layer \"{}\" is drawn of worlds and checkpoints, not of recordings", layer)};
+      return Error{fmt::format("the layer \"{}\" is for worlds and checkpoints, not for recordings", layer)};
   return {};
 }
 

@@ -185,7 +185,7 @@ TEST_F(Diff, TakesWhatARunWrites) {
   const Outcome same = troupe({"diff", "one.log", "three.log"});
   EXPECT_EQ(same.code, 0) << same.err;
   EXPECT_THAT(same.out, MatchesRegex("same bits, tick 0 to 20; the last state is [0-9a-f]{16}\n"));
-  EXPECT_THAT(troupe({"diff", "one.log", "seven.log"}).err, HasSubstr("seed is \"7\", in one.log \"1\""));
+  EXPECT_THAT(troupe({"diff", "one.log", "seven.log"}).err, HasSubstr("seed is \"7\", but in one.log \"1\""));
   const Outcome other = troupe({"diff", "one.log", "seven.log", "--across-runs"});
   EXPECT_EQ(other.code, 1);
   EXPECT_THAT(other.out,

@@ -199,7 +199,8 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
        "--background: unknown background \"pink\"; known: dark, paper, transparent, white"},
       {{"--film", "f.mp4", "--background", "transparent"},
        "f.mp4: error: cannot be written: a film has no transparency: use --background paper, white or dark"},
-      {{"--snapshot", "p.svg", "--angle", "30"}, "room.world: error: p.svg cannot hold solids"},
+      {{"--snapshot", "p.svg", "--angle", "30"},
+       "room.world: error: p.svg: .svg and .pdf need a view from straight above"},
   };
   for (const auto& [options, message] : cases) {
     std::vector<std::string> with_log = options;

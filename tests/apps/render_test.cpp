@@ -209,7 +209,7 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   for (const char* layer : {"sights", "blobs", "grips", "links", "speed"})
     EXPECT_EQ(refusal({"run.h5", "--layers", layer}),
               "run.h5: error: the layer \"" + std::string(layer) +
-                  "\" is drawn of worlds and checkpoints, not of recordings\n");
+                  "\" is for worlds and checkpoints, not for recordings\n");
   EXPECT_THAT(refusal({"run.h5", "--color-by", "velocity.x"}),
               AllOf(HasSubstr("run.h5: error: unknown value \"velocity.x\"; known: pose.heading, pose.x, "),
                     HasSubstr("; --record-fields chooses what is recorded\n")));
@@ -223,7 +223,8 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   EXPECT_EQ(
       refusal({"run.h5", "--for", "0.5"}),
       "run.h5: error: --for is only for worlds, and this is a recording; --at selects one of its times\n");
-  EXPECT_EQ(refusal({"run.h5", "--at", "2"}), "run.h5: error: 2 s is not in it: it goes from 0 s to 1 s\n");
+  EXPECT_EQ(refusal({"run.h5", "--at", "2"}),
+            "run.h5: error: 2 s is not recorded: the recording has 0 s to 1 s\n");
   ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
                     "velocity"})
                 .code,

@@ -201,7 +201,7 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"resume"}, "troupe resume: error: CHECKPOINT is required"},
       {{"resume", "no.h5", "--for", "2"}, "no.h5: error: there is no such file"},
-      {{"resume", "room.world", "--for", "2"}, "room.world: error: this is no checkpoint"},
+      {{"resume", "room.world", "--for", "2"}, "room.world: error: this is not a checkpoint"},
       {{"resume", "c.h5"}, "c.h5: error: no end time: give --for SECONDS, or --set /quit_time_s=SECONDS"},
       {{"resume", "c.h5", "--for", "0.5"}, "c.h5: error: the run is already at 1 s, past its end at 0.5 s"},
       {{"resume", "c.h5", "--for", "2", "--hash-log", "c.h5"},

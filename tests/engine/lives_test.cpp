@@ -273,7 +273,7 @@ TEST(Lives, AReserveOfBodiesThatDoNothingIsRefused) {
     World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("population \"c\" has a reserve"));
+    EXPECT_THAT(error.what(), HasSubstr("the reserve of population \"c\" needs a type that"));
   }
 }
 

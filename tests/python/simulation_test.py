@@ -225,7 +225,7 @@ print(eight.threads)
             measures.values,
             events.see,
         ):
-            with self.assertRaisesRegex(RuntimeError, "^the step to tick 1 threw, .* call reset"):
+            with self.assertRaisesRegex(RuntimeError, "^the step to tick 1 failed .* call reset"):
                 use()
         self.assertEqual(list(self.folder.iterdir()), [])
         world.reset()

@@ -379,7 +379,8 @@ TEST(BatchEnv, SaysWhatIsWrong) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("action 1 of \"r1\" in copy 1 is nan")));
   EXPECT_EQ(batch.simulation(0).state_hash(), before);
   const std::vector<std::uint8_t> three(3);
-  EXPECT_THAT([&] { batch.reset(three); }, ThrowsMessage<std::invalid_argument>(HasSubstr("3 of 2 copies")));
+  EXPECT_THAT([&] { batch.reset(three); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("has 3 values: give 2, one per copy")));
 }
 
 }  // namespace

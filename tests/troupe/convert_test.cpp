@@ -242,9 +242,9 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
       found,
       testing::UnorderedElementsAre(
           HasSubstr("w.json:5: error: a .world file cannot express this: type \"bot\": device \"eye\" "
-                    "transducers: \"noise_relative\""),
+                    "transducers: the value of \"noise_relative\""),
           HasSubstr("w.json:6: error: a .world file cannot express this: type \"bot\": device \"fid\": "
-                    "\"most_targets\""),
+                    "the value of \"most_targets\""),
           HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": device \"pack\""),
           HasSubstr("a type without the device \"power\"")));
 }

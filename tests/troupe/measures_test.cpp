@@ -72,7 +72,8 @@ TEST_F(MeasuresOfASimulation, ListWhatIsWrong) {
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("measure ordr: error: unknown measure \"ordr\"; known: "));
-    EXPECT_THAT(error.what(), HasSubstr("\nmeasure stalls:: error: \"stalls:\": the name of a type, "));
+    EXPECT_THAT(error.what(),
+                HasSubstr("\nmeasure stalls:: error: \"stalls:\": expected the name of a type, "));
     EXPECT_THAT(error.what(), HasSubstr("\nmeasure {\"kind\": : error: "));
   }
 }

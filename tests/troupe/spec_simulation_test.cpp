@@ -150,10 +150,10 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
          "error: types[2].sensors[0].part: the type has 1 parts, found index 3");
   expect([](Spec& s) { s.types[2].drive->kind = "hover"; },
          "error: types[2].drive.params: unknown drive \"hover\"");
-  expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: the kind has ");
+  expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: expected ");
   expect([](Spec& s) { s.types[2].drive->params.front() = "fast"; }, "has the wrong type");
   expect([](Spec& s) { s.types[2].devices[0].params.front().v = std::vector<engine::Record>{{}}; },
-         "error: types[2].sensors[0].params.transducers[0]: the kind has ");
+         "error: types[2].sensors[0].params.transducers[0]: expected ");
   expect([](Spec& s) { s.bodies[3].pose_world_body.x = k_nan; },
          "error: bodies[3].pose.x: must be from -1000000 to 1000000, found nan");
   expect([](Spec& s) { s.bodies[3].type = TypeId(7); },

@@ -61,7 +61,7 @@ TEST_F(StageSyntax, QuotedNumbersAreNumbers) {
 
 TEST_F(StageSyntax, ATupleReplacesTheWholeOfAnEarlierOne) {
   const auto spec = load("define box model( size [1 2 3] )\nbox( size [4 5] )");
-  EXPECT_THAT(messages(), ElementsAre(HasSubstr("the height stays 1 m")));
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("with a height of 1 m")));
   EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(4, 5, 1));
 }
 

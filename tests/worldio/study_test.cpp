@@ -157,7 +157,7 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [0.5, 1]}], "samples": 2)"),
               ElementsAre(HasSubstr("whole numbers")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [1, 2]}])"),
-              ElementsAre(HasSubstr("say how often")));
+              ElementsAre(HasSubstr("give the number of samples")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1], "uniform": [1, 2]}])"),
               testing::Contains(HasSubstr("not both")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/seed", "values": [1]}])"),
