@@ -1,7 +1,7 @@
 # cmake --install: the program, the libraries with their headers in the layout of the source tree (under include/troupe,
-# so that both `#include <troupe/troupe.hpp>` and the headers' own `#include "base/pose.hpp"` work), the worlds, and a
-# package for find_package(troupe). The component `development` contains what other programs need to build, `program` the
-# rest; cpack makes a Debian package of each.
+# so that both `#include <troupe/troupe.hpp>` and the headers' own `#include "base/pose.hpp"` work), the worlds, the
+# documentation, and a package for find_package(troupe). The component `development` contains what other programs need to
+# build, `program` the rest; cpack makes a Debian package of each.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -47,6 +47,9 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/world.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe PATTERN "*.py" EXCLUDE
         PATTERN "scenes.json" EXCLUDE)  # only for tests and benchmarks
+# Pages are installed in the layout of the source tree, so that their links work. Pictures are left out.
+install(FILES README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md LICENSE SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING PATTERN "*.md" PATTERN "images" EXCLUDE)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME troupe)
