@@ -44,8 +44,8 @@ void EventWatch::remember(const World& world) {
     carriers_[r] = carrier_of(world, Row(r));
   }
   if (world.has_conditions()) {
-    outs_.resize(world.rows());
-    for (std::size_t r = 0; r < world.rows(); ++r) outs_[r] = world.is_out(Row(r));
+    disabled_.resize(world.rows());
+    for (std::size_t r = 0; r < world.rows(); ++r) disabled_[r] = world.is_disabled(Row(r));
   }
   if (!world.has_lives()) return;
   lives_.resize(world.rows());
@@ -54,12 +54,12 @@ void EventWatch::remember(const World& world) {
 
 /// Reports no failures of dead bodies.
 void EventWatch::see_failures(const World& world) {
-  for (std::size_t r = 0; r < outs_.size(); ++r) {
-    const bool now = world.is_out(Row(r));
-    if (now == outs_[r]) continue;
+  for (std::size_t r = 0; r < disabled_.size(); ++r) {
+    const bool now = world.is_disabled(Row(r));
+    if (now == disabled_[r]) continue;
     if (world.is_there(Row(r)))
       events_.push_back({now ? EventType::fails : EventType::recovers, world.body(Row(r)), {}});
-    outs_[r] = now;
+    disabled_[r] = now;
   }
 }
 

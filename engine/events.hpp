@@ -64,7 +64,7 @@ class EventWatch {
   std::vector<Stall> stalls_;     // one per row
   std::vector<BodyId> carriers_;  // one per row; invalid: it is not carried
   std::vector<Presence> lives_;   // one per row; empty if bodies are not born and do not die
-  std::vector<bool> outs_;        // one per row; empty if robots do not fail
+  std::vector<bool> disabled_;    // one per row; empty if robots do not fail
   std::vector<Event> events_;
 };
 

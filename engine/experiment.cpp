@@ -22,7 +22,7 @@ namespace {
 using Action = InterventionSpec::Action;
 using By = GroupSpec::By;
 using Of = SettingSpec::Of;
-using Strike = Experiment::Strike;
+using FaultEvent = Experiment::FaultEvent;
 
 constexpr std::uint32_t k_trials = 1000;    // random places per added body, as when a world is loaded
 constexpr std::size_t k_most_newborn = 64;  // each birth tests all of them; then the index is rebuilt
@@ -42,12 +42,12 @@ bool is_of_population(const Names& names, Name name, std::string_view population
 }
 
 /// The order of the heap: the earliest on top, ties by the order of the file, then by id.
-bool is_later(const Strike& a, const Strike& b) {
+bool is_later(const FaultEvent& a, const FaultEvent& b) {
   return std::tuple(a.tick, a.fault, a.body) > std::tuple(b.tick, b.fault, b.body);
 }
 
-void push(std::vector<Strike>& heap, const Strike& strike) {
-  heap.push_back(strike);
+void push(std::vector<FaultEvent>& heap, const FaultEvent& event) {
+  heap.push_back(event);
   std::ranges::push_heap(heap, is_later);
 }
 
@@ -151,11 +151,11 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
 void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   e.faults.clear();
-  e.first_strikes.clear();
+  e.first_fault_events.clear();
   for (std::size_t i = 0; i < spec_.experiment.faults.size(); ++i) build_fault(i, registry, diagnostics);
   diagnostics.throw_if_errors();
-  std::ranges::make_heap(e.first_strikes, is_later);
-  e.strikes.reserve(e.first_strikes.size());
+  std::ranges::make_heap(e.first_fault_events, is_later);
+  e.fault_events.reserve(e.first_fault_events.size());
 }
 
 void World::build_intervention(Experiment::Intervention& intervention, const Registry& registry,
@@ -242,12 +242,12 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
     experiment_.candidates.push_back({key_of({spec_.seed, chooses, body(row).value, 0}), body(row), row});
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
   const std::uint64_t from = ticks_until(spec.from_s, spec_.tick_s);
-  for (const FaultSpec::Ailment& ailment : spec.ailments) {
-    const FaultKind* kind = registry.fault(ailment.kind);
+  for (const FaultSpec::Impairment& impairment : spec.impairments) {
+    const FaultKind* kind = registry.fault(impairment.kind);
     if (kind == nullptr) {
       std::vector<std::string_view> known;
       for (const FaultKind& each : registry.faults) known.push_back(each.name);
-      diagnostics.error(spec.where, unknown_name("fault", ailment.kind, known));
+      diagnostics.error(spec.where, unknown_name("fault", impairment.kind, known));
       continue;
     }
     const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));
@@ -257,13 +257,13 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
       const auto [known, is_new] =
           faults.try_emplace(t, static_cast<std::uint32_t>(experiment_.faults.size()));
       if (is_new) {
-        const Result<Ailment> made = kind->prepare(ailment.params, types_[t]);
+        const Result<Impairment> made = kind->prepare(impairment.params, types_[t]);
         if (!made)
           diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, made.error().text));
-        experiment_.faults.push_back({made ? *made : Ailment(), stream});
+        experiment_.faults.push_back({made ? *made : Impairment(), stream});
       }
-      const std::uint64_t tick = next_strike(known->second, candidate.body, from);
-      experiment_.first_strikes.push_back({tick, known->second, candidate.body, candidate.row, true});
+      const std::uint64_t tick = next_fault_tick(known->second, candidate.body, from);
+      experiment_.first_fault_events.push_back({tick, known->second, candidate.body, candidate.row, true});
     }
   }
 }
@@ -293,15 +293,15 @@ void World::derive_experiment() {
     if (Experiment::Intervention& done = e.interventions[--e.next]; is_setting(done)) swap_setting(done);
   for (; e.next < e.interventions.size() && e.interventions[e.next].tick < tick_; ++e.next)
     if (Experiment::Intervention& due = e.interventions[e.next]; is_setting(due)) swap_setting(due);
-  e.strikes = e.first_strikes;
-  while (!e.strikes.empty() && e.strikes.front().tick < tick_) take_strike();
+  e.fault_events = e.first_fault_events;
+  while (!e.fault_events.empty() && e.fault_events.front().tick < tick_) take_fault_event();
   find_due();
 }
 
 void World::find_due() {
   Experiment& e = experiment_;
   e.due = e.next < e.interventions.size() ? e.interventions[e.next].tick : Experiment::k_never;
-  if (!e.strikes.empty()) e.due = std::min(e.due, e.strikes.front().tick);
+  if (!e.fault_events.empty()) e.due = std::min(e.due, e.fault_events.front().tick);
 }
 
 bool World::conditions_hold() const {
@@ -315,18 +315,18 @@ bool World::conditions_hold() const {
   return true;
 }
 
-void World::count_ailing() {
-  ailing_ = 0;
-  for (std::size_t r = 0; condition_table_ && r < rows(); ++r) ailing_ += !condition(Row(r)).is_sound();
+void World::count_impaired() {
+  impaired_ = 0;
+  for (std::size_t r = 0; condition_table_ && r < rows(); ++r) impaired_ += !condition(Row(r)).is_sound();
 }
 
-double World::slowness(Row row) const {
+double World::speed_scale(Row row) const {
   const double speed = condition(row).speed;
   return speed == 0 ? 1 : speed;
 }
 
 /// Sets the velocity of disabled and dropped-out robots to 0. Returns the others, in the same order.
-std::span<const Row> World::halt_those_out(std::span<const Row> rows, std::span<Row> others) {
+std::span<const Row> World::exclude_disabled(std::span<const Row> rows, std::span<Row> others) {
   std::size_t count = 0;
   for (const Row row : rows) {
     if (condition(row).out == 0)
@@ -344,7 +344,8 @@ void World::intervene() {
   bool is_other_crowd = false;
   while (e.next < e.interventions.size() && e.interventions[e.next].tick <= tick_)
     is_other_crowd = carry_out(e.interventions[e.next++]) || is_other_crowd;
-  while (!e.strikes.empty() && e.strikes.front().tick <= tick_) befall(take_strike());
+  while (!e.fault_events.empty() && e.fault_events.front().tick <= tick_)
+    apply_fault_event(take_fault_event());
   find_due();
   if (!is_other_crowd) return;
   count_stalls();
@@ -386,9 +387,9 @@ bool World::carry_out(Experiment::Intervention& intervention) {
 
 void World::toggle_disabled(Row row) {
   Condition& now = condition(row);
-  ailing_ -= !now.is_sound();
+  impaired_ -= !now.is_sound();
   now.out ^= Condition::k_disabled;
-  ailing_ += !now.is_sound();
+  impaired_ += !now.is_sound();
 }
 
 bool World::set_disabled(Row row, bool disabled) {
@@ -462,50 +463,51 @@ void World::swap_setting(Experiment::Intervention& intervention) {
 }
 
 /// The tick at whose end a fault occurs that may occur from tick `from` on.
-std::uint64_t World::next_strike(std::uint32_t fault, BodyId body, std::uint64_t from) const {
+std::uint64_t World::next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const {
   const Experiment::Fault& f = experiment_.faults[fault];
-  if (!(f.ailment.per_s > 0)) return from;
+  if (!(f.impairment.per_s > 0)) return from;
   Random random(spec_.seed, f.stream, body.value, static_cast<std::uint32_t>(from));
-  return from + std::max<std::uint64_t>(1, ticks_until(random.exponential() / f.ailment.per_s, spec_.tick_s));
+  return from +
+         std::max<std::uint64_t>(1, ticks_until(random.exponential() / f.impairment.per_s, spec_.tick_s));
 }
 
 /// Removes the earliest fault event and inserts its successor. Events of dead bodies continue without effect,
 /// so that the schedule does not depend on the state.
-Experiment::Strike World::take_strike() {
-  std::vector<Strike>& heap = experiment_.strikes;
-  const Strike now = heap.front();
+Experiment::FaultEvent World::take_fault_event() {
+  std::vector<FaultEvent>& heap = experiment_.fault_events;
+  const FaultEvent now = heap.front();
   std::ranges::pop_heap(heap, is_later);
   heap.pop_back();
-  const Ailment& ailment = experiment_.faults[now.fault].ailment;
-  Strike next = now;
+  const Impairment& impairment = experiment_.faults[now.fault].impairment;
+  FaultEvent next = now;
   next.begins = !now.begins;
-  if (now.begins && ailment.drops_out && ailment.lasts_s > 0) {
-    next.tick = now.tick + period_ticks(ailment.lasts_s, spec_.tick_s);
+  if (now.begins && impairment.drops_out && impairment.lasts_s > 0) {
+    next.tick = now.tick + period_ticks(impairment.lasts_s, spec_.tick_s);
     push(heap, next);
-  } else if (!now.begins && ailment.per_s > 0) {
-    next.tick = next_strike(now.fault, now.body, now.tick);
+  } else if (!now.begins && impairment.per_s > 0) {
+    next.tick = next_fault_tick(now.fault, now.body, now.tick);
     push(heap, next);
   }
   return now;
 }
 
-void World::befall(const Experiment::Strike& strike) {
-  if (!is_there(strike.row)) return;
-  const Ailment& ailment = experiment_.faults[strike.fault].ailment;
-  Condition& now = condition(strike.row);
-  ailing_ -= !now.is_sound();
-  if (strike.begins) {
-    now.dead |= ailment.dead;
-    if (ailment.speed != 1) {
-      now.speed = slowness(strike.row) * ailment.speed;
-      Velocity& v = as<Velocity>(k_velocity)[strike.row.index()];  // acceleration limits start from it
-      v = {v.x * ailment.speed, v.y * ailment.speed, v.turn * ailment.speed};
+void World::apply_fault_event(const Experiment::FaultEvent& event) {
+  if (!is_there(event.row)) return;
+  const Impairment& impairment = experiment_.faults[event.fault].impairment;
+  Condition& now = condition(event.row);
+  impaired_ -= !now.is_sound();
+  if (event.begins) {
+    now.dead |= impairment.dead;
+    if (impairment.speed != 1) {
+      now.speed = speed_scale(event.row) * impairment.speed;
+      Velocity& v = as<Velocity>(k_velocity)[event.row.index()];  // acceleration limits start from it
+      v = {v.x * impairment.speed, v.y * impairment.speed, v.turn * impairment.speed};
     }
-    if (ailment.drops_out) now.out |= Condition::k_dropped_out;
+    if (impairment.drops_out) now.out |= Condition::k_dropped_out;
   } else {
     now.out &= static_cast<std::uint8_t>(~Condition::k_dropped_out);
   }
-  ailing_ += !now.is_sound();
+  impaired_ += !now.is_sound();
 }
 
 }  // namespace troupe::engine

@@ -51,20 +51,21 @@ struct Experiment {
 
   /// One impairment of a FaultSpec, for the bodies of one type.
   struct Fault {
-    Ailment ailment;           ///< its effect on a body
+    Impairment impairment;     ///< its effect on a body
     std::uint32_t stream = 0;  ///< of its random numbers
   };
   std::vector<Fault> faults;  ///< the faults of all specs, in their order
   /// A fault event: a fault begins or ends in a body.
-  struct Strike {
+  struct FaultEvent {
     std::uint64_t tick = 0;   ///< it is applied at the end of this tick
     std::uint32_t fault = 0;  ///< index into `faults`
     BodyId body;              ///< the impaired body
     Row row;                  ///< row of the body
     bool begins = true;       ///< false: the fault ends
   };
-  std::vector<Strike> first_strikes;  ///< first event per fault and body: a heap with the earliest on top
-  std::vector<Strike> strikes;        ///< next event per fault and body: a heap as well
+  std::vector<FaultEvent>
+      first_fault_events;                ///< first event per fault and body: a heap with the earliest on top
+  std::vector<FaultEvent> fault_events;  ///< next event per fault and body: a heap as well
 
   std::uint64_t due = k_never;  ///< tick of the next intervention or fault event
   /// A body that an intervention may choose. Those with the lowest keys are chosen.

@@ -99,12 +99,12 @@ struct FaultSpec {
   GroupSpec whom;     ///< bodies that may fail; chosen once, when the world is built
   double from_s = 0;  ///< earliest time, world time
   /// One impairment.
-  struct Ailment {
+  struct Impairment {
     std::string kind;  ///< name in Registry::faults
     Record params;     ///< in the order of the kind's field table
   };
-  std::vector<Ailment> ailments;  ///< each occurs independently of the others
-  Where where;                    ///< file position, for messages
+  std::vector<Impairment> impairments;  ///< each occurs independently of the others
+  Where where;                          ///< file position, for messages
 };
 
 /// The experiment of a world.

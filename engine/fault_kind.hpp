@@ -11,7 +11,7 @@ namespace troupe::engine {
 struct BodyType;
 
 /// The effect of a fault on a body.
-struct Ailment {
+struct Impairment {
   std::uint32_t dead = 0;  ///< devices that stop working: one bit each, in the order of the type's devices
   double speed = 1;        ///< factor on the velocity of its drive; above 0, at most 1
   bool drops_out = false;  ///< devices, controllers and drive stop
@@ -19,7 +19,7 @@ struct Ailment {
   double lasts_s = 0;      ///< duration of a drop-out, after which it may occur again; 0: for good
 };
 
-/// The largest number of devices that can fail: Ailment::dead has as many bits.
+/// The largest number of devices that can fail: Impairment::dead has as many bits.
 inline constexpr std::size_t k_most_fallible = 32;
 
 /// A kind of fault. It defines the effect only. The world decides which robots fail and when; unimpaired
@@ -30,12 +30,12 @@ struct FaultKind {
   FieldTable params;      ///< its parameters
   /// Called once per type when the world is built. The error says why bodies of the type cannot have the
   /// fault.
-  Result<Ailment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
+  Result<Impairment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
 };
 
 /// Makes a fault kind from a class F that has a described `struct Params` and
 ///
-///     static Result<Ailment> prepare(const Params&, const BodyType&);
+///     static Result<Impairment> prepare(const Params&, const BodyType&);
 template <class F>
 FaultKind make_fault_kind(std::string_view name, std::string_view text) {
   return {name, text, described<typename F::Params>(), [](const Record& record, const BodyType& type) {

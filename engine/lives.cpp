@@ -161,7 +161,7 @@ void World::die(Row row) {
   }
   const Pose pose = poses()[row.index()];
   const Life life = this->life(row);
-  if (ailing_ > 0) ailing_ -= !condition(row).is_sound();
+  if (impaired_ > 0) impaired_ -= !condition(row).is_sound();
   clear(row);
   as<Pose>(k_pose)[row.index()] = pose;
   this->life(row) = life;

@@ -208,15 +208,15 @@ constexpr void describe(Description<InterventionSpec>& d) {
   d.member<&InterventionSpec::where>("where", facts::provenance);
 }
 
-constexpr void describe(Description<FaultSpec::Ailment>& d) {
-  d.member<&FaultSpec::Ailment::kind>("kind");
-  d.member<&FaultSpec::Ailment::params>("params");
+constexpr void describe(Description<FaultSpec::Impairment>& d) {
+  d.member<&FaultSpec::Impairment::kind>("kind");
+  d.member<&FaultSpec::Impairment::params>("params");
 }
 
 constexpr void describe(Description<FaultSpec>& d) {
   d.member<&FaultSpec::whom>("whom");
   d.member<&FaultSpec::from_s>("from", Unit::seconds, k_time);
-  d.member<&FaultSpec::ailments>("ailments");
+  d.member<&FaultSpec::impairments>("ailments");  // stored in checkpoints
   d.member<&FaultSpec::where>("where", facts::provenance);
 }
 
@@ -280,7 +280,7 @@ const FieldTable& drive_fields() { return described<DriveSpec>(); }
 const FieldTable& device_fields() { return described<DeviceSpec>(); }
 const FieldTable& controller_fields() { return described<ControllerSpec>(); }
 const FieldTable& measure_fields() { return described<MeasureSpec>(); }
-const FieldTable& ailment_fields() { return described<FaultSpec::Ailment>(); }
+const FieldTable& impairment_fields() { return described<FaultSpec::Impairment>(); }
 const FieldTable& setting_fields() { return described<SettingSpec>(); }
 const FieldTable& experiment_fields() { return described<ExperimentSpec>(); }
 const FieldTable& body_fields() { return described<BodySpec>(); }

@@ -18,7 +18,7 @@ const FieldTable& drive_fields();       ///< fields of DriveSpec
 const FieldTable& device_fields();      ///< fields of DeviceSpec
 const FieldTable& controller_fields();  ///< fields of ControllerSpec
 const FieldTable& measure_fields();     ///< fields of MeasureSpec
-const FieldTable& ailment_fields();     ///< fields of FaultSpec::Ailment
+const FieldTable& impairment_fields();  ///< fields of FaultSpec::Impairment
 const FieldTable& setting_fields();     ///< fields of SettingSpec
 const FieldTable& experiment_fields();  ///< fields of ExperimentSpec
 const FieldTable& body_fields();        ///< fields of BodySpec

@@ -138,7 +138,7 @@ void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   for_due(rows, device.period, [&](std::span<const Row> due_rows) {
-    if (device.active && !device.supply && device.switch_bit == 0 && ailing_ == 0) return work(due_rows);
+    if (device.active && !device.supply && device.switch_bit == 0 && impaired_ == 0) return work(due_rows);
     for (std::size_t i = 0; i < due_rows.size();) {
       std::size_t end = i;
       while (end < due_rows.size() && runs(due_rows[end], device)) ++end;
@@ -178,9 +178,9 @@ void World::decide() {
       for_due(rows, controller.period, [&](std::span<const Row> some) { decide(some, type, controller); });
   };
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
-    if (ailing_ == 0) return decide_for(rows, type);
+    if (impaired_ == 0) return decide_for(rows, type);
     std::array<Row, k_block> others;
-    decide_for(halt_those_out(rows, others), type);
+    decide_for(exclude_disabled(rows, others), type);
   });
   if (const BodyId id(faulty.load()); id.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", tick_,
@@ -207,7 +207,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   std::array<Command, k_block> commands;
   std::array<Velocity, k_block> velocities;
   bool speeds_only = true;
-  const bool is_anybody_slow = ailing_ > 0;
+  const bool has_slow = impaired_ > 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     commands[i] = as<Command>(k_command)[rows[i].index()];
     speeds_only = speeds_only && commands[i].mode == ControlMode::velocity;
@@ -223,13 +223,13 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
     batch.estimates = {estimates.data(), rows.size()};
     for (std::size_t i = 0; i < rows.size(); ++i) {
       velocities[i] = as<Velocity>(k_velocity)[rows[i].index()];
-      if (is_anybody_slow) velocities[i] = scaled(velocities[i], 1 / slowness(rows[i]));
+      if (has_slow) velocities[i] = scaled(velocities[i], 1 / speed_scale(rows[i]));
       estimates[i] = estimate(rows[i]);
     }
     call_kind(*this, rows, drive, [&] { drive.kind->drive(drive.data, batch); });
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Velocity v = is_anybody_slow ? scaled(velocities[i], slowness(rows[i])) : velocities[i];
+    const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;

@@ -385,7 +385,7 @@ void World::start(Row row, const BodyType::Drive& drive) {
 void World::derive() {
   derive_experiment();
   derive_lives();
-  count_ailing();
+  count_impaired();
   count_stalls();
   derive_links();
   for (std::size_t r = 0; r < rows(); ++r) derive(Row(r));
@@ -416,9 +416,9 @@ void World::forget() {
   std::ranges::fill(free_circles_, FreeCircle{0, 0, std::numeric_limits<float>::infinity()});
   std::ranges::fill(not_drawn_, std::uint8_t{0x5a});
   std::ranges::fill(next_born_, k_junk);
-  for (std::size_t* count : {&robots_, &absent_, &ailing_, &stalled_, &held_}) *count = k_junk;
+  for (std::size_t* count : {&robots_, &absent_, &impaired_, &stalled_, &held_}) *count = k_junk;
   forget_links();
-  experiment_.strikes.clear();
+  experiment_.fault_events.clear();
   experiment_.due = 0;
   index_ = partition::BodyIndex(geometry_);
   std::ranges::fill(motions_, junk_motion);

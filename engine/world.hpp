@@ -254,10 +254,10 @@ class World {
   // ---- experiments: engine/experiment.cpp
   /// Whether the row's body is disabled, by an intervention or by a fault: its devices, controllers and drive
   /// do not run. It stays where it is, blocks motions and is visible.
-  bool is_out(Row row) const { return ailing_ > 0 && condition(row).out != 0; }
+  bool is_disabled(Row row) const { return impaired_ > 0 && condition(row).out != 0; }
   /// Whether the row's device is neither broken nor disabled with its body: see Condition.
   bool works(Row row, const BodyType::Device& device) const {
-    if (ailing_ == 0) return true;
+    if (impaired_ == 0) return true;
     const Condition& now = condition(row);
     const auto d = static_cast<std::size_t>(&device - type(row).devices.data());
     return now.out == 0 && (d >= k_most_fallible || (now.dead >> d & 1) == 0);
@@ -269,7 +269,7 @@ class World {
   /// already or is not in the world. Throws std::logic_error in a world without conditions.
   bool set_disabled(Row row, bool disabled);
   /// Number of rows whose bodies are disabled or otherwise impaired.
-  std::size_t ailing_count() const { return ailing_; }
+  std::size_t impaired_count() const { return impaired_; }
 
   /// A row and a pose for its body.
   struct Placed {
@@ -447,7 +447,7 @@ class World {
   void derive_experiment();
   void find_due();
   bool conditions_hold() const;
-  void count_ailing();
+  void count_impaired();
   void intervene();
   bool carry_out(Experiment::Intervention& intervention);
   void toggle_disabled(Row row);
@@ -458,13 +458,13 @@ class World {
                     std::uint32_t trial) const;
   bool is_setting(const Experiment::Intervention& intervention) const;
   void swap_setting(Experiment::Intervention& intervention);
-  std::uint64_t next_strike(std::uint32_t fault, BodyId body, std::uint64_t from) const;
-  Experiment::Strike take_strike();
-  void befall(const Experiment::Strike& strike);
+  std::uint64_t next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const;
+  Experiment::FaultEvent take_fault_event();
+  void apply_fault_event(const Experiment::FaultEvent& event);
   const Condition& condition(Row row) const { return tables_[*condition_table_].as<Condition>(row.index()); }
   Condition& condition(Row row) { return tables_[*condition_table_].as<Condition>(row.index()); }
-  double slowness(Row row) const;
-  std::span<const Row> halt_those_out(std::span<const Row> rows, std::span<Row> others);
+  double speed_scale(Row row) const;
+  std::span<const Row> exclude_disabled(std::span<const Row> rows, std::span<Row> others);
 
   // engine/links.cpp
   struct Limb;
@@ -570,7 +570,7 @@ class World {
   std::vector<Row> newborn_;              // rows that the index does not contain yet
   std::size_t robots_ = 0;
   std::size_t absent_ = 0;
-  std::size_t ailing_ = 0;
+  std::size_t impaired_ = 0;
   std::size_t stalled_ = 0;
   std::size_t held_ = 0;
   Links links_;            // except its lists of composite bodies, which are constant

@@ -52,7 +52,7 @@ NAMES = """
     ARobotAtTheSpeedOfLightKeepsNobodyWaiting
     AWorldWithoutThemHasNoSuchComponentAndNobodyGoes
     AcrossAllBirthsAndDeathsNobodyOverlapsAndNobodyIsLost
-    Ailment ailing_ ailing_count ailment ailment_fields ailments befall count_ailing
+    ailments
     BearsOneEveryPeriodUntilNobodyIsLeft
     BeginAnewAfterAReset
     BelongToTheirBodiesWhoeverComesAndGoes

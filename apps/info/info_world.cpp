@@ -47,8 +47,8 @@ void add_experiment(const engine::ExperimentSpec& experiment, Summary& summary) 
   });
   add("faults", experiment.faults.size(), [&](std::size_t i) {
     std::string kinds;
-    for (const engine::FaultSpec::Ailment& ailment : experiment.faults[i].ailments)
-      kinds += (kinds.empty() ? "" : " and ") + ailment.kind;
+    for (const engine::FaultSpec::Impairment& impairment : experiment.faults[i].impairments)
+      kinds += (kinds.empty() ? "" : " and ") + impairment.kind;
     return fmt::format("{} of {}", kinds, experiment.faults[i].whom.name);
   });
 }

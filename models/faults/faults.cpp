@@ -14,8 +14,8 @@
 namespace troupe::models {
 namespace {
 
-using engine::Ailment;
 using engine::BodyType;
+using engine::Impairment;
 
 /// Splits at commas and trims spaces: "ir, sonar" -> "ir", "sonar".
 std::vector<std::string_view> words_of(std::string_view text) {
@@ -41,8 +41,8 @@ struct DeadSensors {
     }
   };
 
-  static Result<Ailment> prepare(const Params& params, const BodyType& type) {
-    Ailment ailment;
+  static Result<Impairment> prepare(const Params& params, const BodyType& type) {
+    Impairment impairment;
     std::vector<std::string_view> sensors;  // names of the sensors of the type
     for (const BodyType::Device& device : type.devices)
       if (device.kind->is_sensor()) sensors.push_back(device.name);
@@ -57,9 +57,9 @@ struct DeadSensors {
       if (d >= engine::k_most_fallible)
         return Error{fmt::format("\"{}\" is device {} of type \"{}\", and only the first {} can fail", name,
                                  d + 1, type.name, engine::k_most_fallible)};
-      ailment.dead |= std::uint32_t{1} << d;
+      impairment.dead |= std::uint32_t{1} << d;
     }
-    return ailment;
+    return impairment;
   }
 };
 
@@ -74,9 +74,9 @@ struct SlowWheels {
     }
   };
 
-  static Result<Ailment> prepare(const Params& params, const BodyType& type) {
+  static Result<Impairment> prepare(const Params& params, const BodyType& type) {
     if (!type.drive) return Error{fmt::format("bodies of type \"{}\" have no drive", type.name)};
-    return Ailment{.speed = params.factor};
+    return Impairment{.speed = params.factor};
   }
 };
 
@@ -97,8 +97,8 @@ struct DropOut {
     }
   };
 
-  static Result<Ailment> prepare(const Params& params, const BodyType&) {
-    return Ailment{.drops_out = true, .per_s = params.rate, .lasts_s = params.duration};
+  static Result<Impairment> prepare(const Params& params, const BodyType&) {
+    return Impairment{.drops_out = true, .per_s = params.rate, .lasts_s = params.duration};
   }
 };
 

@@ -168,12 +168,12 @@ TEST(Experiment, WhoIsDisabledStandsStillAndSeesNothingUntilItIsEnabled) {
   };
   step(*world, 10);
   EXPECT_NEAR(x_of(*world, "r0"), 1, 1e-12);
-  EXPECT_FALSE(world->is_out(r0));
+  EXPECT_FALSE(world->is_disabled(r0));
   const float seen = range("r0");
   EXPECT_FLOAT_EQ(seen, 5 - 0.9f) << "of tick 9, which tick 10 has looked at";
   step(*world, 10);
-  EXPECT_TRUE(world->is_out(r0));
-  EXPECT_EQ(world->ailing_count(), 1u);
+  EXPECT_TRUE(world->is_disabled(r0));
+  EXPECT_EQ(world->impaired_count(), 1u);
   EXPECT_NEAR(x_of(*world, "r0"), 1, 1e-12);
   EXPECT_NEAR(x_of(*world, "r1"), 2, 1e-12);
   EXPECT_EQ(range("r0"), seen);
@@ -182,7 +182,7 @@ TEST(Experiment, WhoIsDisabledStandsStillAndSeesNothingUntilItIsEnabled) {
   EXPECT_FALSE(world->stalled(r0));
   EXPECT_EQ(world->beams_cast(), 10u * 2 + 10);
   step(*world, 10);
-  EXPECT_FALSE(world->is_out(r0));
+  EXPECT_FALSE(world->is_disabled(r0));
   EXPECT_NEAR(x_of(*world, "r0"), 2, 1e-12) << "it goes on as it was told before";
   EXPECT_FLOAT_EQ(range("r0"), 5 - 1.9f);
 }
@@ -212,7 +212,7 @@ TEST(Experiment, OfThoseDisabledSomeAreEnabled) {
   const auto world = row.world();
   const auto out = [&] {
     std::size_t count = 0;
-    for (std::size_t r = 0; r < world->rows(); ++r) count += world->is_out(Row(r));
+    for (std::size_t r = 0; r < world->rows(); ++r) count += world->is_disabled(Row(r));
     return count;
   };
   std::vector<std::size_t> counts;
@@ -266,11 +266,11 @@ TEST(Experiment, DropOutsComeAsAPoissonProcessWould) {
   row.scene.spec.experiment.faults = {fault(population("r"), 1, "drop_out", {{"rate", 0.1}})};
   const auto world = row.world();
   step(*world, 11);
-  EXPECT_LE(world->ailing_count(), k_squad / 20u) << "from 1 s on";
+  EXPECT_LE(world->impaired_count(), k_squad / 20u) << "from 1 s on";
   step(*world, 100);
   // 10 s after it began 1 - exp(-1) of them are out, within four standard deviations.
   const double share = 1 - std::exp(-1.0);
-  EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_squad,
+  EXPECT_NEAR(static_cast<double>(world->impaired_count()), share * k_squad,
               4 * std::sqrt(k_squad * share * (1 - share)));
 }
 
@@ -282,14 +282,14 @@ TEST(Experiment, DropOutsThatPassComeAgain) {
   step(*world, 100);
   // In for 1 s on average, and half a tick as ticks round up; out for 1 s.
   const double share = 1 / 2.05;
-  EXPECT_NEAR(static_cast<double>(world->ailing_count()), share * k_squad,
+  EXPECT_NEAR(static_cast<double>(world->impaired_count()), share * k_squad,
               4 * std::sqrt(k_squad * share * (1 - share)));
 }
 
 TEST(Experiment, AShareOfThemFailsWithAllThatTheEntryNames) {
   Squad row(20);
   FaultSpec both = fault(population("r", {}, 0.3), 0, "slow_wheels", {{"factor", 0.5}});
-  both.ailments.push_back({"dead_sensors", {""}});
+  both.impairments.push_back({"dead_sensors", {""}});
   row.scene.spec.experiment.faults = {both};
   const auto world = row.world();
   step(*world, 10);
@@ -519,12 +519,12 @@ class Trial {
 TEST(Experiment, IsTheSameOnAnyThreadsAndTilesAndAfterAReset) {
   Trial first({.threads = 1});
   const auto expected = first.run(Trial::k_ticks);
-  EXPECT_GT(first.world().ailing_count(), 10u);
+  EXPECT_GT(first.world().impaired_count(), 10u);
   EXPECT_EQ(first.world().robots(), 60u - 10 + 40);
   EXPECT_EQ(Trial({.threads = 2, .tile_size_m = 0.9}).run(Trial::k_ticks), expected);
   EXPECT_EQ(Trial({.threads = 8, .tile_size_m = 30}).run(Trial::k_ticks), expected);
   first.world().reset();
-  EXPECT_EQ(first.world().ailing_count(), 0u);
+  EXPECT_EQ(first.world().impaired_count(), 0u);
   EXPECT_EQ(first.run(Trial::k_ticks), expected) << "after a reset";
 }
 

@@ -192,11 +192,11 @@ TEST(ExperimentJson, FaultsAreReadAndWrongOnesTold) {
   ASSERT_EQ(faults.size(), 2u);
   EXPECT_EQ(faults[0].from_s, 5);
   EXPECT_EQ(faults[0].whom.share, 0.3);
-  ASSERT_EQ(faults[0].ailments.size(), 2u);
-  EXPECT_EQ(faults[0].ailments[0].kind, "dead_sensors") << "in the order of the registry";
-  EXPECT_EQ(faults[0].ailments[1].params, (engine::Record{0.5}));
+  ASSERT_EQ(faults[0].impairments.size(), 2u);
+  EXPECT_EQ(faults[0].impairments[0].kind, "dead_sensors") << "in the order of the registry";
+  EXPECT_EQ(faults[0].impairments[1].params, (engine::Record{0.5}));
   EXPECT_EQ(faults[1].from_s, 0);
-  EXPECT_EQ(faults[1].ailments[0].params, (engine::Record{0.01, 20.0}));
+  EXPECT_EQ(faults[1].impairments[0].params, (engine::Record{0.01, 20.0}));
 
   const auto found = [](const std::string& entry) {
     const Loaded wrong("\"faults\": [\n" + entry + "]");

@@ -292,9 +292,10 @@ void expand_experiment(const ExperimentDocument& document, const DocumentPath& w
     experiment.at.push_back(std::move(intervention));
   }
   for (const FaultDocument& entry : document.faults) {
-    FaultSpec fault{.whom = expand_group(entry), .from_s = entry.from, .ailments = {}, .where = entry.where};
+    FaultSpec fault{
+        .whom = expand_group(entry), .from_s = entry.from, .impairments = {}, .where = entry.where};
     for (const FaultDocument::Impairment& one : entry.impairments)
-      fault.ailments.push_back({one.kind, one.params});
+      fault.impairments.push_back({one.kind, one.params});
     experiment.faults.push_back(std::move(fault));
   }
 }
@@ -314,7 +315,8 @@ void contract_experiment(const engine::WorldSpec& spec, std::span<const std::str
     entry.where = fault.where;
     contract_group(fault.whom, entry);
     entry.from = fault.from_s;
-    for (const FaultSpec::Ailment& one : fault.ailments) entry.impairments.push_back({one.kind, one.params});
+    for (const FaultSpec::Impairment& one : fault.impairments)
+      entry.impairments.push_back({one.kind, one.params});
   }
 }
 

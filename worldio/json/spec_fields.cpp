@@ -65,7 +65,7 @@ Result<const FieldTable*> parameters_of(const FieldTable& table, const void* obj
   const std::string& kind = value.text();
   if (&table == &engine::drive_fields()) return find_kind("drive", kind, registry.drives);
   if (&table == &engine::measure_fields()) return find_kind("measure", kind, registry.measures);
-  if (&table == &engine::ailment_fields()) return find_kind("fault", kind, registry.faults);
+  if (&table == &engine::impairment_fields()) return find_kind("fault", kind, registry.faults);
   if (&table == &engine::controller_fields()) {
     const auto found = registry.find_controller(kind);
     if (!found) return found.error();
