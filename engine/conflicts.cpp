@@ -25,14 +25,14 @@ constexpr std::size_t k_batch = 128;  // rows per task
 constexpr std::size_t k_listed = 64;
 constexpr std::uint32_t k_unlisted = ~0u;
 
-// A longer motion is called far. A few bodies with far motions are tested one by one, because they would
-// otherwise widen the search of every body.
+// A longer motion is called far. Up to k_max_far bodies with far motions are tested one by one, because they
+// would otherwise widen the search of every body.
 constexpr double k_far_m = 0.5;
 
 std::atomic_ref<std::uint32_t> atomic(std::uint32_t& value) { return std::atomic_ref(value); }
 
 /// Raises an atomic maximum of non-negative numbers, whose bit patterns have the order of their values.
-void raise(std::atomic<std::uint64_t>& most, double value) {
+void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
   while (known < bits && !most.compare_exchange_weak(known, bits, std::memory_order_relaxed)) {
@@ -138,9 +138,9 @@ struct Pushed {
 }  // namespace
 
 /// The resolution of one tick, shared by all threads.
-class Conflicts::Settling {
+class Conflicts::Resolver {
  public:
-  Settling(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
+  Resolver(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
            const partition::BodyIndex& index)
       : conflicts_(conflicts),
         crowd_(crowd),
@@ -150,7 +150,7 @@ class Conflicts::Settling {
         mixture_(mix(crowd.seed, crowd.tick)) {}
 
   /// Before the first round: finds the longest motions, which say how far to search for neighbours.
-  void measure(std::size_t first, std::size_t last) {
+  void bound_motions(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
       const Motion& motion = crowd_.motions[row];
@@ -160,39 +160,39 @@ class Conflicts::Settling {
         longest2 = std::max(longest2, length2);
         continue;
       }
-      raise(longest_far2_, length2);
+      raise_to(longest_far2_, length2);
       const std::size_t i = far_count_.fetch_add(1, std::memory_order_relaxed);
-      if (i < k_few_far) conflicts_.far_[i] = static_cast<std::uint32_t>(row);
+      if (i < k_max_far) conflicts_.far_[i] = static_cast<std::uint32_t>(row);
     }
-    raise(longest2_, longest2);
+    raise_to(longest2_, longest2);
   }
-  void measured() {
-    const bool few = far_count_.load() <= k_few_far;
-    far_ = std::span(conflicts_.far_).first(few ? far_count_.load() : 0);
-    const double longest2 = std::max(value_of(longest2_), few ? 0.0 : value_of(longest_far2_));
+  void finish_bounds() {
+    const bool all_listed = far_count_.load() <= k_max_far;
+    far_ = std::span(conflicts_.far_).first(all_listed ? far_count_.load() : 0);
+    const double longest2 = std::max(value_of(longest2_), all_listed ? 0.0 : value_of(longest_far2_));
     longest_ = sqrt(longest2) + partition::k_rounding_m;
     conflicts_.longest_ = sqrt(std::max(longest2, value_of(longest_far2_))) + partition::k_rounding_m;
   }
 
   /// First round: tests the static scene and every other body. Resolves the row unless its outcome depends on
   /// whether bodies of higher priority move.
-  void first_look(std::uint32_t row) {
+  void propose_and_check(std::uint32_t row) {
     const Motion& motion = crowd_.motions[row];
     if (!motion.moves) return;
-    if (leaves_world(motion)) return settle(row, Outcome::held);
-    if (crowd_.shapes[row]->empty()) return settle(row, Outcome::moved);
+    if (leaves_world(motion)) return resolve(row, Outcome::out_of_bounds);
+    if (crowd_.shapes[row]->empty()) return resolve(row, Outcome::moved);
     Mover mover(crowd_, row);
-    if (scene_refuses(mover)) return settle(row, Outcome::refused);
+    if (scene_blocks(mover)) return resolve(row, Outcome::blocked);
 
     std::array<std::uint32_t, k_listed> others;
     std::uint32_t count = 0;
-    const bool refused = refused_by_others(mover, [&](std::uint32_t other, bool refuses_moved) {
-      if (count < k_listed) others[count] = 2 * other + refuses_moved;
+    const bool blocked = blocked_by_others(mover, [&](std::uint32_t other, bool blocks_moved) {
+      if (count < k_listed) others[count] = 2 * other + blocks_moved;
       ++count;
       return false;
     });
-    if (refused) return settle(row, Outcome::refused);
-    if (count == 0) return settle(row, Outcome::moved);
+    if (blocked) return resolve(row, Outcome::blocked);
+    if (count == 0) return resolve(row, Outcome::moved);
     Waiting waiting{row, 0, k_unlisted};
     if (count <= k_listed) {
       const std::uint32_t first = others_count_.fetch_add(count, std::memory_order_relaxed);
@@ -208,27 +208,27 @@ class Conflicts::Settling {
   /// body that a resolved body blocks. Among the waiting bodies the one of highest priority is always
   /// resolved, so the rounds end. A round reads only outcomes of earlier rounds, so the number of rounds,
   /// too, is the same on any number of threads.
-  void look_again(const Waiting& waiting) {
-    if (waiting.count == k_in_zone) return look_in_zone(waiting.row, conflicts_.still_waiting_.get());
+  void resolve_waiting(const Waiting& waiting) {
+    if (waiting.count == k_in_zone) return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
     bool open = false;
-    const auto refuses = [&](std::uint32_t other, bool refuses_moved) {
-      const std::uint32_t s = atomic(conflicts_.settled_[other]).load(std::memory_order_acquire);
-      const bool settled = s / k_outcomes > conflicts_.base_ && s / k_outcomes < round_;
-      open = open || !settled;
-      return settled && (static_cast<Outcome>(s % k_outcomes) == Outcome::moved) == refuses_moved;
+    const auto blocks = [&](std::uint32_t other, bool blocks_moved) {
+      const std::uint32_t s = atomic(conflicts_.resolutions_[other]).load(std::memory_order_acquire);
+      const bool resolved = s / k_outcomes > conflicts_.base_ && s / k_outcomes < round_;
+      open = open || !resolved;
+      return resolved && (static_cast<Outcome>(s % k_outcomes) == Outcome::moved) == blocks_moved;
     };
-    bool refused = false;
+    bool blocked = false;
     if (waiting.count == k_unlisted) {
       Mover mover(crowd_, waiting.row);
-      refused = refused_by_others(mover, refuses);
+      blocked = blocked_by_others(mover, blocks);
     } else {
-      for (std::uint32_t i = 0; i < waiting.count && !refused; ++i) {
+      for (std::uint32_t i = 0; i < waiting.count && !blocked; ++i) {
         const std::uint32_t other = conflicts_.others_[waiting.first + i];
-        refused = refuses(other / 2, other % 2 != 0);
+        blocked = blocks(other / 2, other % 2 != 0);
       }
     }
-    if (refused || !open)
-      settle(waiting.row, refused ? Outcome::refused : Outcome::moved);
+    if (blocked || !open)
+      resolve(waiting.row, blocked ? Outcome::blocked : Outcome::moved);
     else
       wait(conflicts_.still_waiting_.get(), waiting);
   }
@@ -243,11 +243,11 @@ class Conflicts::Settling {
   // ---- Only if the world has pushable bodies
 
   /// Finds the largest zone, which says how far to search for overlapping zones.
-  void measure_zones(std::size_t first, std::size_t last) {
+  void bound_zones(std::size_t first, std::size_t last) {
     double largest = 0;
     for (std::size_t row = first; row < last; ++row)
       if (is_mover(row)) largest = std::max(largest, zone_radius(row));
-    raise(largest_zone_, largest);
+    raise_to(largest_zone_, largest);
   }
   /// Sets the row's zone to `pushes` if a pushable body is in it, else to `plain`.
   void find_zone(std::uint32_t row) {
@@ -276,22 +276,22 @@ class Conflicts::Settling {
   }
   bool is_plain(std::uint32_t row) const { return conflicts_.zones_[row] == Zone::plain; }
 
-  void first_look_in_zone(std::uint32_t row) {
-    if (leaves_world(crowd_.motions[row])) return settle(row, Outcome::held);
+  void propose_and_check_in_zone(std::uint32_t row) {
+    if (leaves_world(crowd_.motions[row])) return resolve(row, Outcome::out_of_bounds);
     Mover mover(crowd_, row);
-    if (scene_refuses(mover)) return settle(row, Outcome::refused);
-    look_in_zone(row, conflicts_.waiting_.get());
+    if (scene_blocks(mover)) return resolve(row, Outcome::blocked);
+    resolve_in_zone(row, conflicts_.waiting_.get());
   }
   /// Resolves the row if all movers of higher priority whose zones overlap its own are resolved. Else appends
   /// it to `list`, the rows that wait.
-  void look_in_zone(std::uint32_t row, Waiting* list) {
+  void resolve_in_zone(std::uint32_t row, Waiting* list) {
     bool open = false;
     for_each_zone(row, [&](std::uint32_t other) {
-      open = open || (goes_before(other, row) && !is_settled_before(other));
+      open = open || (goes_before(other, row) && !is_resolved_before(other));
     });
     if (open) return wait(list, {row, 0, k_in_zone});
     Mover mover(crowd_, row);
-    settle(row, push(mover) ? Outcome::moved : Outcome::refused);
+    resolve(row, push(mover) ? Outcome::moved : Outcome::blocked);
   }
 
  private:
@@ -323,8 +323,8 @@ class Conflicts::Settling {
         visit(circle.row);
     });
   }
-  bool is_settled_before(std::uint32_t row) const {
-    const std::uint32_t s = atomic(conflicts_.settled_[row]).load(std::memory_order_acquire);
+  bool is_resolved_before(std::uint32_t row) const {
+    const std::uint32_t s = atomic(conflicts_.resolutions_[row]).load(std::memory_order_acquire);
     return s / k_outcomes > conflicts_.base_ && s / k_outcomes < round_;
   }
 
@@ -340,7 +340,7 @@ class Conflicts::Settling {
   }
   bool has_moved_before(const Mover& mover, std::uint32_t row) const {
     if (!is_mover(row) || !goes_before(row, mover.row)) return false;
-    const std::uint32_t s = atomic(conflicts_.settled_[row]).load(std::memory_order_acquire);
+    const std::uint32_t s = atomic(conflicts_.resolutions_[row]).load(std::memory_order_acquire);
     return s / k_outcomes > conflicts_.base_ && static_cast<Outcome>(s % k_outcomes) == Outcome::moved;
   }
   std::span<const Push> pushes_before(const Mover& mover, std::uint32_t row) const {
@@ -401,7 +401,7 @@ class Conflicts::Settling {
     });
     for (const std::uint32_t row : bodies.all()) {
       const Place now = place_now(mover, row);
-      if (refuses(mover, row, now.z, now.at)) return false;
+      if (blocks(mover, row, now.z, now.at)) return false;
     }
     const std::span<std::uint32_t> pushable = others.all();
     if (pushable.empty()) return true;
@@ -513,8 +513,8 @@ class Conflicts::Settling {
     return box;
   }
 
-  void settle(std::uint32_t row, Outcome outcome) {
-    atomic(conflicts_.settled_[row])
+  void resolve(std::uint32_t row, Outcome outcome) {
+    atomic(conflicts_.resolutions_[row])
         .store(round_ * k_outcomes + static_cast<std::uint32_t>(outcome), std::memory_order_release);
   }
   void wait(Waiting* list, const Waiting& waiting) {
@@ -544,7 +544,7 @@ class Conflicts::Settling {
     return holds(from) && holds(to);
   }
 
-  bool scene_refuses(Mover& mover) const {
+  bool scene_blocks(Mover& mover) const {
     if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
     // A body in a floor plan crosses many edges of one solid: the answer is computed once per solid.
     std::uint32_t known = ~0u;
@@ -610,23 +610,23 @@ class Conflicts::Settling {
   /// returns true. `depends` is called for moving bodies of higher priority that block at exactly one of
   /// their two poses.
   template <class Depends>
-  bool refused_by_others(Mover& mover, Depends&& depends) const {
+  bool blocked_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
-    bool refused = false;
+    bool blocked = false;
     for_each_near(mover, [&](std::uint32_t other) {
-      if (refused || other == mover.row || crowd_.shapes[other]->empty()) return;
+      if (blocked || other == mover.row || crowd_.shapes[other]->empty()) return;
       const Motion& theirs = crowd_.motions[other];
       if (!mine.touches(swept(other, crowd_.shapes[other]->radius))) return;
-      const bool if_it_stays = refuses(mover, other, crowd_.poses[other].z, crowd_.transforms[other]);
+      const bool if_it_stays = blocks(mover, other, crowd_.poses[other].z, crowd_.transforms[other]);
       if (!theirs.moves || leaves_world(theirs) || !goes_before(other, mover.row)) {
-        refused = if_it_stays;
+        blocked = if_it_stays;
         return;
       }
-      const bool if_it_moved = refuses(mover, other, theirs.to.z, theirs.there());
-      refused = if_it_stays && if_it_moved;
-      if (if_it_stays != if_it_moved) refused = depends(other, if_it_moved);
+      const bool if_it_moved = blocks(mover, other, theirs.to.z, theirs.there());
+      blocked = if_it_stays && if_it_moved;
+      if (if_it_stays != if_it_moved) blocked = depends(other, if_it_moved);
     });
-    return refused;
+    return blocked;
   }
 
   /// False only if no piece of the mover comes near any piece of another shape during the whole motion. Saves
@@ -638,7 +638,7 @@ class Conflicts::Settling {
   }
 
   /// Whether `other`, at height z and transform `at`, blocks the motion.
-  bool refuses(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
+  bool blocks(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
     const ObstacleShape& shape = *crowd_.shapes[other];
     const bool first = crowd_.ids[mover.row] < crowd_.ids[other];
     std::optional<PlacedShape> theirs;
@@ -678,7 +678,7 @@ class Conflicts::Settling {
 };
 
 void Conflicts::reserve(std::size_t rows, const Pushables& pushables) {
-  settled_.resize(rows, 0);
+  resolutions_.resize(rows, 0);
   if (pushables.any()) {
     zones_.resize(rows);
     pushes_of_.resize(rows);
@@ -696,7 +696,7 @@ void Conflicts::forget() {
   constexpr std::uint32_t k_junk = 0x5a5a5a5a;
   base_ += static_cast<std::uint32_t>(rounds_);
   rounds_ = 0;
-  std::ranges::fill(settled_, base_ * k_outcomes + static_cast<std::uint32_t>(Outcome::held));
+  std::ranges::fill(resolutions_, base_ * k_outcomes + static_cast<std::uint32_t>(Outcome::out_of_bounds));
   longest_ = std::numeric_limits<double>::quiet_NaN();
   far_.fill(k_junk);
   std::fill_n(waiting_.get(), reserved_, Waiting{k_junk, k_junk, k_junk});
@@ -709,53 +709,55 @@ void Conflicts::forget() {
   push_count_ = 0;
 }
 
-void Conflicts::settle(const Crowd& crowd, const partition::StaticScene& scene,
-                       const partition::BodyIndex& index, partition::Parallel& parallel) {
+void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
+                        const partition::BodyIndex& index, partition::Parallel& parallel) {
   const std::size_t rows = crowd.motions.size();
   reserve(rows, crowd.pushables);
   for (const Push& push : pushes()) pushed_last_[push.row] = 0;
   push_count_ = 0;
   constexpr std::uint32_t k_last_round = 1u << 29;  // reached after some years
   if (base_ + rounds_ > k_last_round) {
-    std::ranges::fill(settled_, 0);
+    std::ranges::fill(resolutions_, 0);
     base_ = 0;
     rounds_ = 0;
   }
   base_ += static_cast<std::uint32_t>(rounds_);
-  Settling settling(*this, crowd, scene, index);
+  Resolver resolver(*this, crowd, scene, index);
   const auto for_each = [&](std::size_t count, std::size_t batch, auto&& work) {
     parallel.for_each((count + batch - 1) / batch,
                       [&](std::size_t b) { work(b * batch, std::min(count, (b + 1) * batch)); });
   };
-  for_each(rows, 16 * k_batch, [&](std::size_t first, std::size_t last) { settling.measure(first, last); });
-  settling.measured();
+  for_each(rows, 16 * k_batch,
+           [&](std::size_t first, std::size_t last) { resolver.bound_motions(first, last); });
+  resolver.finish_bounds();
   const std::span<const std::uint32_t> order = index.order();
   if (crowd.pushables.any()) {
     for_each(rows, 16 * k_batch,
-             [&](std::size_t first, std::size_t last) { settling.measure_zones(first, last); });
+             [&](std::size_t first, std::size_t last) { resolver.bound_zones(first, last); });
     for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) settling.find_zone(order[i]);
+      for (std::size_t i = first; i < last; ++i) resolver.find_zone(order[i]);
     });
     for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) settling.widen_zone(order[i]);
+      for (std::size_t i = first; i < last; ++i) resolver.widen_zone(order[i]);
     });
     for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i)
-        settling.is_plain(order[i]) ? settling.first_look(order[i]) : settling.first_look_in_zone(order[i]);
+        resolver.is_plain(order[i]) ? resolver.propose_and_check(order[i])
+                                    : resolver.propose_and_check_in_zone(order[i]);
     });
   } else {
     for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) settling.first_look(order[i]);
+      for (std::size_t i = first; i < last; ++i) resolver.propose_and_check(order[i]);
     });
   }
-  while (const std::size_t waiting = settling.next_round()) {
+  while (const std::size_t waiting = resolver.next_round()) {
     for_each(waiting, 4 * k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) settling.look_again(waiting_[i]);
+      for (std::size_t i = first; i < last; ++i) resolver.resolve_waiting(waiting_[i]);
     });
     std::swap(waiting_, still_waiting_);
   }
-  rounds_ = settling.round() - base_ - 1;
-  push_count_ = settling.push_count();
+  rounds_ = resolver.round() - base_ - 1;
+  push_count_ = resolver.push_count();
   for (const Push& push : pushes())
     longest_ = std::max(longest_, (push.position - crowd.transforms[push.row].position).norm());
 }

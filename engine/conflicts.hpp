@@ -74,11 +74,11 @@ struct Pushables {
 /// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
 ///         algorithms can be fast, PPoPP 2012. Among the moving bodies of higher priority, a body depends on
 ///         those that would block it at exactly one of their two poses. Nearly all bodies depend on none and
-///         are resolved at once; the rest are resolved in a few rounds that need no geometry, unless a body
-///         has very many dependencies. A body that may come to push has a zone: a circle that holds all that
-///         it could touch or move. It is resolved after all bodies of higher priority whose zones overlap its
-///         own.
-/// memory  Grows with the number of rows. settle() allocates only when there are more rows than ever before,
+///         are resolved at once; the rest are resolved in a all_listed rounds that need no geometry, unless a
+///         body has very many dependencies. A body that may come to push has a zone: a circle that holds all
+///         that it could touch or move. It is resolved after all bodies of higher priority whose zones
+///         overlap its own.
+/// memory  Grows with the number of rows. resolve() allocates only when there are more rows than ever before,
 ///         or when a pusher has more than 512 bodies in its zone.
 class Conflicts {
  public:
@@ -93,8 +93,8 @@ class Conflicts {
     std::span<const partition::ObstacleShape* const> shapes;
     std::span<const std::uint32_t> ids;  ///< unique
     /// A cache: a circle about each row that is free of the static scene. The caller keeps it from tick to
-    /// tick as long as the scene is the same; settle() updates it. It is not state: starting again with empty
-    /// circles gives the same outcomes.
+    /// tick as long as the scene is the same; resolve() updates it. It is not state: starting again with
+    /// empty circles gives the same outcomes.
     std::span<FreeCircle> free;
     std::uint64_t seed = 1;    ///< of the world, for priorities
     std::uint64_t tick = 0;    ///< the current tick, for priorities
@@ -110,16 +110,16 @@ class Conflicts {
 
   /// The outcome of a row's motion.
   enum class Outcome : std::uint8_t {
-    stands,   ///< it proposed no motion
-    moved,    ///< it is at its proposed pose
-    refused,  ///< blocked: it stays at its old pose
-    held,     ///< out of bounds: it stays at its old pose
+    stands,         ///< it proposed no motion
+    moved,          ///< it is at its proposed pose
+    blocked,        ///< it stays at its old pose, because a body or a static solid is in its way
+    out_of_bounds,  ///< it stays at its old pose, because the motion ends outside the bounds of the world
   };
 
   /// Resolves all motions of a tick. The index holds every row at its pose; rows that are not in it must
   /// propose no motion.
-  void settle(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
-              partition::Parallel& parallel);
+  void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
+               partition::Parallel& parallel);
 
   /// Overwrites with junk all data that the next resolution must not read, so that tests can show that no
   /// outcome depends on it.
@@ -127,8 +127,8 @@ class Conflicts {
 
   /// Outcome of a row in the last resolution.
   Outcome outcome(std::size_t row) const {
-    return settled_[row] / k_outcomes > base_ ? static_cast<Outcome>(settled_[row] % k_outcomes)
-                                              : Outcome::stands;
+    return resolutions_[row] / k_outcomes > base_ ? static_cast<Outcome>(resolutions_[row] % k_outcomes)
+                                                  : Outcome::stands;
   }
   /// Rounds of the last resolution; 1 if no body had to wait.
   std::uint64_t rounds() const { return rounds_; }
@@ -140,7 +140,7 @@ class Conflicts {
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
 
  private:
-  class Settling;
+  class Resolver;
   /// A row that waits for other rows, which are listed at [first, first + count) of others_.
   struct Waiting {
     std::uint32_t row;
@@ -150,13 +150,13 @@ class Conflicts {
   /// Whether pushable bodies are in a mover's zone: none, some, or none unless another body pushes some in.
   enum class Zone : std::uint8_t { plain, pushes, may_push };
   static constexpr std::uint32_t k_outcomes = 4;
-  static constexpr std::size_t k_few_far = 64;
+  static constexpr std::size_t k_max_far = 64;
 
   void reserve(std::size_t rows, const Pushables& pushables);
 
   // round * k_outcomes + outcome, read and written atomically. The round count continues from tick to tick,
   // so entries of earlier ticks need not be cleared: their rounds do not exceed base_.
-  std::vector<std::uint32_t> settled_;
+  std::vector<std::uint32_t> resolutions_;
   std::uint32_t base_ = 0;
   std::uint64_t rounds_ = 0;
   double longest_ = 0;
@@ -166,7 +166,7 @@ class Conflicts {
   std::unique_ptr<Waiting[]> waiting_;
   std::unique_ptr<Waiting[]> still_waiting_;
   std::unique_ptr<std::uint32_t[]> others_;  // 2 * row, + 1 if the row blocks at its new pose
-  std::array<std::uint32_t, k_few_far> far_;
+  std::array<std::uint32_t, k_max_far> far_;
 
   // Only used if bodies can be pushed. Each push is written once and never changed, so a thread that reads a
   // position while another thread replaces it finds either the old or the new one, complete.

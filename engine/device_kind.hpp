@@ -49,7 +49,7 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///
 ///     std::uint64_t sense(const DeviceBatch&) const;
 ///     void act(const DeviceBatch&) const;
-///     void settled(const DeviceBatch&) const;
+///     void joints_moved(const DeviceBatch&) const;
 ///     void start(StateTable&, std::size_t slot) const;                   // row
 ///     bool is_spent(const StateTable&, std::size_t slot) const;          // row
 ///     static Energy energy(const StateTable&, std::size_t slot);         // row
@@ -115,8 +115,8 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
     };
   if constexpr (requires { &C::act; })
     kind.act = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->act(batch); };
-  if constexpr (requires { &C::settled; })
-    kind.settled = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->settled(batch); };
+  if constexpr (requires { &C::joints_moved; })
+    kind.joints_moved = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->joints_moved(batch); };
   if constexpr (requires { &C::apply; })
     kind.apply = [](World& world, const std::any& data, const Effect& effect) {
       std::any_cast<C>(&data)->apply(world, effect);

@@ -30,7 +30,7 @@ EventWatch::EventWatch(const World& world) { remember(world); }
 
 EventWatch::Stall EventWatch::stall_of(const World& world, Row row) {
   if (!world.stalled(row)) return k_free;
-  return world.held(row) ? k_held : k_refused;
+  return world.is_out_of_bounds(row) ? k_out_of_bounds : k_blocked;
 }
 
 BodyId EventWatch::carrier_of(const World& world, Row row) { return world.carrier(row).value_or(BodyId()); }
@@ -87,9 +87,11 @@ std::span<const Event> EventWatch::see(const World& world) {
     const BodyId body = world.body(Row(r));
     if (const Stall now = stall_of(world, Row(r)); now != stalls_[r]) {
       if (stalls_[r] != k_free)
-        events_.push_back({stalls_[r] == k_held ? EventType::held_ends : EventType::stall_ends, body, {}});
+        events_.push_back(
+            {stalls_[r] == k_out_of_bounds ? EventType::held_ends : EventType::stall_ends, body, {}});
       if (now != k_free)
-        events_.push_back({now == k_held ? EventType::held_begins : EventType::stall_begins, body, {}});
+        events_.push_back(
+            {now == k_out_of_bounds ? EventType::held_begins : EventType::stall_begins, body, {}});
       stalls_[r] = now;
     }
     if (const BodyId now = carrier_of(world, Row(r)); now != carriers_[r]) {

@@ -53,7 +53,7 @@ class EventWatch {
   std::span<const Event> see(const World& world);
 
  private:
-  enum Stall : std::uint8_t { k_free, k_refused, k_held };
+  enum Stall : std::uint8_t { k_free, k_blocked, k_out_of_bounds };
   static Stall stall_of(const World& world, Row row);
   static BodyId carrier_of(const World& world, Row row);
   void see_lives(const World& world);

@@ -78,9 +78,9 @@ struct DeviceBatch {
   /// In `act`: sets the goal of a joint in this tick, relative to rest. Joints of one device, and of all
   /// bodies of one tree, that move in the same round move together or not at all.
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
-  /// In `settled`: whether the joint had a goal in this tick.
+  /// In `joints_moved`: whether the joint had a goal in this tick.
   bool asked_joint(std::size_t i, std::size_t n) const;
-  /// In `settled`: whether the joint moved.
+  /// In `joints_moved`: whether the joint moved.
   bool moved_joint(std::size_t i, std::size_t n) const;
   /// Emits an effect, which DeviceKind::apply applies after all bodies have moved. Throws std::length_error
   /// if rows emit more than `Prepared::most_effects` each. sequence: order among the effects of a row in a
@@ -212,7 +212,7 @@ struct DeviceKind {
   void (*act)(const DeviceBatch& batch) = nullptr;
   /// After bodies and joints have moved, if any joint of the batch had a goal: reads the outcome of its
   /// joints (moved_joint). Null: not needed.
-  void (*settled)(const DeviceBatch& batch) = nullptr;
+  void (*joints_moved)(const DeviceBatch& batch) = nullptr;
   /// After the bodies have moved: applies one effect of this kind. Effects are applied one by one, in the
   /// order of (source, device, sequence), and see the results of earlier ones. Null: it has no effects.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;

@@ -321,7 +321,7 @@ void World::for_roots(Work&& work) {
 /// every other tree at its present pose, with the joints of that tree both at their present places and at
 /// their goals. So the order in which two trees are tested does not matter, and trees do not come to overlap,
 /// whichever of them move.
-void World::settle_joints() {
+void World::resolve_joints() {
   Links& links = links_;
   if (!links.asked.load(std::memory_order_relaxed)) return;
   // The index still holds each tree as a circle about its old origin. Since then its origin has moved by at

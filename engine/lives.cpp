@@ -172,7 +172,7 @@ void World::die(Row row) {
 }
 
 /// Applies deaths before births, so that a birth can take the place of a body that died in this tick.
-void World::settle_lives(std::span<const Effect> effects) {
+void World::resolve_lives(std::span<const Effect> effects) {
   if (!life_table_)
     throw std::logic_error("a device emitted a birth or a death that its kind did not declare");
   for (const Effect& effect : effects)

@@ -292,14 +292,14 @@ void World::move() {
       pushables.radius = std::max(pushables.radius, row_shapes_[row]->radius);
       pushables.thinnest = std::min(pushables.thinnest, row_shapes_[row]->thinnest);
     }
-  conflicts_.settle({poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_,
-                     bounds(), pushables},
-                    scene_, index_, parallel_);
+  conflicts_.resolve({poses(), transforms_, motions_, row_shapes_, row_ids_, free_circles_, spec_.seed, tick_,
+                      bounds(), pushables},
+                     scene_, index_, parallel_);
   conflict_rounds_ += conflicts_.rounds();
   commit();
   if (pushables_.any()) commit_pushes();
   if (links_.any()) {
-    settle_joints();
+    resolve_joints();
     carry();
     report_joints();
   }
@@ -317,7 +317,7 @@ void World::apply_effects() {
     const Row source = row(effect.source);
     call_kind(*this, {&source, 1}, device, [&] { device.kind->apply(*this, device.prepared.data, effect); });
   }
-  if (any_of_life) settle_lives(effects);
+  if (any_of_life) resolve_lives(effects);
   effects_.clear();
 }
 
@@ -328,8 +328,8 @@ void World::report_joints() {
     if (type.joint_devices.empty()) return;
     for (const std::size_t d : type.joint_devices) {
       const BodyType::Device& device = type.devices[d];
-      if (device.kind->settled)
-        call_kind(*this, rows, device, [&] { device.kind->settled(device_batch(rows, type, device)); });
+      if (device.kind->joints_moved)
+        call_kind(*this, rows, device, [&] { device.kind->joints_moved(device_batch(rows, type, device)); });
     }
     for (const Row row : rows)
       for (Links::Joint& joint : joints(row)) joint.state = Links::Goal::none;
@@ -366,10 +366,10 @@ void World::propose() {
 
 void World::commit() {
   std::atomic<std::size_t> stalled = 0;
-  std::atomic<std::size_t> held = 0;
+  std::atomic<std::size_t> out_of_bounds = 0;
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
-    std::size_t refused_here = 0;
-    std::size_t held_here = 0;
+    std::size_t blocked_here = 0;
+    std::size_t out_of_bounds_here = 0;
     const bool has_odometry = type.drive && type.drive->odometry_table;
     for (const Row row : rows) {
       const Conflicts::Outcome outcome = conflicts_.outcome(row.index());
@@ -379,17 +379,17 @@ void World::commit() {
         put(row, type, motion.there());
         if (has_odometry) count_way(row, *type.drive);
       }
-      const bool is_refused = outcome == Conflicts::Outcome::refused;
-      const bool is_held = outcome == Conflicts::Outcome::held;
-      stall()[row.index()] = is_refused ? k_refused : is_held ? k_held : k_free;
-      refused_here += is_refused;
-      held_here += is_held;
+      const bool is_blocked = outcome == Conflicts::Outcome::blocked;
+      const bool is_out_of_bounds = outcome == Conflicts::Outcome::out_of_bounds;
+      stall()[row.index()] = is_blocked ? k_blocked : is_out_of_bounds ? k_out_of_bounds : k_free;
+      blocked_here += is_blocked;
+      out_of_bounds_here += is_out_of_bounds;
     }
-    stalled.fetch_add(refused_here + held_here, std::memory_order_relaxed);
-    held.fetch_add(held_here, std::memory_order_relaxed);
+    stalled.fetch_add(blocked_here + out_of_bounds_here, std::memory_order_relaxed);
+    out_of_bounds.fetch_add(out_of_bounds_here, std::memory_order_relaxed);
   });
   stalled_ = stalled;
-  held_ = held;
+  out_of_bounds_ = out_of_bounds;
 }
 
 void World::commit_pushes() {

@@ -416,7 +416,7 @@ void World::forget() {
   std::ranges::fill(free_circles_, FreeCircle{0, 0, std::numeric_limits<float>::infinity()});
   std::ranges::fill(not_drawn_, std::uint8_t{0x5a});
   std::ranges::fill(next_born_, k_junk);
-  for (std::size_t* count : {&robots_, &absent_, &impaired_, &stalled_, &held_}) *count = k_junk;
+  for (std::size_t* count : {&robots_, &absent_, &impaired_, &stalled_, &out_of_bounds_}) *count = k_junk;
   forget_links();
   experiment_.fault_events.clear();
   experiment_.due = 0;
@@ -430,8 +430,8 @@ void World::forget() {
 }
 
 void World::count_stalls() {
-  held_ = static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_held}));
-  stalled_ = held_ + static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_refused}));
+  out_of_bounds_ = static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_out_of_bounds}));
+  stalled_ = out_of_bounds_ + static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_blocked}));
 }
 
 void World::build_ray_grid(Diagnostics& diagnostics) {
@@ -659,7 +659,7 @@ Box World::bounds() const {
 }
 
 bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
-bool World::held(Row row) const { return stall()[row.index()] == k_held; }
+bool World::is_out_of_bounds(Row row) const { return stall()[row.index()] == k_out_of_bounds; }
 
 void World::throw_half_made() const {
   throw std::logic_error(fmt::format(

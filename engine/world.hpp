@@ -177,7 +177,7 @@ class World {
   /// Whether the row's last motion was blocked or would have ended out of bounds.
   bool stalled(Row row) const;
   /// Whether the row's last motion would have ended out of bounds.
-  bool held(Row row) const;
+  bool is_out_of_bounds(Row row) const;
   /// Estimated pose of a robot: engine/localization.hpp.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   Estimates estimates(const BodyType& type) const;  ///< of all robots of a type
@@ -330,7 +330,7 @@ class World {
   /// Number of robots whose last motion was blocked or would have ended out of bounds.
   std::size_t stalled_count() const { return stalled_; }
   /// Number of robots whose last motion would have ended out of bounds.
-  std::size_t held_count() const { return held_; }
+  std::size_t out_of_bounds_count() const { return out_of_bounds_; }
   /// Rounds of conflict resolution since tick 0, see Conflicts::rounds().
   std::uint64_t conflict_rounds() const { return conflict_rounds_; }
   /// Mean straight-line distance of the robots in the world from their origin(), m; 0 without robots.
@@ -342,7 +342,7 @@ class World {
 
  private:
   enum TableIndex : std::size_t { k_pose, k_velocity, k_command, k_stall };
-  enum Stall : std::uint8_t { k_free, k_refused, k_held };
+  enum Stall : std::uint8_t { k_free, k_blocked, k_out_of_bounds };
 
   template <class T>
   std::span<T> as(std::size_t table) {
@@ -427,7 +427,7 @@ class World {
   void clear(Row row);
   Birth bear(std::size_t reserve, const Pose& pose);
   void die(Row row);
-  void settle_lives(std::span<const Effect> effects);
+  void resolve_lives(std::span<const Effect> effects);
 
   // engine/experiment.cpp
   void build_experiment(const Registry& registry, Diagnostics& diagnostics);
@@ -483,7 +483,7 @@ class World {
   void add_limb(const Limb& limb, bool then, ShapeBuffer& out, double& thinnest) const;
   void reshape(std::uint32_t row);
   void put_outlines(Row row, const BodyType& type, const Transform& transform);
-  void settle_joints();
+  void resolve_joints();
   void report_joints();
   double aim_joints(const Limb& limb, std::size_t round, double t, double radius);
   double ask_joints(std::size_t c, Row root, std::size_t round);
@@ -572,7 +572,7 @@ class World {
   std::size_t absent_ = 0;
   std::size_t impaired_ = 0;
   std::size_t stalled_ = 0;
-  std::size_t held_ = 0;
+  std::size_t out_of_bounds_ = 0;
   Links links_;            // except its lists of composite bodies, which are constant
   Experiment experiment_;  // except its lists of interventions and faults, which are constant
   partition::BodyIndex index_;

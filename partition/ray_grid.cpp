@@ -248,7 +248,7 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
     const auto [entry, is_new] = known.try_emplace(surface, static_cast<std::uint32_t>(surfaces_.size()));
     if (is_new) surfaces_.push_back(surface);
     pen.draw(ring, entry->second, [&](Cell region, std::uint32_t run) {
-      Slot& slot = settle(region);
+      Slot& slot = slot_in(region);
       drawing.runs[run].next = slot.runs;
       slot.runs = run;
     });
@@ -273,7 +273,7 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
 }
 
 /// Returns the slot of a region; adds it if there is none.
-RayGrid::Slot& RayGrid::settle(Cell region) {
+RayGrid::Slot& RayGrid::slot_in(Cell region) {
   const std::uint32_t slot = directory_.insert(region);
   if (slot == slots_.size()) {
     slots_.emplace_back();
@@ -315,7 +315,7 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
   });
   // Bodies rarely enter new regions, so one thread adds them.
   for (const Homeless& run : homeless) {
-    Slot& slot = settle(run.region);
+    Slot& slot = slot_in(run.region);
     if (!slot.live) {
       slot.live = slot.fixed ? std::make_unique<Region>(*slot.fixed) : std::make_unique<Region>();
       live_.push_back(static_cast<std::uint32_t>(&slot - slots_.data()));
@@ -412,7 +412,7 @@ void RayGrid::forget_empty_regions(std::size_t used) {
     Slot& slot = slots[s];
     if (slot.seen == slot.fixed.get()) slot.live.reset();
     if (!slot.seen) continue;
-    settle(directory.tile(s)) = std::move(slot);
+    slot_in(directory.tile(s)) = std::move(slot);
     if (slots_.back().live) live_.push_back(static_cast<std::uint32_t>(slots_.size() - 1));
   }
 }

@@ -154,7 +154,7 @@ class RayGrid {
 
   void draw_fixed(std::span<const FixedSolid> solids);
   void share_out(std::span<const Vec2> vertices);
-  Slot& settle(Cell region);
+  Slot& slot_in(Cell region);
   void assemble(Region& region, const Region& base, const Drawing& drawing, Slot& slot);
   void mark(std::uint32_t& mark, std::uint32_t surface);
   void forget_empty_regions(std::size_t used);

@@ -137,7 +137,7 @@ void rebuild_index(benchmark::State& state) {
 }
 BENCHMARK(rebuild_index)->Arg(1000)->Arg(100000)->Name("index/rebuild (items: bodies)");
 
-void settle_conflicts(benchmark::State& state) {
+void resolve_conflicts(benchmark::State& state) {
   const Crowd crowd(static_cast<std::size_t>(state.range(0)));
   partition::Parallel parallel(1);
   partition::BodyIndex index({0.5, 4});
@@ -147,13 +147,13 @@ void settle_conflicts(benchmark::State& state) {
   std::vector<engine::FreeCircle> free(crowd.motions.size());
   std::uint64_t tick = 0;
   for (auto _ : state) {
-    conflicts.settle({crowd.poses, crowd.transforms, crowd.motions, crowd.shapes, crowd.ids, free, 1, ++tick,
-                      Box::around(Vec2::Zero(), 1e5)},
-                     scene, index, parallel);
+    conflicts.resolve({crowd.poses, crowd.transforms, crowd.motions, crowd.shapes, crowd.ids, free, 1, ++tick,
+                       Box::around(Vec2::Zero(), 1e5)},
+                      scene, index, parallel);
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
-BENCHMARK(settle_conflicts)->Arg(1000)->Arg(100000)->Name("move/settle a dense crowd (items: bodies)");
+BENCHMARK(resolve_conflicts)->Arg(1000)->Arg(100000)->Name("move/resolve a dense crowd (items: bodies)");
 
 engine::WorldSpec load(const std::string& world, std::size_t robots, const engine::Registry& registry) {
   Diagnostics diagnostics;

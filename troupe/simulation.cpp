@@ -960,7 +960,7 @@ Statistics Simulation::statistics() const {
           w.time_s(),
           w.beams_cast(),
           w.stalled_count(),
-          w.held_count(),
+          w.out_of_bounds_count(),
           w.mean_displacement(),
           w.conflict_rounds(),
           state_bytes};

@@ -110,7 +110,7 @@ struct Actuator {
     }
   }
 
-  void settled(const DeviceBatch& batch) const {
+  void joints_moved(const DeviceBatch& batch) const {
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       if (!batch.asked_joint(i, 0)) continue;
       auto& state = batch.state.as<ActuatorState>(batch.slot(i));

@@ -76,7 +76,7 @@ struct Gripper {
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_gripper);
   void start(State& row) const;
   void act(const DeviceBatch& batch) const;
-  void settled(const DeviceBatch& batch) const;
+  void joints_moved(const DeviceBatch& batch) const;
   void apply(World& world, const engine::Effect& effect) const;
   void show(const engine::DeviceView& view, engine::Frame& frame) const;
 };
@@ -274,7 +274,7 @@ void Gripper::act(const DeviceBatch& batch) const {
   }
 }
 
-void Gripper::settled(const DeviceBatch& batch) const {
+void Gripper::joints_moved(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     if (!batch.asked_joint(i, k_left)) continue;
     auto& state = batch.state.as<GripperState>(batch.slot(i));

@@ -70,7 +70,7 @@ struct Wheels {
   }
 
   void act(const DeviceBatch& batch) const;
-  void settled(const DeviceBatch& batch) const;
+  void joints_moved(const DeviceBatch& batch) const;
 
   Velocity drive(const Command& command, const Pose& at, double elapsed_s, Velocity v) const {
     engine::DriveBatch batch{
@@ -106,7 +106,7 @@ void Wheels::act(const DeviceBatch& batch) const {
   }
 }
 
-void Wheels::settled(const DeviceBatch& batch) const {
+void Wheels::joints_moved(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i)
     if (batch.asked_joint(i, 0))
       batch.state.as<WheelsState>(batch.slot(i)).stalled = !batch.moved_joint(i, 0);

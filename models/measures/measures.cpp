@@ -58,7 +58,7 @@ class Held : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    return count([&](Row row) { return world.held(row); });
+    return count([&](Row row) { return world.is_out_of_bounds(row); });
   }
 };
 

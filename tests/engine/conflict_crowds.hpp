@@ -240,7 +240,7 @@ inline partition::StaticScene scene_of(const TestCrowd& crowd, double cell_m) {
 }
 
 /// What the engine says. free: what it keeps from tick to tick.
-inline std::vector<engine::Conflicts::Outcome> settle(
+inline std::vector<engine::Conflicts::Outcome> resolve(
     const TestCrowd& crowd, const partition::StaticScene& scene, const partition::GridGeometry& grid,
     partition::Parallel& parallel, engine::Conflicts& conflicts, std::vector<engine::FreeCircle>& free) {
   std::vector<Pose> poses;
@@ -257,20 +257,20 @@ inline std::vector<engine::Conflicts::Outcome> settle(
   partition::BodyIndex index(grid);
   index.rebuild(transforms, radii, parallel);
   free.resize(crowd.size());
-  conflicts.settle({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
-                    crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))},
-                   scene, index, parallel);
+  conflicts.resolve({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
+                     crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9))},
+                    scene, index, parallel);
   std::vector<engine::Conflicts::Outcome> outcomes;
   for (std::size_t i = 0; i < crowd.size(); ++i) outcomes.push_back(conflicts.outcome(i));
   return outcomes;
 }
-inline std::vector<engine::Conflicts::Outcome> settle(const TestCrowd& crowd,
-                                                      const partition::StaticScene& scene,
-                                                      const partition::GridGeometry& grid,
-                                                      partition::Parallel& parallel,
-                                                      engine::Conflicts& conflicts) {
+inline std::vector<engine::Conflicts::Outcome> resolve(const TestCrowd& crowd,
+                                                       const partition::StaticScene& scene,
+                                                       const partition::GridGeometry& grid,
+                                                       partition::Parallel& parallel,
+                                                       engine::Conflicts& conflicts) {
   std::vector<engine::FreeCircle> free;
-  return settle(crowd, scene, grid, parallel, conflicts, free);
+  return resolve(crowd, scene, grid, parallel, conflicts, free);
 }
 
 }  // namespace troupe::oracle

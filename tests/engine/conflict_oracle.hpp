@@ -68,7 +68,7 @@ struct Question {
 
 /// The rule, one body after the other: no grid, no culls, no threads. `by_priority` false is the wrong rule
 /// that lets bodies go in the order of their ids: crowds on which it makes no difference prove nothing.
-inline std::vector<engine::Conflicts::Outcome> settle(const Question& q, bool by_priority = true) {
+inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool by_priority = true) {
   using enum engine::Conflicts::Outcome;
   const auto squared = [](double x, double y) { return x * x + y * y; };
   const std::size_t count = q.motions.size();
@@ -92,7 +92,7 @@ inline std::vector<engine::Conflicts::Outcome> settle(const Question& q, bool by
     if (!m.moves) continue;
     const Box all = q.bounds.value_or(Box{Vec2(-1e300, -1e300), Vec2(1e300, 1e300)});
     if (m.to.x < all.min.x() || m.to.x > all.max.x() || m.to.y < all.min.y() || m.to.y > all.max.y()) {
-      outcomes[i] = held;
+      outcomes[i] = out_of_bounds;
       continue;
     }
     outcomes[i] = moved;
@@ -100,16 +100,16 @@ inline std::vector<engine::Conflicts::Outcome> settle(const Question& q, bool by
     for (const Pose& pose : poses_of_motion(m, *q.bodies[i])) {
       there = place(q.bodies[i]->blocks, pose);
       for (const Blocks& wall : walls)
-        if (overlap(there, wall) && !overlap(placed[i], wall)) outcomes[i] = refused;
+        if (overlap(there, wall) && !overlap(placed[i], wall)) outcomes[i] = blocked;
       for (std::size_t o = 0; o < count; ++o) {
         if (o == i || !overlap(there, placed[o])) continue;
         const bool apart =
             squared(m.to.x - now[o].x, m.to.y - now[o].y) > squared(m.from.x - now[o].x, m.from.y - now[o].y);
-        if (!apart || !overlap(placed[i], placed[o])) outcomes[i] = refused;
+        if (!apart || !overlap(placed[i], placed[o])) outcomes[i] = blocked;
       }
-      if (outcomes[i] == refused) break;
+      if (outcomes[i] == blocked) break;
     }
-    if (outcomes[i] == refused) continue;
+    if (outcomes[i] == blocked) continue;
     now[i] = m.to;
     placed[i] = std::move(there);
   }

@@ -28,21 +28,21 @@ struct Teams {
 struct Tally {
   std::size_t crowds = 0;
   std::size_t moving = 0;
-  std::size_t refused = 0;
-  std::size_t held = 0;
+  std::size_t blocked = 0;
+  std::size_t out_of_bounds = 0;
   std::size_t order_matters = 0;  ///< crowds in which another order has another outcome
   std::size_t deep = 0;           ///< crowds in which a body waited for one that waited
   std::uint64_t deepest = 0;
 };
 
 void compare(const TestCrowd& crowd, Teams& teams, Tally& tally) {
-  const std::vector<Outcome> expected = settle(crowd.question());
+  const std::vector<Outcome> expected = resolve(crowd.question());
   std::uint64_t rounds = 0;
   for (std::size_t t = 0; t < k_threads.size(); ++t) {
     const partition::GridGeometry& grid = k_grids[(tally.crowds + t) % k_grids.size()];
     const double cell = k_scene_cells[(tally.crowds + t) % k_scene_cells.size()];
     const std::vector<Outcome> got =
-        settle(crowd, scene_of(crowd, cell), grid, teams.parallel[t], teams.conflicts[t]);
+        resolve(crowd, scene_of(crowd, cell), grid, teams.parallel[t], teams.conflicts[t]);
     for (std::size_t i = 0; i < crowd.size(); ++i)
       ASSERT_EQ(static_cast<int>(got[i]), static_cast<int>(expected[i]))
           << "body " << i << " of " << crowd.size() << ", " << k_threads[t] << " threads, cells of "
@@ -52,24 +52,24 @@ void compare(const TestCrowd& crowd, Teams& teams, Tally& tally) {
   }
   ++tally.crowds;
   for (const Motion& m : crowd.motions) tally.moving += m.moves;
-  tally.refused += static_cast<std::size_t>(std::ranges::count(expected, Outcome::refused));
-  tally.held += static_cast<std::size_t>(std::ranges::count(expected, Outcome::held));
+  tally.blocked += static_cast<std::size_t>(std::ranges::count(expected, Outcome::blocked));
+  tally.out_of_bounds += static_cast<std::size_t>(std::ranges::count(expected, Outcome::out_of_bounds));
   tally.deep += rounds > 2;
   tally.deepest = std::max(tally.deepest, rounds);
-  tally.order_matters += expected != settle(crowd.question(), false);
+  tally.order_matters += expected != resolve(crowd.question(), false);
 }
 
 void report(const Tally& tally) {
   std::printf(
-      "%zu crowds, %zu motions, %.1f %% refused, %zu held; the order matters in %zu; a body waited for one "
+      "%zu crowds, %zu motions, %.1f %% blocked, %zu held; the order matters in %zu; a body waited for one "
       "that waited in %zu, "
       "longest chain %zu\n",
       tally.crowds, tally.moving,
-      100.0 * static_cast<double>(tally.refused) / static_cast<double>(tally.moving), tally.held,
+      100.0 * static_cast<double>(tally.blocked) / static_cast<double>(tally.moving), tally.out_of_bounds,
       tally.order_matters, tally.deep, static_cast<std::size_t>(tally.deepest - 1));
 }
 
-TEST(ConflictRule, ThousandsOfSmallCrowdsSettleAsTheRuleSays) {
+TEST(ConflictRule, ThousandsOfSmallCrowdsAreResolvedAsTheRuleSays) {
   Teams teams;
   Tally tally;
   for (std::uint64_t seed = 1; seed <= (k_thrift > 1 ? 60 : 2500); ++seed) {
@@ -88,12 +88,12 @@ TEST(ConflictRule, ThousandsOfSmallCrowdsSettleAsTheRuleSays) {
     if (HasFatalFailure()) return;
   }
   report(tally);
-  EXPECT_GT(100 * tally.refused, tally.moving) << "too easy: under 1 % are refused";
-  EXPECT_GT(tally.held, 0u);
+  EXPECT_GT(100 * tally.blocked, tally.moving) << "too easy: under 1 % are blocked";
+  EXPECT_GT(tally.out_of_bounds, 0u);
   EXPECT_GT(4 * tally.order_matters, tally.crowds);
 }
 
-TEST(ConflictRule, LargeCrowdsWithLongChainsSettleAsTheRuleSays) {
+TEST(ConflictRule, LargeCrowdsWithLongChainsAreResolvedAsTheRuleSays) {
   constexpr std::size_t k_fewer = test::k_slow_build ? 4 : 1;  // the oracle looks at all pairs
   Teams teams;
   Tally tally;
@@ -113,7 +113,7 @@ TEST(ConflictRule, LargeCrowdsWithLongChainsSettleAsTheRuleSays) {
     if (HasFatalFailure()) return;
   }
   report(tally);
-  EXPECT_GT(100 * tally.refused, tally.moving) << "too easy: under 1 % are refused";
+  EXPECT_GT(100 * tally.blocked, tally.moving) << "too easy: under 1 % are blocked";
   EXPECT_EQ(tally.order_matters, tally.crowds);
   EXPECT_GT(2 * k_fewer * tally.deep, tally.crowds) << "too easy: few wait for one who waits";
 }
@@ -144,8 +144,8 @@ TEST(ConflictRule, TouchingIsFree) {
     if (HasFatalFailure()) return;
   }
   report(tally);
-  EXPECT_LT(tally.refused, tally.moving);
-  EXPECT_GT(tally.refused, 0u);
+  EXPECT_LT(tally.blocked, tally.moving);
+  EXPECT_GT(tally.blocked, 0u);
 }
 
 TEST(ConflictRule, WhoIsFirstChangesFromTickToTick) {
@@ -165,7 +165,7 @@ TEST(ConflictRule, WhoIsFirstChangesFromTickToTick) {
   bool before = false;
   constexpr int k_ticks = 2000;
   for (crowd.tick = 0; crowd.tick < k_ticks; ++crowd.tick) {
-    const std::vector<Outcome> outcomes = settle(crowd, nothing, {1, 3}, parallel, conflicts);
+    const std::vector<Outcome> outcomes = resolve(crowd, nothing, {1, 3}, parallel, conflicts);
     const bool first = outcomes[0] == Outcome::moved;
     ASSERT_NE(first, outcomes[1] == Outcome::moved) << "one of them wins";
     first_wins += first;

@@ -18,9 +18,9 @@ class Ticks {
   Ticks(TestCrowd& crowd, unsigned threads, double cell_m = 1)
       : crowd_(crowd), scene_(scene_of(crowd, cell_m)), parallel_(threads) {}
 
-  /// Settles the proposed motions and takes those that are allowed.
+  /// Resolves the proposed motions and takes those that are allowed.
   const std::vector<Outcome>& step(const partition::GridGeometry& grid = {1, 3}) {
-    outcomes_ = settle(crowd_, scene_, grid, parallel_, conflicts_, free_);
+    outcomes_ = resolve(crowd_, scene_, grid, parallel_, conflicts_, free_);
     for (std::size_t i = 0; i < crowd_.size(); ++i)
       if (outcomes_[i] == Outcome::moved) crowd_.motions[i].from = crowd_.motions[i].to;
     ++crowd_.tick;
@@ -70,12 +70,12 @@ TEST(ConflictTicks, BodiesThatWereApartStayApart) {
     const std::vector<Blocks> walls = placed_walls(crowd);
     Ticks run(crowd, 1 + static_cast<unsigned>(seed % 3));
     std::size_t moved = 0;
-    std::size_t refused = 0;
+    std::size_t blocked = 0;
     for (int tick = 0; tick < 300 / static_cast<int>(k_thrift); ++tick) {
       random_motions(crowd, draw, 60);
       const std::vector<Outcome>& outcomes = run.step();
       moved += static_cast<std::size_t>(std::ranges::count(outcomes, Outcome::moved));
-      refused += static_cast<std::size_t>(std::ranges::count(outcomes, Outcome::refused));
+      blocked += static_cast<std::size_t>(std::ranges::count(outcomes, Outcome::blocked));
       const std::vector<Blocks> placed = run.placed();
       const std::vector<bool> pairs = overlapping_pairs(placed);
       ASSERT_EQ(std::ranges::count(pairs, true), 0) << "tick " << tick;
@@ -83,7 +83,7 @@ TEST(ConflictTicks, BodiesThatWereApartStayApart) {
         for (const Blocks& wall : walls) ASSERT_FALSE(overlap(body, wall)) << "tick " << tick;
     }
     EXPECT_GT(moved, 1000 / k_thrift);
-    EXPECT_GT(20 * refused, moved) << "too easy";
+    EXPECT_GT(20 * blocked, moved) << "too easy";
   }
 }
 
@@ -142,9 +142,9 @@ TEST(ConflictTicks, ASolidDoesNotHoldWhoIsInIt) {
   };
   for (int i = 0; i < 20; ++i) ASSERT_EQ(drive(0.06), Outcome::moved) << m.from.x;
   EXPECT_GT(m.from.x, 1.15) << "it is out";
-  EXPECT_EQ(drive(-0.2), Outcome::refused) << "and the way back is shut";
+  EXPECT_EQ(drive(-0.2), Outcome::blocked) << "and the way back is shut";
   while (m.from.x < 1.83) ASSERT_EQ(drive(0.06), Outcome::moved);
-  EXPECT_EQ(drive(0.06), Outcome::refused) << "the other wall never was open to it";
+  EXPECT_EQ(drive(0.06), Outcome::blocked) << "the other wall never was open to it";
 }
 
 /// A room of 0.02 m walls about the origin: four blocks, or one region with a hole as bitmaps make them.
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Wall, NoTunnel, ::testing::Values(false, true),
                          [](const auto& region) { return region.param ? "region" : "block"; });
 
 TEST_P(NoTunnel, NoBodyLeavesARoomOfThinWalls) {
-  std::size_t refused = 0;
+  std::size_t blocked = 0;
   std::size_t moved = 0;
   for (std::uint64_t seed = 1; seed <= 60 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -191,7 +191,7 @@ TEST_P(NoTunnel, NoBodyLeavesARoomOfThinWalls) {
       if (tick % 2)
         m.to = {m.from.x + 0.1 * (m.to.x - m.from.x), m.from.y + 0.1 * (m.to.y - m.from.y), 0, m.to.heading};
       const Outcome outcome = run.step()[0];
-      refused += outcome == Outcome::refused;
+      blocked += outcome == Outcome::blocked;
       moved += outcome == Outcome::moved;
       for (const ConvexPrism& piece : kind.shape.pieces) {
         for (const Vec2& v : piece.outline) {
@@ -202,7 +202,7 @@ TEST_P(NoTunnel, NoBodyLeavesARoomOfThinWalls) {
       ASSERT_LT((Transform(m.from) * middle).cwiseAbs().maxCoeff(), 2);
     }
   }
-  EXPECT_GT(refused, 1000 / k_thrift);
+  EXPECT_GT(blocked, 1000 / k_thrift);
   EXPECT_GT(moved, 1000 / k_thrift);
 }
 
@@ -237,7 +237,7 @@ TEST_P(NoTunnel, NoBodyCrossesAWallAtAnyAngle) {
     m.to = {to.x(), to.y(), 0, m.from.heading + m.turn};
     m.moves = true;
     Ticks run(crowd, 1, draw.scale(0.1, 3));
-    ASSERT_EQ(run.step()[0], Outcome::refused);
+    ASSERT_EQ(run.step()[0], Outcome::blocked);
     ++crossings;
   }
   EXPECT_GT(crossings, 2500 / k_thrift);
@@ -291,9 +291,9 @@ TEST(ConflictTicks, BodiesAreHeldAtTheBounds) {
     return run.step();
   };
   const std::vector<Outcome> free(2, Outcome::moved);
-  const std::vector<Outcome> held(2, Outcome::held);
+  const std::vector<Outcome> out_of_bounds(2, Outcome::out_of_bounds);
   EXPECT_EQ(drive(0.25), free) << "up to the bounds";
-  EXPECT_EQ(drive(0.25), held);
+  EXPECT_EQ(drive(0.25), out_of_bounds);
   EXPECT_EQ(drive(-0.25), free);
   for (Motion& m : crowd.motions) m.moves = false;
   EXPECT_EQ(run.step(), std::vector<Outcome>(2, Outcome::stands));

@@ -24,7 +24,7 @@ struct PushAnswer {
   std::size_t shifts = 0;    ///< bodies that were pushed, once for each that pushed them
   std::size_t chained = 0;   ///< of these, by what was pushed itself
   std::size_t again = 0;     ///< that another one had pushed before
-  std::size_t stopped = 0;   ///< motions refused for what was to be pushed
+  std::size_t stopped = 0;   ///< motions blocked for what was to be pushed
   std::size_t too_many = 0;  ///< of these, because it was too much
 };
 
@@ -90,7 +90,7 @@ inline std::optional<Vec2> leave(const std::vector<ConvexPrism>& a, const Pose& 
 
 /// The rule of docs/pushing.md, one body after the other. `by_priority` false: the wrong rule that goes by
 /// ids.
-inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority = true) {
+inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority = true) {
   using enum engine::Conflicts::Outcome;
   const Question& q = question.base;
   const std::size_t count = q.motions.size();
@@ -139,7 +139,7 @@ inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority 
     const Motion& m = q.motions[i];
     if (!m.moves) continue;
     if (outside(m.to)) {
-      answer.outcomes[i] = held;
+      answer.outcomes[i] = out_of_bounds;
       continue;
     }
     std::vector<bool> gives_way(count);
@@ -158,7 +158,7 @@ inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority 
       return true;
     };
     if (!is_free()) {
-      answer.outcomes[i] = refused;
+      answer.outcomes[i] = blocked;
       continue;
     }
 
@@ -215,7 +215,7 @@ inline PushAnswer settle_pushing(const PushQuestion& question, bool by_priority 
       return true;
     };
     if (!push()) {
-      answer.outcomes[i] = refused;
+      answer.outcomes[i] = blocked;
       ++answer.stopped;
       answer.too_many += too_many;
       continue;

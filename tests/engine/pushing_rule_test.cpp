@@ -39,15 +39,15 @@ struct PushCrowd : TestCrowd {
   }
 };
 
-struct Settled {
+struct Resolved {
   std::vector<Outcome> outcomes;
   std::vector<Pose> poses;
   std::uint64_t rounds = 0;
 };
 
-Settled settle_engine(const PushCrowd& crowd, const partition::StaticScene& scene,
-                      const partition::GridGeometry& grid, partition::Parallel& parallel,
-                      Conflicts& conflicts) {
+Resolved resolve_engine(const PushCrowd& crowd, const partition::StaticScene& scene,
+                        const partition::GridGeometry& grid, partition::Parallel& parallel,
+                        Conflicts& conflicts) {
   std::vector<Pose> poses;
   std::vector<Transform> transforms;
   std::vector<engine::Motion> motions;
@@ -63,20 +63,20 @@ Settled settle_engine(const PushCrowd& crowd, const partition::StaticScene& scen
   index.rebuild(transforms, radii, parallel);
   std::vector<engine::FreeCircle> free(crowd.size());
   const Box everywhere = Box::around({0, 0}, 1e6);
-  conflicts.settle({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
-                    crowd.bounds.value_or(everywhere), crowd.pushables()},
-                   scene, index, parallel);
-  Settled settled{{}, poses, conflicts.rounds()};
+  conflicts.resolve({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
+                     crowd.bounds.value_or(everywhere), crowd.pushables()},
+                    scene, index, parallel);
+  Resolved resolved{{}, poses, conflicts.rounds()};
   for (std::size_t i = 0; i < crowd.size(); ++i) {
-    settled.outcomes.push_back(conflicts.outcome(i));
-    if (settled.outcomes[i] == Outcome::moved) settled.poses[i] = crowd.motions[i].to;
+    resolved.outcomes.push_back(conflicts.outcome(i));
+    if (resolved.outcomes[i] == Outcome::moved) resolved.poses[i] = crowd.motions[i].to;
   }
   for (const Conflicts::Push& push : conflicts.pushes()) {
     if (!conflicts.is_last(push)) continue;
-    settled.poses[push.row].x = push.position.x();
-    settled.poses[push.row].y = push.position.y();
+    resolved.poses[push.row].x = push.position.x();
+    resolved.poses[push.row].y = push.position.y();
   }
-  return settled;
+  return resolved;
 }
 
 /// Robots and pucks, dropped where they find room.
@@ -150,14 +150,14 @@ void propose(PushCrowd& crowd, Draw& draw, double most_poses) {
 }
 
 struct Tally {
-  std::size_t crowds = 0, moving = 0, refused = 0, shifts = 0, chained = 0, again = 0, stopped = 0,
+  std::size_t crowds = 0, moving = 0, blocked = 0, shifts = 0, chained = 0, again = 0, stopped = 0,
               too_many = 0, order_matters = 0, deep = 0;
   void report() const {
     std::printf(
-        "%zu crowds, %zu motions, %zu refused; %zu pushed, %zu of them by others, %zu again; %zu stopped, "
+        "%zu crowds, %zu motions, %zu blocked; %zu pushed, %zu of them by others, %zu again; %zu stopped, "
         "%zu by "
         "too many; the order matters in %zu; a body waited for one that waited in %zu\n",
-        crowds, moving, refused, shifts, chained, again, stopped, too_many, order_matters, deep);
+        crowds, moving, blocked, shifts, chained, again, stopped, too_many, order_matters, deep);
   }
 };
 
@@ -169,11 +169,11 @@ class PushingRule : public ::testing::Test {
   /// Body for body as the oracle says: outcomes, and places to a nanometre; bit for bit on any threads and
   /// tiles.
   void compare(PushCrowd& crowd, Tally& tally) {
-    const PushAnswer expected = settle_pushing(crowd.ask());
-    Settled first;
+    const PushAnswer expected = resolve_pushing(crowd.ask());
+    Resolved first;
     for (std::size_t t = 0; t < k_threads.size(); ++t) {
       const partition::GridGeometry& grid = k_grids[(tally.crowds + t) % k_grids.size()];
-      Settled got = settle_engine(crowd, scene_of(crowd, 1.1), grid, parallel_[t], conflicts_[t]);
+      Resolved got = resolve_engine(crowd, scene_of(crowd, 1.1), grid, parallel_[t], conflicts_[t]);
       for (std::size_t i = 0; i < crowd.size(); ++i) {
         ASSERT_EQ(static_cast<int>(got.outcomes[i]), static_cast<int>(expected.outcomes[i]))
             << "body " << i << " of " << crowd.size() << ", " << k_threads[t] << " threads, cells of "
@@ -188,14 +188,14 @@ class PushingRule : public ::testing::Test {
     }
     ++tally.crowds;
     for (const Motion& m : crowd.motions) tally.moving += m.moves;
-    tally.refused += static_cast<std::size_t>(std::ranges::count(expected.outcomes, Outcome::refused));
+    tally.blocked += static_cast<std::size_t>(std::ranges::count(expected.outcomes, Outcome::blocked));
     tally.shifts += expected.shifts;
     tally.chained += expected.chained;
     tally.again += expected.again;
     tally.stopped += expected.stopped;
     tally.too_many += expected.too_many;
     tally.deep += first.rounds > 2;
-    const PushAnswer other = settle_pushing(crowd.ask(), false);
+    const PushAnswer other = resolve_pushing(crowd.ask(), false);
     tally.order_matters += other.outcomes != expected.outcomes || other.poses != expected.poses;
     poses_ = std::move(first.poses);
   }
@@ -206,7 +206,7 @@ class PushingRule : public ::testing::Test {
   std::array<Conflicts, k_threads.size()> conflicts_;
 };
 
-TEST_F(PushingRule, RandomCrowdsSettleAsTheRuleSays) {
+TEST_F(PushingRule, RandomCrowdsAreResolvedAsTheRuleSays) {
   Tally tally;
   for (std::uint64_t seed = 1; seed <= 900 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -225,7 +225,7 @@ TEST_F(PushingRule, RandomCrowdsSettleAsTheRuleSays) {
   EXPECT_GT(tally.too_many, tally.crowds / 50);
 }
 
-TEST_F(PushingRule, LargeCrowdsSettleAsTheRuleSays) {
+TEST_F(PushingRule, LargeCrowdsAreResolvedAsTheRuleSays) {
   Tally tally;
   for (std::uint64_t seed = 1; seed <= 20 / k_thrift; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

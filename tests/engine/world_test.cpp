@@ -163,7 +163,7 @@ TEST(World, ARobotAtTheSpeedOfLightKeepsNobodyWaiting) {
   for (int i = 0; i < 100; ++i)
     world.step();  // out of the world in one tick: held, and no query reaches that far
   EXPECT_EQ(world.pose(a).x, 0);
-  EXPECT_EQ(world.held_count(), 1u);
+  EXPECT_EQ(world.out_of_bounds_count(), 1u);
 }
 
 TEST(World, ARobotThatWouldLeaveIsHeldAndCounted) {
@@ -175,11 +175,11 @@ TEST(World, ARobotThatWouldLeaveIsHeldAndCounted) {
   world.step();
   EXPECT_EQ(world.pose(body).x, 0.95);
   EXPECT_TRUE(world.stalled(world.row(body)));
-  EXPECT_EQ(world.held_count(), 1u);
+  EXPECT_EQ(world.out_of_bounds_count(), 1u);
   world.set_command(world.row(body), {-1, 0, 0});
   world.step();
   EXPECT_DOUBLE_EQ(world.pose(body).x, 0.85);
-  EXPECT_EQ(world.held_count(), 0u);
+  EXPECT_EQ(world.out_of_bounds_count(), 0u);
 }
 
 TEST(World, ARobotWithoutAMotionIsNotStalled) {

@@ -245,10 +245,10 @@ TEST(Measures, AreWhatTheirDefinitionsSay) {
     }
     EXPECT_NEAR(values.back(), oracles[0].rank_errors(k_minibots), 1e-9);
     EXPECT_EQ(values[3], static_cast<double>(world.stalled_count()));
-    EXPECT_EQ(values[4], static_cast<double>(world.held_count()));
+    EXPECT_EQ(values[4], static_cast<double>(world.out_of_bounds_count()));
     EXPECT_EQ(values[3], values[kinds + 3] + values[2 * kinds + 3]);
     stalls += world.stalled_count();
-    held += world.held_count();
+    held += world.out_of_bounds_count();
     step_at_random(world, words);
     set.see();
     for (Oracle& oracle : oracles) oracle.see(world);

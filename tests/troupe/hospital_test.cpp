@@ -86,7 +86,7 @@ TEST(Hospital, NobodyIsInAWallAndTheSwarmHasSpread) {
   const Overlaps after = overlaps(world);
   EXPECT_EQ(after.with_walls, 0u);
   EXPECT_EQ(after.with_each_other, 0u);
-  EXPECT_EQ(world.held_count(), 0u);
+  EXPECT_EQ(world.out_of_bounds_count(), 0u);
   EXPECT_LT(static_cast<double>(world.stalled_count()), 0.1 * static_cast<double>(world.robots()));
   if (test::k_slow_build) return;
   EXPECT_GT(world.mean_displacement(), 1.5);

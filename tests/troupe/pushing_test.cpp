@@ -74,7 +74,8 @@ TEST_F(Pushing, APuckEndsWhereTheRobotsFrontLeavesIt) {
 }
 
 // A body with its arm out reaches farther than with its joints at rest. Two robots that are far apart push
-// the arm and a puck towards each other: the robot that is settled second must see what the first has pushed.
+// the arm and a puck towards each other: the robot that is resolved second must see what the first has
+// pushed.
 TEST_F(Pushing, AnArmThatIsOutHandsOnWhatIsPushed) {
   constexpr int k_lanes = 24;
   std::string models;

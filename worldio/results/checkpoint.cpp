@@ -85,7 +85,7 @@ void write_meta(Hdf5File& file, engine::World& world, const FileHeader& header) 
   meta.set_integer("beams", static_cast<std::int64_t>(counters.beams));
   meta.set_integer("conflict_rounds", static_cast<std::int64_t>(counters.conflict_rounds));
   meta.set_integer("stalled", static_cast<std::int64_t>(world.stalled_count()));
-  meta.set_integer("held_at_bounds", static_cast<std::int64_t>(world.held_count()));
+  meta.set_integer("held_at_bounds", static_cast<std::int64_t>(world.out_of_bounds_count()));
   meta.set_number("mean_displacement_m", world.mean_displacement());
 }
 
