@@ -99,9 +99,9 @@ HashLogReader::Line HashLogReader::parse(const std::string& text) const {
   };
   const std::vector<std::string_view> words = words_of(text);
   if (words.size() != 2 + engine::k_hash_groups) malformed();
-  const auto [end, fault] = std::from_chars(words[0].data(), words[0].data() + words[0].size(), line.tick);
+  const auto [end, error] = std::from_chars(words[0].data(), words[0].data() + words[0].size(), line.tick);
   const auto state = hash_of(words[1]);
-  if (fault != std::errc() || end != words[0].data() + words[0].size() || !state) malformed();
+  if (error != std::errc() || end != words[0].data() + words[0].size() || !state) malformed();
   line.state = *state;
   for (std::size_t g = 0; g < engine::k_hash_groups; ++g) {
     const std::string_view name = engine::hash_group_name(static_cast<engine::HashGroup>(g));

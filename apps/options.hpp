@@ -23,8 +23,8 @@ namespace troupe::apps {
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
-  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (fault != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
 std::optional<double> finite(std::string_view text);

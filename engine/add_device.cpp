@@ -17,7 +17,7 @@ std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind
     std::string name = base;
     for (int n = 2; std::ranges::find(type.joints, name, &JointSpec::name) != type.joints.end(); ++n)
       name = fmt::format("{}#{}", base, n);
-    type.joints.push_back({std::move(name), device.joint, device.pose_body_sensor});
+    type.joints.push_back({std::move(name), device.joint, device.pose_body_device});
   }
   type.devices.push_back(std::move(device));
   return type.devices.size() - 1;
@@ -46,7 +46,7 @@ void add_device_body(TypeSpec& type, std::size_t d, const DeviceKind& kind) {
   for (DeviceKind::Fixture& fixture : fixtures) {
     PartSpec& part =
         fixture.joint < 0 ? type.parts[device.part] : moving[static_cast<std::size_t>(fixture.joint)];
-    part.solids.push_back(placed(std::move(fixture.solid), device.pose_body_sensor));
+    part.solids.push_back(placed(std::move(fixture.solid), device.pose_body_device));
   }
   for (PartSpec& part : moving)
     if (!part.solids.empty()) type.parts.push_back(std::move(part));

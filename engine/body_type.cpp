@@ -68,9 +68,9 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
       type.obstacle = obstacle_shape(spec);
       type.grip = shape_of(spec, [](const PartSpec& part) { return part.returns.gripper; });
       if (!spec.joints.empty()) type.obstacle_joints = joints_of_pieces(spec);
-    } catch (const std::length_error& fault) {
+    } catch (const std::length_error& error) {
       diagnostics.error(spec.parts.front().where,
-                        fmt::format("a body of type \"{}\": {}", spec.name, fault.what()));
+                        fmt::format("a body of type \"{}\": {}", spec.name, error.what()));
     }
   }
   type.radius = sqrt(radius2);
@@ -147,12 +147,12 @@ double samples_asked_for(const FieldTable& table, const Record& params) {
 
 Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
                                             const WorldSpec& world, const TypeSpec& spec) try {
-  DeviceKind::Prepared prepared = kind.prepare(device.params, device.pose_body_sensor);
-  if (kind.mount)
-    if (const Result<> mounted = kind.mount(prepared.data, spec, device.part); !mounted)
+  DeviceKind::Prepared prepared = kind.prepare(device.params, device.pose_body_device);
+  if (kind.bind_part)
+    if (const Result<> mounted = kind.bind_part(prepared.data, spec, device.part); !mounted)
       return mounted.error();
-  if (kind.look)
-    if (const Result<> looked = kind.look(prepared.data, world); !looked) return looked.error();
+  if (kind.bind_world)
+    if (const Result<> looked = kind.bind_world(prepared.data, world); !looked) return looked.error();
   return prepared;
 } catch (...) {
   return Error{fmt::format("({}) {}", kind.name, thrown_text())};
@@ -169,11 +169,11 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
   std::vector<DeviceInfo> infos;
   std::vector<bool> claimed_shown;
   const std::optional<std::size_t> drive = drive_of(spec, type, controller.part);
-  const Mount pose_drive_body = drive ? inverse(Mount(spec.devices[*drive].pose_body_sensor)) : Mount();
+  const Mount pose_drive_body = drive ? inverse(Mount(spec.devices[*drive].pose_body_device)) : Mount();
   for (const std::size_t s : shown) {
     const BodyType::Device& sensor = type.devices[s];
     infos.push_back({sensor.name, sensor.kind->name, sensor.prepared,
-                     compose(pose_drive_body, spec.devices[s].pose_body_sensor)});
+                     compose(pose_drive_body, spec.devices[s].pose_body_device)});
     claimed_shown.push_back(claimed[s]);
   }
   Result<ControllerKind::Prepared> prepared = kind.prepare(controller.params, infos, claimed_shown);
@@ -184,8 +184,8 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
       return Error{fmt::format("chose device index {}, but has only {} devices", s, shown.size())};
     s = shown[s];
   }
-  if (kind.look)
-    if (const Result<> looked = kind.look(prepared->data, world, spec, controller.part); !looked)
+  if (kind.bind_world)
+    if (const Result<> looked = kind.bind_world(prepared->data, world, spec, controller.part); !looked)
       return looked.error();
   return prepared;
 } catch (...) {

@@ -201,8 +201,9 @@ std::vector<StateField> memory_fields() {
 ///                                                 // default: uses all devices and claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
 ///                                                 // instead of choose: kinds of its devices, in order
-///     Result<> look(const WorldSpec&, const TypeSpec&, std::uint32_t part);     // ControllerKind::look
-///     static constexpr std::array<std::string_view, N> brings;                  // ControllerKind::brings
+///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);     //
+///     ControllerKind::bind_world static constexpr std::array<std::string_view, N> brings; //
+///     ControllerKind::brings
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text) {
   using Memory = typename detail::MemoryOf<C>::type;
@@ -221,10 +222,12 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
     return ControllerKind::Prepared{std::move(controller), *std::move(chosen)};
   };
   if constexpr (requires { C::brings; }) kind.brings.assign(std::begin(C::brings), std::end(C::brings));
-  if constexpr (requires(C & c, const WorldSpec& world, const TypeSpec& type) { c.look(world, type, 0u); })
-    kind.look = [](std::any& data, const WorldSpec& world, const TypeSpec& type,
-                   std::uint32_t part) -> Result<> {
-      return std::any_cast<C>(&data)->look(world, type, part);
+  if constexpr (requires(C & c, const WorldSpec& world, const TypeSpec& type) {
+                  c.bind_world(world, type, 0u);
+                })
+    kind.bind_world = [](std::any& data, const WorldSpec& world, const TypeSpec& type,
+                         std::uint32_t part) -> Result<> {
+      return std::any_cast<C>(&data)->bind_world(world, type, part);
     };
   kind.decide = [](const std::any& data, const DecideBatch& batch) {
     const C& controller = *std::any_cast<C>(&data);

@@ -194,7 +194,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
   here.written_before.resize(written);
   here.written_after.resize(written);
   here.percepts.resize(batch.devices);
-  const auto note = [&](std::vector<Command>& commands, std::vector<std::vector<std::byte>>& rows) {
+  const auto copy_rows = [&](std::vector<Command>& commands, std::vector<std::vector<std::byte>>& rows) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
       commands.push_back(batch.command(i));
       for (std::size_t w = 0; w < written; ++w) {
@@ -203,7 +203,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
       }
     }
   };
-  note(here.commands_before, here.written_before);
+  copy_rows(here.commands_before, here.written_before);
   for (std::size_t i = 0; i < batch.size(); ++i) here.estimates.push_back(batch.estimate(i));
   for (std::size_t s = 0; s < batch.devices; ++s) {
     const StateTable& table = *batch.percepts[s];
@@ -212,7 +212,7 @@ void ControllerCheck::record(const BodyType& type, const BodyType::Controller& c
                               table.row(batch.slot(i)) + table.row_bytes());
   }
   controller.kind->decide(controller.data, batch);
-  note(here.commands_after, here.written_after);
+  copy_rows(here.commands_after, here.written_after);
 
   const std::lock_guard lock(mutex_);
   Decisions& taken = watched.taken;

@@ -42,7 +42,7 @@ void say(Field& field, const Fact& fact) {
     case Fact::Kind::fixed: field.fixed = true; break;
     case Fact::Kind::provenance: field.provenance = true; break;
     case Fact::Kind::sparse: field.sparse = true; break;
-    case Fact::Kind::look: field.look = true; break;
+    case Fact::Kind::appearance: field.appearance = true; break;
     case Fact::Kind::required: break;
   }
 }
@@ -224,7 +224,7 @@ std::vector<StateField> state_fields(const FieldTable& table) {
     made.text = field.text;
     made.offset = static_cast<std::uint32_t>(field.offset);
     made.sparse = field.sparse;
-    made.look = field.look;
+    made.appearance = field.appearance;
     fields.push_back(std::move(made));
   }
   return fields;

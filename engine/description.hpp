@@ -91,7 +91,7 @@ class Fact {
     fixed,            ///< Field::fixed
     provenance,       ///< Field::provenance
     sparse,           ///< StateField::sparse
-    look,             ///< StateField::look
+    appearance,       ///< StateField::appearance
   };
 
   constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< Field::text
@@ -139,7 +139,7 @@ inline constexpr Fact provenance{Fact::Kind::provenance};
 /// For state: StateField::sparse. For other structs: a stored record may lack the field, which then has its
 /// default.
 inline constexpr Fact is_sparse{Fact::Kind::sparse};
-inline constexpr Fact is_look{Fact::Kind::look};  ///< for state: StateField::look
+inline constexpr Fact is_appearance{Fact::Kind::appearance};  ///< for state: StateField::appearance
 }  // namespace facts
 
 /// Type-erased access to members of one C++ type.

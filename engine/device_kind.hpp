@@ -56,9 +56,9 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///     static HeldFlags flags(const StateTable&, std::size_t slot);       // row
 ///     void apply(World&, const Effect&) const;
 ///     void born(World&, const Effect&, const Birth&) const;
-///     void show(const DeviceView&, Frame&) const;
-///     Result<> mount(const TypeSpec&, std::uint32_t part);
-///     Result<> look(const WorldSpec&);
+///     void draw(const DeviceView&, Frame&) const;
+///     Result<> bind_part(const TypeSpec&, std::uint32_t part);
+///     Result<> bind_world(const WorldSpec&);
 ///     static std::vector<DeviceKind::Fixture> body(const Params&);
 ///     static constexpr std::array<std::string_view, N> joints;
 ///     static constexpr bool carries, drives, needs_supply, shows_color;
@@ -93,13 +93,13 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
     }
     return prepared;
   };
-  if constexpr (requires { &C::mount; })
-    kind.mount = [](std::any& data, const TypeSpec& type, std::uint32_t part) -> Result<> {
-      return std::any_cast<C>(&data)->mount(type, part);
+  if constexpr (requires { &C::bind_part; })
+    kind.bind_part = [](std::any& data, const TypeSpec& type, std::uint32_t part) -> Result<> {
+      return std::any_cast<C>(&data)->bind_part(type, part);
     };
-  if constexpr (requires { &C::look; })
-    kind.look = [](std::any& data, const WorldSpec& world) -> Result<> {
-      return std::any_cast<C>(&data)->look(world);
+  if constexpr (requires { &C::bind_world; })
+    kind.bind_world = [](std::any& data, const WorldSpec& world) -> Result<> {
+      return std::any_cast<C>(&data)->bind_world(world);
     };
   if constexpr (requires { &C::start; })
     kind.start = [](const std::any& data, StateTable& state, std::size_t slot) {
@@ -147,8 +147,8 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
       else
         return C::flags(state.as<typename C::State>(slot));
     };
-  if constexpr (requires { &C::show; })
-    kind.show = [](const DeviceView& view, Frame& frame) { std::any_cast<C>(&view.data)->show(view, frame); };
+  if constexpr (requires { &C::draw; })
+    kind.draw = [](const DeviceView& view, Frame& frame) { std::any_cast<C>(&view.data)->draw(view, frame); };
   return kind;
 }
 

@@ -429,7 +429,7 @@ bool World::add(const Experiment::Intervention& intervention) {
   for (std::uint32_t i = 0; i < count; ++i) {
     Birth birth;
     for (std::uint32_t trial = 0; trial < trials && birth.status != BirthStatus::born; ++trial)
-      birth = bear(intervention.reserve, place_to_add(intervention, i, trial));
+      birth = give_birth(intervention.reserve, place_to_add(intervention, i, trial));
     if (birth.status != BirthStatus::born) return i > 0;
     if (newborn_.size() >= k_most_newborn) index_bodies();
   }

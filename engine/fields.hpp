@@ -120,8 +120,8 @@ struct Field {
   bool fixed = false;
   /// It records the origin of the other fields (a file and a line): it is stored, but not compared.
   bool provenance = false;
-  bool sparse = false;  ///< for state: StateField::sparse
-  bool look = false;    ///< for state: StateField::look
+  bool sparse = false;      ///< for state: StateField::sparse
+  bool appearance = false;  ///< for state: StateField::appearance
   /// For a described struct (engine/description.hpp): access to the member, and its offset in the struct.
   ///@{
   const MemberType* member = nullptr;

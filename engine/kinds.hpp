@@ -194,13 +194,13 @@ struct DeviceKind {
   };
   /// Compiles the parameters, which are within the limits of their table. A pure function that need not
   /// throw.
-  Prepared (*prepare)(const Record& params, const Pose& pose_body_sensor);
+  Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
   /// Called once after `prepare`: completes the data from the type and the part that carries the device. The
   /// error says what is wrong with them. Null: not needed.
-  Result<> (*mount)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
-  /// Called once after `mount`: completes the data from the world. The error says what is wrong with it.
+  Result<> (*bind_part)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
+  /// Called once after `bind_part`: completes the data from the world. The error says what is wrong with it.
   /// Null: not needed.
-  Result<> (*look)(std::any& data, const WorldSpec& world) = nullptr;
+  Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
   /// Sets the state of a row when its life begins, at tick 0 or later. All bytes are 0 before. Null: they
   /// stay 0.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
@@ -234,10 +234,10 @@ struct DeviceKind {
   /// Its state begins with the colour that its part shows: three f32, red, green and blue, in a field named
   /// k_shown_color (engine/shown_color.hpp), by which recordings find it.
   bool shows_color = false;
-  FrameLayer layer = FrameLayer::none;  ///< layer that `show` adds to
+  FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
   /// Adds the drawing of a row to `layer`. Called for sensors only if they have sensed and still run. Null
   /// without a layer.
-  void (*show)(const DeviceView& view, Frame& frame) = nullptr;
+  void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
   /// True if the device only senses.
   bool is_sensor() const { return act == nullptr && apply == nullptr && born == nullptr; }
@@ -483,8 +483,8 @@ struct ControllerKind {
                               std::vector<bool>& claimed);
   /// Called once after `prepare`: completes the data from the world, the type and the controller's part, for
   /// example from the pose of a model or from the floor plan. The error says what is wrong. Null: not needed.
-  Result<> (*look)(std::any& data, const WorldSpec& world, const TypeSpec& type,
-                   std::uint32_t part) = nullptr;
+  Result<> (*bind_world)(std::any& data, const WorldSpec& world, const TypeSpec& type,
+                         std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries although its file does not list them.
   std::vector<std::string_view> brings;
   /// Decides for all robots of the batch. make_controller_kind makes it from a function for one robot.

@@ -58,7 +58,7 @@ Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q)
 }  // namespace
 
 /// A body of a tree, as visited by a walk from the root.
-struct World::Limb {
+struct World::TreeBody {
   Row row;
   Mount place;         // of the body's frame in the root's
   bool moves = false;  // a joint between the root and the body moves
@@ -169,7 +169,7 @@ void World::derive_links() {
     rest_joints(Row(r));  // before any shape of a tree is computed
   for (std::uint32_t r = 0; carrier_table_ && r < rows(); ++r) {
     const std::uint32_t id = tables_[*carrier_table_].as<Carried>(r).carrier;
-    if (id != 0) hang(r, body_rows_[id - 1].value);
+    if (id != 0) link_cargo(r, body_rows_[id - 1].value);
   }
   for (std::uint32_t r = 0; r < rows(); ++r) {
     std::uint32_t root = r;
@@ -211,7 +211,7 @@ void World::move_to_joints(Row row) {
 }
 
 /// Inserts by id, so that sums over the cargo do not depend on the order in which it was picked up.
-void World::hang(std::uint32_t cargo, std::uint32_t carrier) {
+void World::link_cargo(std::uint32_t cargo, std::uint32_t carrier) {
   std::uint32_t* at = &links_.first_cargo[carrier];
   while (*at != Links::k_none && row_ids_[*at] < row_ids_[cargo]) at = &links_.next_cargo[*at];
   links_.next_cargo[cargo] = *at;
@@ -219,7 +219,7 @@ void World::hang(std::uint32_t cargo, std::uint32_t carrier) {
   ++links_.carried;
 }
 
-void World::unhang(std::uint32_t cargo, std::uint32_t carrier) {
+void World::unlink_cargo(std::uint32_t cargo, std::uint32_t carrier) {
   std::uint32_t* at = &links_.first_cargo[carrier];
   while (*at != cargo) at = &links_.next_cargo[*at];
   *at = links_.next_cargo[cargo];
@@ -234,36 +234,36 @@ void World::set_root(std::uint32_t row, std::uint32_t root) {
 
 /// Adds the obstacle pieces of a body and of all bodies that it carries. then: only the pieces that move in
 /// this round, at their goals.
-void World::add_limb(const Limb& limb, bool then, ShapeBuffer& out, double& thinnest) const {
-  const BodyType& t = type(limb.row);
-  const std::span<const Links::Joint> all = joints(limb.row);
+void World::add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const {
+  const BodyType& t = type(body.row);
+  const std::span<const Links::Joint> all = joints(body.row);
   thinnest = t.obstacle.empty() ? thinnest : std::min(thinnest, t.obstacle.thinnest);
   for (std::size_t p = 0; p < t.obstacle.pieces.size(); ++p) {
     const std::int32_t j = t.obstacle_joints.empty() ? k_rigid : t.obstacle_joints[p];
     if (j == k_rigid) {
-      if (!then || limb.moves) out.add(t.obstacle.pieces[p], limb.place);
+      if (!then || body.moves) out.add(t.obstacle.pieces[p], body.place);
       continue;
     }
     const Links::Joint& joint = all[static_cast<std::size_t>(j)];
-    if (!then || limb.moves || joint.moves)
-      out.add(t.obstacle.pieces[p], compose(limb.place, then ? joint.then : joint.now));
+    if (!then || body.moves || joint.moves)
+      out.add(t.obstacle.pieces[p], compose(body.place, then ? joint.then : joint.now));
   }
-  for (std::uint32_t c = links_.first_cargo[limb.row.index()]; c != Links::k_none; c = links_.next_cargo[c]) {
+  for (std::uint32_t c = links_.first_cargo[body.row.index()]; c != Links::k_none; c = links_.next_cargo[c]) {
     const Carried& link = tables_[*carrier_table_].as<Carried>(c);
-    Limb cargo{Row(c), limb.place, limb.moves};
+    TreeBody cargo{Row(c), body.place, body.moves};
     if (link.joint > 0) {
       const Links::Joint& joint = all[link.joint - 1];
       cargo.place = compose(cargo.place, then ? joint.then : joint.now);
       cargo.moves = cargo.moves || joint.moves;
     }
     cargo.place = compose(cargo.place, Mount(link.pose));
-    add_limb(cargo, then, out, thinnest);
+    add_tree_body(cargo, then, out, thinnest);
   }
 }
 
 /// Updates the shape and radius of a row that conflict resolution and queries use.
 void World::reshape(std::uint32_t row) {
-  if (!is_there(Row(row))) return show(Row(row));
+  if (!is_there(Row(row))) return update_presence(Row(row));
   const BodyType& t = type(Row(row));
   const std::uint32_t c = links_.composite_of[row];
   const ObstacleShape* shape = &t.obstacle;
@@ -278,7 +278,7 @@ void World::reshape(std::uint32_t row) {
   } else if (c != Links::k_none && !is_at_rest()) {
     double thinnest = std::numeric_limits<double>::infinity();
     links_.shapes[c].begin();
-    add_limb({Row(row), Mount()}, false, links_.shapes[c], thinnest);
+    add_tree_body({Row(row), Mount()}, false, links_.shapes[c], thinnest);
     links_.shapes[c].finish(thinnest);
     shape = &links_.shapes[c].shape();
   }
@@ -292,17 +292,17 @@ void World::reshape(std::uint32_t row) {
 }
 
 /// Updates the outlines of a row with joints.
-void World::put_outlines(Row row, const BodyType& type, const Transform& transform) {
+void World::update_jointed_outlines(Row row, const BodyType& type, const Transform& transform) {
   Vec2* out = outlines_.data() + outline_begins_[row.index()];
   const std::span<const Links::Joint> all = joints(row);
-  const auto put = [&](const RayOutline& outline) {
+  const auto transform_outline = [&](const RayOutline& outline) {
     Transform at = transform;
     if (outline.joint != k_rigid)
       at = compose(Mount(transform, 0, 0), all[static_cast<std::size_t>(outline.joint)].now).transform;
     for (std::uint32_t v = 0; v < outline.count; ++v) *out++ = at * type.outline_vertices[outline.first + v];
   };
-  for (const RayOutline& outline : type.outlines) put(outline);
-  for (const RayOutline& outline : type.hidden_outlines) put(outline);
+  for (const RayOutline& outline : type.outlines) transform_outline(outline);
+  for (const RayOutline& outline : type.hidden_outlines) transform_outline(outline);
 }
 
 // ---- Resolution of joint motions
@@ -350,9 +350,9 @@ void World::resolve_joints() {
 /// Computes the places of the joints of a body, and of all bodies that it carries, at a fraction t of their
 /// motions of this round. Returns an upper bound on how far the motions to t = 1 move any point, m; 0: no
 /// joint moves in this round.
-double World::aim_joints(const Limb& limb, std::size_t round, double t, double radius) {
-  const BodyType& type = this->type(limb.row);
-  const std::span<Links::Joint> all = joints(limb.row);
+double World::aim_joints(const TreeBody& body, std::size_t round, double t, double radius) {
+  const BodyType& type = this->type(body.row);
+  const std::span<Links::Joint> all = joints(body.row);
   std::size_t first = 0;
   std::size_t last = 0;
   if (round < type.joint_devices.size()) {
@@ -365,21 +365,21 @@ double World::aim_joints(const Limb& limb, std::size_t round, double t, double r
     const BodyType::Joint& joint = type.joints[j];
     const Links::Joint* parent =
         joint.parent == k_rigid ? nullptr : &all[static_cast<std::size_t>(joint.parent)];
-    Pose q = joint_state(limb.row, j);
+    Pose q = joint_state(body.row, j);
     const bool is_asked = first <= j && j < last && all[j].state == Links::Goal::asked;
     all[j].moves = is_asked || (parent && parent->moves);
     if (is_asked) {
       const Pose& to = all[j].goal;
-      const Mount axis = compose(compose(limb.place, parent ? parent->then : Mount()), joint.at_rest);
+      const Mount axis = compose(compose(body.place, parent ? parent->then : Mount()), joint.at_rest);
       way += Vec2(to.x - q.x, to.y - q.y).norm() + std::abs(to.z - q.z) +
              std::abs(to.heading - q.heading) * (radius + way + axis.transform.position.norm());
       q = t < 1 ? between(q, to, t) : to;
     }
     all[j].then = moved_by(joint, parent ? parent->then : Mount(), q);
   }
-  for (std::uint32_t c = links_.first_cargo[limb.row.index()]; c != Links::k_none; c = links_.next_cargo[c]) {
+  for (std::uint32_t c = links_.first_cargo[body.row.index()]; c != Links::k_none; c = links_.next_cargo[c]) {
     const Carried& link = tables_[*carrier_table_].as<Carried>(c);
-    Mount place = limb.place;
+    Mount place = body.place;
     if (link.joint > 0) place = compose(place, all[link.joint - 1].now);
     way += aim_joints({Row(c), compose(place, Mount(link.pose))}, round, t, radius + way);
   }
@@ -399,7 +399,7 @@ double World::ask_joints(std::size_t c, Row root, std::size_t round) {
   double thinnest = std::numeric_limits<double>::infinity();
   ShapeBuffer& moved = links_.moved[c];
   moved.begin();
-  add_limb({root, Mount()}, true, moved, thinnest);
+  add_tree_body({root, Mount()}, true, moved, thinnest);
   moved.finish(thinnest);
   // The same sampling as for motions of bodies: see Conflicts.
   constexpr double k_most = 1e6;
@@ -421,7 +421,7 @@ bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double re
       double thinnest = std::numeric_limits<double>::infinity();
       aim_joints({root, Mount()}, round, static_cast<double>(k) / n, radius);
       on_the_way.begin();
-      add_limb({root, Mount()}, true, on_the_way, thinnest);
+      add_tree_body({root, Mount()}, true, on_the_way, thinnest);
       on_the_way.finish(thinnest);
       moved = &on_the_way;
     }
@@ -478,7 +478,7 @@ void World::answer_joints(Row row, std::size_t round, bool refused) {
   if (!refused) {
     move_to_joints(row);
     // carry() updates the outlines of carried bodies.
-    if (links_.roots[row.index()] == row.value) put(row, type, transform(row));
+    if (links_.roots[row.index()] == row.value) update_outlines(row, type, transform(row));
   }
   for (std::uint32_t c = links_.first_cargo[row.index()]; c != Links::k_none; c = links_.next_cargo[c])
     answer_joints(Row(c), round, refused);
@@ -499,7 +499,7 @@ void World::carry_cargo_of(Row carrier) {
     const Mount hook = mount(carrier, static_cast<std::int32_t>(link.joint) - 1);
     const Pose pose = compose(hook, Mount(link.pose)).pose();
     as<Pose>(k_pose)[c] = pose;
-    put(Row(c), type(Row(c)), Transform(pose));
+    update_outlines(Row(c), type(Row(c)), Transform(pose));
     carry_cargo_of(Row(c));
   }
 }
@@ -512,7 +512,7 @@ bool World::attach(Row cargo, Row carrier, std::int32_t joint) {
   link.carrier = body(carrier).value + 1;
   link.joint = static_cast<std::uint32_t>(joint + 1);
   link.pose = compose(inverse(hook), mount(cargo, k_rigid)).pose();
-  hang(cargo.value, carrier.value);
+  link_cargo(cargo.value, carrier.value);
   set_root(cargo.value, links_.roots[carrier.index()]);
   reshape(cargo.value);
   reshape(links_.roots[carrier.index()]);
@@ -524,7 +524,7 @@ void World::release(Row cargo) {
   if (!by) return;
   const Row carrier = row(*by);
   tables_[*carrier_table_].as<Carried>(cargo.index()) = {};
-  unhang(cargo.value, carrier.value);
+  unlink_cargo(cargo.value, carrier.value);
   set_root(cargo.value, cargo.value);
   reshape(cargo.value);
   reshape(links_.roots[carrier.index()]);

@@ -96,7 +96,7 @@ void World::derive_lives() {
 }
 
 /// Updates the shape and radius of a row. For trees and bodies with joints, World::reshape() refines them.
-void World::show(Row row) {
+void World::update_presence(Row row) {
   const bool there = is_there(row);
   row_shapes_[row.index()] = there ? &type(row).obstacle : &k_no_shape;
   row_radii_[row.index()] = there ? type(row).radius : partition::k_not_there;
@@ -126,7 +126,7 @@ std::optional<std::size_t> World::reserve(std::string_view population) const {
 
 /// Spawns the next body of a reserve, if its place is free. The index must hold all bodies present when it
 /// was built, at their current poses; newborn_ holds the bodies born since.
-Birth World::bear(std::size_t reserve, const Pose& pose) {
+Birth World::give_birth(std::size_t reserve, const Pose& pose) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(spec_.reserves[reserve].first.index() + next_born_[reserve]);
   const Row row = this->row(id);
@@ -185,7 +185,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
     is_indexed = true;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     const auto [x, y, z, heading] = effect.payload;
-    const Birth birth = bear(effect.reserve, {x, y, z, heading});
+    const Birth birth = give_birth(effect.reserve, {x, y, z, heading});
     if (const Row source = row(effect.source); device.kind->born)
       call_kind(*this, {&source, 1}, device,
                 [&] { device.kind->born(*this, device.prepared.data, effect, birth); });
@@ -200,7 +200,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
     throw std::invalid_argument(fmt::format("cannot spawn a body of \"{}\": the pose is not finite",
                                             spec_.reserves[reserve].population));
   const Completion completion(*this);
-  const Birth birth = bear(reserve, pose);
+  const Birth birth = give_birth(reserve, pose);
   if (birth.status == BirthStatus::born) index_bodies();
   return birth;
 }

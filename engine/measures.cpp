@@ -48,8 +48,8 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     }
     try {
       measures_.push_back(kind->make(world, spec.params, robots));
-    } catch (const std::logic_error& fault) {
-      diagnostics.error(spec.where, fmt::format("{}: {}", spec.kind, fault.what()));
+    } catch (const std::logic_error& error) {
+      diagnostics.error(spec.where, fmt::format("{}: {}", spec.kind, error.what()));
       continue;
     }
     parts_.push_back({kind, spec.params, std::move(robots)});

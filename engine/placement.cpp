@@ -334,11 +334,11 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
   // Many candidates are tested against the static scene ahead and in parallel. The tests against other bodies
   // then follow one by one, in order.
   std::vector<Ahead> ahead;
-  const auto look_ahead = [&](std::size_t size, auto&& look) {
+  const auto test_ahead = [&](std::size_t size, auto&& test) {
     constexpr std::size_t k_batch = 128;
     ahead.resize(size);
     parallel.for_each((size + k_batch - 1) / k_batch, [&](std::size_t b) {
-      for (std::size_t i = b * k_batch; i < std::min(size, (b + 1) * k_batch); ++i) ahead[i] = look(i);
+      for (std::size_t i = b * k_batch; i < std::min(size, (b + 1) * k_batch); ++i) ahead[i] = test(i);
     });
   };
   constexpr std::size_t k_most_ahead = 16384;
@@ -354,7 +354,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
       const auto body = static_cast<std::uint32_t>(poses.size());
       if (i == ahead.size()) {
         size = std::min(2 * size, k_most_ahead);
-        look_ahead(std::min(size, count - poses.size()),
+        test_ahead(std::min(size, count - poses.size()),
                    [&](std::size_t k) { return next_open(body + static_cast<std::uint32_t>(k), 0); });
         i = 0;
       }
@@ -374,7 +374,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
       // Without draws, the pose of a cell does not depend on its body, so cells can be tested ahead. At least
       // as many cells as remaining bodies will be needed.
       const std::uint64_t left = std::min<std::uint64_t>(candidates.cells() - cell, count - poses.size());
-      look_ahead(candidates.draws() ? 1 : std::min<std::uint64_t>(left, k_most_ahead), [&](std::size_t k) {
+      test_ahead(candidates.draws() ? 1 : std::min<std::uint64_t>(left, k_most_ahead), [&](std::size_t k) {
         const Pose pose = candidates.pose(cell + k, body, trial);
         return Ahead{pose, trial, is_open(pose)};
       });

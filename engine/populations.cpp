@@ -137,9 +137,9 @@ void Placer::add(const PopulationSpec& population, partition::Parallel& parallel
   const partition::ObstacleShape* shape = nullptr;
   try {
     shape = &occupancy_.shape(population.type);
-  } catch (const std::length_error& fault) {
+  } catch (const std::length_error& error) {
     const TypeSpec& type = spec_.types[population.type.index()];
-    diagnostics_.error(type.parts.front().where, fmt::format("type \"{}\": {}", type.name, fault.what()));
+    diagnostics_.error(type.parts.front().where, fmt::format("type \"{}\": {}", type.name, error.what()));
     return;
   }
   const bool on_floor = rule.kind == PlacementRule::Kind::free_floor;
@@ -205,8 +205,8 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnos
   std::optional<Occupancy> occupancy;
   try {
     occupancy.emplace(spec);
-  } catch (const std::length_error& fault) {
-    diagnostics.error({}, fault.what());
+  } catch (const std::length_error& error) {
+    diagnostics.error({}, error.what());
     return;
   }
   place(populations, spec, *occupancy, options, diagnostics);

@@ -16,16 +16,16 @@ class Nearest {
  public:
   Nearest(const World& world, const SightRay& ray) : world_(world), ray_(ray), best_{.range = ray.length} {}
 
-  const Sighting& best() const { return best_; }
+  const RayHit& best() const { return best_; }
 
-  /// Calls look(box) for consecutive steps along the ray, up to the nearest surface found so far.
-  template <class Look>
-  void walk(double step, Look&& look) const {
+  /// Calls visit(box) for consecutive steps along the ray, up to the nearest surface found so far.
+  template <class Visit>
+  void walk(double step, Visit&& visit) const {
     for (double i = 0; i * step <= best_.range; ++i) {
       Box box;
       box.extend(Vec2(ray_.origin + i * step * ray_.direction));
       box.extend(Vec2(ray_.origin + std::min((i + 1) * step, best_.range) * ray_.direction));
-      look(box.expanded(k_slack));
+      visit(box.expanded(k_slack));
     }
   }
 
@@ -41,7 +41,7 @@ class Nearest {
   void meet(const OutlineChain& chain) {
     if (ray_.z && !chain.z.contains(*ray_.z)) return;
     if (ray_.stops != nullptr &&
-        !ray_.stops(Sighting{.body = chain.body, .part = chain.part}.part_spec(world_).returns))
+        !ray_.stops(RayHit{.body = chain.body, .part = chain.part}.part_spec(world_).returns))
       return;
     meet_chain(chain, ray_.origin, ray_.direction, ray_.length, best_);
   }
@@ -49,18 +49,18 @@ class Nearest {
  private:
   const World& world_;
   const SightRay& ray_;
-  Sighting best_;
+  RayHit best_;
 };
 
 }  // namespace
 
-Color color_of(const World& world, const Sighting& sighting) {
-  if (const Row row = world.row(sighting.body); row.valid())
-    if (const std::optional<Color> shown = shown_color(world, row, sighting.part)) return *shown;
-  return sighting.part_spec(world).color.value_or(world.spec().bodies[sighting.body.index()].color);
+Color color_of(const World& world, const RayHit& hit) {
+  if (const Row row = world.row(hit.body); row.valid())
+    if (const std::optional<Color> shown = shown_color(world, row, hit.part)) return *shown;
+  return hit.part_spec(world).color.value_or(world.spec().bodies[hit.body.index()].color);
 }
 
-Sighting first_met(const World& world, const SightRay& ray) {
+RayHit first_met(const World& world, const SightRay& ray) {
   Nearest nearest(world, ray);
   const auto wanted = [&](const partition::BodyCircle& circle) { return nearest.reaches(circle); };
   const auto meet = [&](const OutlineChain& chain) { nearest.meet(chain); };

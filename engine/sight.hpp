@@ -88,7 +88,7 @@ struct SightRay {
 };
 
 /// The first surface that a ray meets.
-struct Sighting {
+struct RayHit {
   double range = 0;        ///< m; the ray's length if it met nothing
   BodyId body;             ///< not valid: the ray met nothing
   std::uint32_t part = 0;  ///< of the body's type
@@ -101,7 +101,7 @@ struct Sighting {
 };
 
 /// Present colour of the part that a ray met.
-Color color_of(const World& world, const Sighting& sighting);
+Color color_of(const World& world, const RayHit& hit);
 
 /// Finds the first surface along a ray.
 /// meets   outlines whose closed z interval contains the ray's height, from both sides
@@ -109,9 +109,9 @@ Color color_of(const World& world, const Sighting& sighting);
 /// errors  none; a ray that starts on an outline meets it at range 0
 /// cost    a walk along the ray through the grid that ends at the first surface; in doubles. Sensors that
 /// cast
-///         several rays from one point use Lookout (engine/lookout.hpp); rangers, which cast many beams at
-///         once, use the kernels of partition/ranging.hpp.
-Sighting first_met(const World& world, const SightRay& ray);
+///         several rays from one point use VisibilityQuery (engine/visibility_query.hpp); rangers, which cast
+///         many beams at once, use the kernels of partition/ranging.hpp.
+RayHit first_met(const World& world, const SightRay& ray);
 
 /// A vertex relative to a ray.
 struct SeenVertex {
@@ -143,7 +143,7 @@ inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec
 /// Updates `nearest`, the first surface that a ray has met so far, with the edges of a chain; ties as in
 /// first_met().
 inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
-                       Sighting& nearest) {
+                       RayHit& nearest) {
   if (chain.vertices.empty()) return;
   const auto meet = [&](const SeenVertex& a, const SeenVertex& b) {
     const double range = range_to_edge(direction, a, b);

@@ -110,7 +110,7 @@ constexpr void describe(Description<DeviceSpec>& d) {
   d.member<&DeviceSpec::part>("part");
   d.member<&DeviceSpec::joint>("joint", at_least(k_rigid), is_sparse);
   d.member<&DeviceSpec::moves>("moves", at_least(k_rigid), is_sparse);
-  d.member<&DeviceSpec::pose_body_sensor>("pose", k_within_reach);
+  d.member<&DeviceSpec::pose_body_device>("pose", k_within_reach);
   d.member<&DeviceSpec::period_s>("period", seconds, k_time);
   d.member<&DeviceSpec::active>("active");
   d.member<&DeviceSpec::params>("params");

@@ -59,7 +59,7 @@ struct StateField {
   /// does not use the field therefore keeps the hashes that it had before the field was introduced.
   bool sparse = false;
   /// The appearance of a body depends on it; recorded whenever poses are.
-  bool look = false;
+  bool appearance = false;
 };
 /// Makes all fields of a component sparse: a row of zeros adds nothing to the hash.
 std::vector<StateField> sparse(std::vector<StateField> fields);

@@ -376,7 +376,7 @@ void World::commit() {
       if (outcome == Conflicts::Outcome::moved) {
         const Motion& motion = motions_[row.index()];
         as<Pose>(k_pose)[row.index()] = motion.to;
-        put(row, type, motion.there());
+        update_outlines(row, type, motion.there());
         if (has_odometry) count_way(row, *type.drive);
       }
       const bool is_blocked = outcome == Conflicts::Outcome::blocked;
@@ -402,7 +402,7 @@ void World::commit_pushes() {
       Pose& pose = as<Pose>(k_pose)[push.row];
       pose.x = push.position.x();
       pose.y = push.position.y();
-      put(row, type(row), Transform{push.position, transform(row).rotation});
+      update_outlines(row, type(row), Transform{push.position, transform(row).rotation});
     }
   });
 }
@@ -414,9 +414,9 @@ void World::count_way(Row row, const BodyType::Drive& drive) {
       drive.localization, row_odometry_errors_[row.index()], v.x * dt, v.y * dt, v.turn * dt);
 }
 
-void World::put(Row row, const BodyType& type, const Transform& transform) {
+void World::update_outlines(Row row, const BodyType& type, const Transform& transform) {
   transforms_[row.index()] = transform;
-  if (!type.joints.empty()) return put_outlines(row, type, transform);
+  if (!type.joints.empty()) return update_jointed_outlines(row, type, transform);
   Vec2* out = outlines_.data() + outline_begins_[row.index()];
   for (const Vec2& v : type.outline_vertices) *out++ = transform * v;
 }

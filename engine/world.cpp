@@ -398,12 +398,12 @@ void World::derive() {
 void World::derive(Row row) {
   motions_[row.index()] = Motion();
   free_circles_[row.index()] = FreeCircle();
-  show(row);
+  update_presence(row);
   if (links_.any()) {
     rest_joints(row);
     reshape(row.value);
   }
-  put(row, type(row), Transform(poses()[row.index()]));
+  update_outlines(row, type(row), Transform(poses()[row.index()]));
 }
 
 void World::forget() {
@@ -607,7 +607,7 @@ void World::set_poses(std::span<const Placed> placed) {
     stall()[row.index()] = k_free;
     motions_[row.index()] = Motion();
     free_circles_[row.index()] = FreeCircle();
-    put(row, type(row), Transform(pose));
+    update_outlines(row, type(row), Transform(pose));
   }
   if (links_.any()) carry();
   for (const Placed& place : placed) remember_placed(place.row);

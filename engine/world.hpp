@@ -422,10 +422,10 @@ class World {
   bool lives_hold(std::uint64_t tick) const;
   /// Sets obstacle shape and radius of a row, for conflicts and queries: those of its type, or empty ones if
   /// its body is absent.
-  void show(Row row);
+  void update_presence(Row row);
   /// Sets every byte of the row's state to 0.
   void clear(Row row);
-  Birth bear(std::size_t reserve, const Pose& pose);
+  Birth give_birth(std::size_t reserve, const Pose& pose);
   void die(Row row);
   void resolve_lives(std::span<const Effect> effects);
 
@@ -467,7 +467,7 @@ class World {
   std::span<const Row> exclude_disabled(std::span<const Row> rows, std::span<Row> others);
 
   // engine/links.cpp
-  struct Limb;
+  struct TreeBody;
   void build_links();
   void derive_links();
   void forget_links();
@@ -477,15 +477,15 @@ class World {
   Pose& joint_state(Row row, std::size_t joint);
   void rest_joints(Row row);
   void move_to_joints(Row row);
-  void hang(std::uint32_t cargo, std::uint32_t carrier);
-  void unhang(std::uint32_t cargo, std::uint32_t carrier);
+  void link_cargo(std::uint32_t cargo, std::uint32_t carrier);
+  void unlink_cargo(std::uint32_t cargo, std::uint32_t carrier);
   void set_root(std::uint32_t row, std::uint32_t root);
-  void add_limb(const Limb& limb, bool then, ShapeBuffer& out, double& thinnest) const;
+  void add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const;
   void reshape(std::uint32_t row);
-  void put_outlines(Row row, const BodyType& type, const Transform& transform);
+  void update_jointed_outlines(Row row, const BodyType& type, const Transform& transform);
   void resolve_joints();
   void report_joints();
-  double aim_joints(const Limb& limb, std::size_t round, double t, double radius);
+  double aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
   double ask_joints(std::size_t c, Row root, std::size_t round);
   bool refuses_joints(std::size_t c, Row root, std::size_t round, double reach);
   bool others_refuse(Row root, const partition::PlacedShape& before, const partition::PlacedShape& after,
@@ -500,7 +500,7 @@ class World {
   void remember_placed(Row row);
   void begin_placing();
   /// Sets what is derived from a row's pose: its transform and the vertices of its outlines.
-  void put(Row row, const BodyType& type, const Transform& transform);
+  void update_outlines(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
   FrameType look_of(std::size_t t, Row row) const;
   void begin(Phase phase);

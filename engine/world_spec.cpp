@@ -22,13 +22,13 @@ class TypeRules {
     for (std::size_t p = 0; p < type_.parts.size(); ++p) {
       const PartSpec& part = type_.parts[p];
       if (part.parent >= std::max<std::size_t>(p, 1))
-        fault(part.where, fmt::format("parts[{}].parent", p), part.parent,
+        error(part.where, fmt::format("parts[{}].parent", p), part.parent,
               "must be the index of an earlier part");
       check_joint(part.where, fmt::format("parts[{}].joint", p), part.joint);
     }
     for (std::size_t j = 0; j < type_.joints.size(); ++j)
       if (type_.joints[j].parent >= static_cast<std::int32_t>(j))
-        fault(type_.parts.front().where, fmt::format("joints[{}].parent", j), type_.joints[j].parent,
+        error(type_.parts.front().where, fmt::format("joints[{}].parent", j), type_.joints[j].parent,
               "must be the index of an earlier joint");
     for (std::size_t d = 0; d < type_.devices.size(); ++d) {
       const DeviceSpec& device = type_.devices[d];
@@ -43,16 +43,16 @@ class TypeRules {
 
  private:
   template <class Index>
-  void fault(Where where, const std::string& member, Index found, std::string_view rule) const {
+  void error(Where where, const std::string& member, Index found, std::string_view rule) const {
     report_(where, fmt::format("{}.{}: {}, found index {}", path_, member, rule, found));
   }
   void check_joint(Where where, const std::string& member, std::int32_t joint) const {
     if (joint >= static_cast<std::int32_t>(type_.joints.size()))
-      fault(where, member, joint, fmt::format("the type has {} joints", type_.joints.size()));
+      error(where, member, joint, fmt::format("the type has {} joints", type_.joints.size()));
   }
   void check_part(Where where, const std::string& member, std::uint32_t part) const {
     if (part >= type_.parts.size())
-      fault(where, member, part, fmt::format("the type has {} parts", type_.parts.size()));
+      error(where, member, part, fmt::format("the type has {} parts", type_.parts.size()));
   }
 
   const TypeSpec& type_;
@@ -103,13 +103,13 @@ void check_reserves(const WorldSpec& spec, const Report& report) {
     const ReserveSpec& reserve = spec.reserves[r];
     const std::size_t first = reserve.first.index();
     const std::size_t last = first + reserve.count;
-    const auto fault = [&](std::string_view what) {
+    const auto error = [&](std::string_view what) {
       report({}, fmt::format("reserves[{}]: reserve \"{}\" {}", r, reserve.population, what));
     };
     if (first < end || last > spec.bodies.size() || reserve.count == 0)
-      return fault("refers to bodies outside the body list or to bodies of another reserve");
+      return error("refers to bodies outside the body list or to bodies of another reserve");
     for (std::size_t b = first; b < last; ++b)
-      if (spec.bodies[b].type != spec.bodies[first].type) return fault("has bodies of several types");
+      if (spec.bodies[b].type != spec.bodies[first].type) return error("has bodies of several types");
     end = last;
   }
 }

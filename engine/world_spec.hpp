@@ -92,7 +92,7 @@ struct DeviceSpec {
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
   std::int32_t moves = k_rigid;  ///< index of the first joint that it moves (DeviceKind::joints)
   Record params;                 ///< one value for each field of the kind's table
-  Pose pose_body_sensor;         ///< frame in which the kind's parameters are given
+  Pose pose_body_device;         ///< frame in which the kind's parameters are given
   double period_s = 0;           ///< 0: every tick
   bool active = true;            ///< true: runs without a subscriber
   Where where;                   ///< for messages

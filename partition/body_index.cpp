@@ -180,16 +180,16 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   resize_with_room(tile_rows_, tiles_[slots].rows);
   parallel.for_each(parts_.size(), [&](std::size_t p) {
     Part& part = parts_[p];
-    const auto put = [&](std::size_t slot, const BodyCircle& circle) {
+    const auto append = [&](std::size_t slot, const BodyCircle& circle) {
       tile_rows_[tiles_[slot].rows + part.next[slot]++] = circle;
     };
     for (std::uint32_t row = part.first; row < part.last; ++row) {
       if (!is_there(row)) continue;
       const BodyCircle circle = enclosing_circle(places_[row].position, radii_[row], row);
       if (!part.has_wide || !is_wide(row))
-        put(homes_[row] >> (2 * geometry_.tile_bits), circle);
+        append(homes_[row] >> (2 * geometry_.tile_bits), circle);
       else
-        for_each_tile_of(row, [&](Cell tile) { put(directory_.find(tile), circle); });
+        for_each_tile_of(row, [&](Cell tile) { append(directory_.find(tile), circle); });
     }
   });
   if (has_wide_) {

@@ -69,7 +69,7 @@ template <Shape kShape>
 HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, const Floats& radius,
                                               const Fan& fan, const Parts& parts) {
   // Bits are shifted in from below, so that no bit needs its own constant; a true lane of a mask is -1.
-  const auto note = [&](Vec<decltype(k_u)>& beams, const Floats& aside, const Floats& past) {
+  const auto mark_beam = [&](Vec<decltype(k_u)>& beams, const Floats& aside, const Floats& past) {
     const auto meets = RebindMask(k_u, Le(Max(aside, past), radius));
     beams = Sub(Add(beams, beams), VecFromMask(k_u, meets));
   };
@@ -86,15 +86,15 @@ HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, 
     };
     if constexpr (kShape.common_origin) {
       const Floats off = Abs(aside);
-      note(forwards, off, past(Sub(along, Set(k_f, parts.middle[b])), b));
+      mark_beam(forwards, off, past(Sub(along, Set(k_f, parts.middle[b])), b));
       if constexpr (kShape.mirrored)
-        note(backwards, off, past(Add(along, Set(k_f, parts.middle[b + lines])), b + lines));
+        mark_beam(backwards, off, past(Add(along, Set(k_f, parts.middle[b + lines])), b + lines));
     } else {
-      note(forwards, Abs(Sub(aside, Set(k_f, parts.aside[b]))),
-           past(Sub(along, Set(k_f, parts.middle[b])), b));
+      mark_beam(forwards, Abs(Sub(aside, Set(k_f, parts.aside[b]))),
+                past(Sub(along, Set(k_f, parts.middle[b])), b));
       if constexpr (kShape.mirrored)
-        note(backwards, Abs(Add(aside, Set(k_f, parts.aside[b + lines]))),
-             past(Add(along, Set(k_f, parts.middle[b + lines])), b + lines));
+        mark_beam(backwards, Abs(Add(aside, Set(k_f, parts.aside[b + lines]))),
+                  past(Add(along, Set(k_f, parts.middle[b + lines])), b + lines));
     }
   }
   if constexpr (kShape.mirrored) return Or(forwards, ShiftLeftSame(backwards, static_cast<int>(lines)));

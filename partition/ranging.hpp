@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/pose.hpp"
-#include "partition/surroundings.hpp"
+#include "partition/nearby_outlines.hpp"
 
 #include <algorithm>
 #include <array>

@@ -187,7 +187,7 @@ struct Nearest {
     clear(inverse, lanes_of(fan));
     if constexpr (kReturns) clear(returns, lanes_of(fan));
   }
-  HWY_INLINE void raise(std::size_t at, const Vec<Few>& candidate, float ranger_return) {
+  HWY_INLINE void update(std::size_t at, const Vec<Few>& candidate, float ranger_return) {
     const auto before = Load(k_few, inverse + at);
     if constexpr (kReturns) {
       const auto value = Set(k_few, ranger_return);
@@ -243,8 +243,8 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
       auto unsure = AndNot(Ge(few.grazing, Zero(k_few)), is_edge);  // NaN: tiny, for a common origin only
       for (BeamSet rest = piece.met_by; rest != 0; rest &= rest - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-        nearest.raise(i * EdgeBlock::k_piece + lane, on_beam<kOrigin>(few, fan, offsets, i, unsure),
-                      piece.ranger_return);
+        nearest.update(i * EdgeBlock::k_piece + lane, on_beam<kOrigin>(few, fan, offsets, i, unsure),
+                       piece.ranger_return);
       }
       unsure = And(unsure, is_edge);
       if (HWY_LIKELY(AllFalse(k_few, unsure))) continue;
@@ -282,8 +282,8 @@ HWY_INLINE std::size_t edge_of(std::int32_t step) {
 HWY_INLINE std::size_t beam_of(std::int32_t step) { return static_cast<std::size_t>(step) >> k_edge_bits; }
 
 /// Writes the steps of the lanes where the mask holds, and returns their number.
-HWY_INLINE std::size_t note(const Vec<decltype(k_i)>& beams, const Vec<decltype(k_i)>& edges,
-                            const Mask<decltype(k_i)>& where, std::int32_t* steps) {
+HWY_INLINE std::size_t append(const Vec<decltype(k_i)>& beams, const Vec<decltype(k_i)>& edges,
+                              const Mask<decltype(k_i)>& where, std::int32_t* steps) {
   StoreU(compress(Or(ShiftLeft<k_edge_bits>(beams), edges), where), k_i, steps);
   return count_true(k_i, where);
 }
@@ -328,10 +328,10 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
     const auto second = Add(begin, Set(k_i, few));
     const auto end = And(ConvertTo(k_i, last), Set(k_i, -few));
     const auto wide = And(spans, Gt(end, second));
-    ends += note(begin, edge, spans, out.ends + ends);
-    ends += note(end, edge, And(spans, Gt(end, begin)), out.ends + ends);
-    note(second, edge, wide, out.between + between);
-    between += note(end, edge, wide, out.past + between);
+    ends += append(begin, edge, spans, out.ends + ends);
+    ends += append(end, edge, And(spans, Gt(end, begin)), out.ends + ends);
+    append(second, edge, wide, out.between + between);
+    between += append(end, edge, wide, out.past + between);
     edge = Add(edge, Set(k_i, static_cast<std::int32_t>(Lanes(k_i))));
   }
   out.ends_count = ends;

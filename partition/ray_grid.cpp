@@ -61,9 +61,9 @@ std::string too_fine(double resolution, double bytes, double most_bytes) {
 
 /// Draws outlines into a Drawing, starting at a given cell and run. Calls file(region, run) as each run is
 /// closed.
-class RayGrid::Pen {
+class RayGrid::Rasterizer {
  public:
-  Pen(const GridGeometry& geometry, Drawing& drawing, std::uint32_t cell, std::uint32_t run)
+  Rasterizer(const GridGeometry& geometry, Drawing& drawing, std::uint32_t cell, std::uint32_t run)
       : geometry_(geometry), drawing_(drawing), cell_(cell), run_(run) {}
 
   template <class File>
@@ -78,7 +78,7 @@ class RayGrid::Pen {
       draw_line(at, to, file);
       at = to;
     }
-    if (cell_ == first) put(at, file);
+    if (cell_ == first) add_cell(at, file);
     close(file);
   }
 
@@ -91,7 +91,7 @@ class RayGrid::Pen {
     const std::int64_t up = std::abs(std::int64_t{to.y} - at.y);
     std::int64_t error = up - across;
     for (std::int64_t n = across + up; n > 0; --n) {
-      put(at, file);
+      add_cell(at, file);
       if (error < 0) {
         at.x += step_x;
         error += 2 * up;
@@ -103,7 +103,7 @@ class RayGrid::Pen {
   }
 
   template <class File>
-  void put(Cell at, File& file) {
+  void add_cell(Cell at, File& file) {
     if (const Cell region = geometry_.tile(at); region != region_) {
       close(file);
       region_ = region;
@@ -241,13 +241,13 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
   links_.reset(new Link[fixed + shares_.back().cell]);
   Drawing drawing{std::unique_ptr<std::uint16_t[]>(new std::uint16_t[fixed]),
                   std::unique_ptr<Run[]>(new Run[static_cast<std::size_t>(runs)])};
-  Pen pen(cells_, drawing, 0, 0);
+  Rasterizer rasterizer(cells_, drawing, 0, 0);
   std::map<Surface, std::uint32_t> known;
   for_each_ring([&](const FixedSolid& solid, const Ring& ring) {
     const Surface surface{solid.solid.z.min, solid.solid.z.max, solid.ranger_return};
     const auto [entry, is_new] = known.try_emplace(surface, static_cast<std::uint32_t>(surfaces_.size()));
     if (is_new) surfaces_.push_back(surface);
-    pen.draw(ring, entry->second, [&](Cell region, std::uint32_t run) {
+    rasterizer.draw(ring, entry->second, [&](Cell region, std::uint32_t run) {
       Slot& slot = slot_in(region);
       drawing.runs[run].next = slot.runs;
       slot.runs = run;
@@ -287,8 +287,8 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
                      const Linked& linked) {
   groups_ = linked.groups;
   // Runs are pushed on a list per region. Their order depends on the threads, but no result depends on it.
-  std::vector<Homeless> homeless;
-  std::mutex homeless_mutex;
+  std::vector<NewRegionRun> new_region_runs;
+  std::mutex new_region_mutex;
   const auto file = [this](Slot& slot, std::uint32_t run) {
     std::atomic_ref head(slot.runs);
     drawing_.runs[run].next = head.load(std::memory_order_relaxed);
@@ -296,25 +296,25 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
     }
   };
   parallel.for_each(shares_.size() - 1, [&](std::size_t s) {
-    Pen pen(cells_, drawing_, shares_[s].cell, shares_[s].run);
+    Rasterizer rasterizer(cells_, drawing_, shares_[s].cell, shares_[s].run);
     for (std::uint32_t o = shares_[s].outline; o < shares_[s + 1].outline; ++o) {
       const MovingOutline& outline = outlines_[o];
       if (!linked.absent.empty() && linked.absent[outline.body] != 0) continue;
       heights_[o] = poses[outline.body].z + (linked.lifts.empty() ? 0.0 : linked.lifts[o]);
-      pen.draw(vertices.subspan(outline.first, outline.count),
-               static_cast<std::uint32_t>(surfaces_.size()) + o, [&](Cell region, std::uint32_t run) {
-                 const std::uint32_t slot = directory_.find(region);
-                 if (slot != TileDirectory::k_none && slots_[slot].live)
-                   file(slots_[slot], run);
-                 else {
-                   const std::scoped_lock lock(homeless_mutex);
-                   homeless.push_back({region, run});
-                 }
-               });
+      rasterizer.draw(vertices.subspan(outline.first, outline.count),
+                      static_cast<std::uint32_t>(surfaces_.size()) + o, [&](Cell region, std::uint32_t run) {
+                        const std::uint32_t slot = directory_.find(region);
+                        if (slot != TileDirectory::k_none && slots_[slot].live)
+                          file(slots_[slot], run);
+                        else {
+                          const std::scoped_lock lock(new_region_mutex);
+                          new_region_runs.push_back({region, run});
+                        }
+                      });
     }
   });
   // Bodies rarely enter new regions, so one thread adds them.
-  for (const Homeless& run : homeless) {
+  for (const NewRegionRun& run : new_region_runs) {
     Slot& slot = slot_in(run.region);
     if (!slot.live) {
       slot.live = slot.fixed ? std::make_unique<Region>(*slot.fixed) : std::make_unique<Region>();
@@ -441,8 +441,8 @@ float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
 /// Steps without branches through the 8 x 8 cells of a block, or the blocks of a region. Which border comes
 /// next is unpredictable, and a mispredicted branch costs more than a dozen steps. x is in the low half of a
 /// byte and y in the high one: one addition moves both, and their fourth bits show when they leave.
-struct RayGrid::Spot {
-  Spot(std::int32_t x, std::int32_t y) : at(x | y << 4) {}
+struct RayGrid::CellPosition {
+  CellPosition(std::int32_t x, std::int32_t y) : at(x | y << 4) {}
   bool inside() const { return (at & 0x88) == 0; }
   std::uint32_t bit() const { return static_cast<std::uint32_t>((at & 7) | (at >> 1 & 0x38)); }
   std::int32_t x() const { return at & 7; }
@@ -488,7 +488,7 @@ GridHit RayGrid::cast(const GridRay& ray) const {
         return nothing;
     } else {
       std::int64_t borders = border_i + border_j;
-      Spot block(at.x >> 3 & 7, at.y >> 3 & 7);
+      CellPosition block(at.x >> 3 & 7, at.y >> 3 & 7);
       for (bool first = true;; first = false) {
         if (region->blocks >> block.bit() & 1 && region->owners[block.bit()] != ray.body) {
           if (!first) {  // computes where the ray entered the block, only if needed
@@ -518,13 +518,13 @@ GridHit RayGrid::cast(const GridRay& ray) const {
 bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const GridRay& ray, const Line& line,
                            Cell at, std::int64_t i, std::int64_t j, GridHit& hit) const {
   const std::uint64_t drawn = region.cells[block];
-  const Spot entry(at.x & 7, at.y & 7);
+  const CellPosition entry(at.x & 7, at.y & 7);
   const std::int32_t step_x = line.step_x;
   const std::int32_t step_y = line.step_y;
   const std::int64_t back = 2 * line.across;
   const std::int64_t both = 2 * line.up + back;
   std::int64_t order = line.order(i + 1, j + 1);
-  for (Spot cell = entry; cell.inside();) {
+  for (CellPosition cell = entry; cell.inside();) {
     if (drawn >> cell.bit() & 1) {
       if (const float most = met(marks_[region.marks[block] + rank(drawn, cell.bit())], ray); most >= 0) {
         // The distance between the middles of the cells minus a quarter of a cell.

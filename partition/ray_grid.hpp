@@ -144,13 +144,13 @@ class RayGrid {
     std::uint32_t count = 0;
   };
   /// A run in a region that has no live slot yet.
-  struct Homeless {
+  struct NewRegionRun {
     Cell region;
     std::uint32_t run;
   };
-  class Pen;
+  class Rasterizer;
   class Line;
-  struct Spot;
+  struct CellPosition;
 
   void draw_fixed(std::span<const FixedSolid> solids);
   void share_out(std::span<const Vec2> vertices);

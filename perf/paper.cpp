@@ -244,7 +244,7 @@ int measure(Options& options) {
   if (!options.markdown.empty()) write_between_marks(options.markdown, markdown(report, tables));
 
   const std::vector<std::string> faults = check_hashes(report, book, options.write_hashes);
-  for (const std::string& fault : faults) fmt::print(stderr, "{}\n", fault);
+  for (const std::string& error : faults) fmt::print(stderr, "{}\n", error);
   if (options.write_hashes && faults.empty()) book.save();
   return faults.empty() ? 0 : 1;
 }

@@ -56,7 +56,7 @@ struct Finder {
   std::uint64_t sense(const DeviceBatch& batch) const;
 
   static constexpr engine::FrameLayer layer = engine::FrameLayer::blobs;
-  void show(const engine::DeviceView& view, engine::Frame& frame) const;
+  void draw(const engine::DeviceView& view, engine::Frame& frame) const;
 };
 
 struct Blob {
@@ -130,7 +130,7 @@ void find_blobs(const World& world, const Finder& finder, Row own, const Transfo
   const Vec2 origin = body * finder.pose_body_sensor.position();
   std::optional<Blob> blob;
   for (std::size_t ray = 0; ray < finder.params.image_width; ++ray) {
-    const engine::Sighting first =
+    const engine::RayHit first =
         engine::first_met(world, {.origin = origin,
                                   .direction = body.rotation * (finder.bearings[ray] * Vec2::UnitX()),
                                   .length = finder.params.range,
@@ -179,7 +179,7 @@ std::uint64_t Finder::sense(const DeviceBatch& batch) const {
   return batch.rows.size() * params.image_width;
 }
 
-void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
+void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
   const double columns = params.image_width;
   const std::span<const std::int32_t> left = view.state.cell<std::int32_t>(view.slot, k_blob_left);
   const std::span<const std::int32_t> right = view.state.cell<std::int32_t>(view.slot, k_blob_right);

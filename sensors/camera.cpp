@@ -63,7 +63,7 @@ struct Lens {
   SinCos tilt;
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
-  Result<> mount(const engine::TypeSpec& type, std::uint32_t part);
+  Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   std::uint64_t sense(const DeviceBatch& batch) const;
 
   /// The position of a column (to the right) or a row (upwards) in the image, at depth 1.
@@ -264,8 +264,8 @@ class Painter {
     if (height_ > 0 && ray.rise < 0) offer(-height_ / ray.rise, nullptr);
 
     const std::size_t pixel = row * lens_->params.width + column;
-    const engine::Sighting sighting{.body = seen ? seen->body : BodyId(), .part = seen ? seen->part : 0};
-    const Color color = seen != nullptr ? color_of(*world_, sighting) : is_floor ? k_floor : k_sky;
+    const engine::RayHit hit{.body = seen ? seen->body : BodyId(), .part = seen ? seen->part : 0};
+    const Color color = seen != nullptr ? color_of(*world_, hit) : is_floor ? k_floor : k_sky;
     const std::array<float, 4> parts{color.r, color.g, color.b, color.a};
     for (std::size_t k = 0; k < parts.size(); ++k) color_[4 * pixel + k] = to_byte(parts[k]);
     depth_[pixel] = static_cast<float>(nearest);
@@ -310,7 +310,7 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
 }
 
 /// Checks the limit that involves two parameters.
-Result<> Lens::mount(const engine::TypeSpec&, std::uint32_t) {
+Result<> Lens::bind_part(const engine::TypeSpec&, std::uint32_t) {
   if (params.range_near < params.range_far) return {};
   return Error{fmt::format("has a range_near of {} m, which must be below its range_far of {} m",
                            params.range_near, params.range_far)};

@@ -2,7 +2,7 @@
 
 #include "engine/device_kind.hpp"
 #include "engine/frame.hpp"
-#include "engine/lookout.hpp"
+#include "engine/visibility_query.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -62,7 +62,7 @@ struct Finder {
   std::uint64_t sense(const DeviceBatch& batch) const;
 
   static constexpr engine::FrameLayer layer = engine::FrameLayer::sights;
-  void show(const engine::DeviceView& view, engine::Frame& frame) const;
+  void draw(const engine::DeviceView& view, engine::Frame& frame) const;
 };
 
 /// A model in sight.
@@ -80,7 +80,7 @@ class Search {
  public:
   /// Returns the targets in sight of a row, the nearest first. Counts the rays that it casts. mount: the
   /// frame in which the finder's pose is given
-  std::span<const Target> look(const World& world, const Finder& finder, Row own,
+  std::span<const Target> find(const World& world, const Finder& finder, Row own,
                                const engine::Mount& mount) {
     world_ = &world;
     finder_ = &finder;
@@ -94,14 +94,14 @@ class Search {
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));
 
-    lookout_.stand(world, sensor_.position(), finder.params.range_max, own, sensor_.z);
+    visible_.stand(world, sensor_.position(), finder.params.range_max, own, sensor_.z);
     const std::vector<TypeSpec>& types = world.spec().types;
     const Box box = Box::around(sensor_.position(), finder.params.range_max);
     world.fixed_targets().for_each_near(box, [&](const engine::FixedTargets::Target& target) {
       const TypeSpec& type = types[world.spec().bodies[target.body.index()].type.index()];
       consider(target.body, target.part, type.parts[target.part], target.pose_world_part, 0);
     });
-    for (const std::uint32_t r : lookout_.bodies()) {
+    for (const std::uint32_t r : visible_.bodies()) {
       const Row row(r);
       const engine::BodyType& type = world.type(row);
       for (const std::uint32_t part : type.targets) {
@@ -143,10 +143,10 @@ class Search {
   void keep_seen() {
     rays_ += lines_.size();
     first_.resize(std::max(first_.size(), lines_.size()));
-    lookout_.first_met(lines_, std::span(first_).first(lines_.size()));
+    visible_.first_met(lines_, std::span(first_).first(lines_.size()));
     std::size_t kept = 0;
     for (std::size_t i = 0; i < found_.size(); ++i) {
-      const engine::Sighting& first = first_[i];
+      const engine::RayHit& first = first_[i];
       const Target& target = found_[i];
       const bool is_itself = first.met() && first.body == target.body && first.part == target.part;
       const bool passed_by = finder_->params.ignore_zloc && (!first.met() || first.range >= target.range);
@@ -159,10 +159,10 @@ class Search {
   const Finder* finder_ = nullptr;
   Pose sensor_;  // world frame
   Vec2 ahead_ = Vec2::UnitX();
-  engine::Lookout lookout_;
+  engine::VisibilityQuery visible_;
   std::vector<Target> found_;             // candidates, until keep_seen()
   std::vector<engine::SightLine> lines_;  // per candidate: the ray towards it
-  std::vector<engine::Sighting> first_;   // per candidate: the first surface along that ray
+  std::vector<engine::RayHit> first_;     // per candidate: the first surface along that ray
   std::uint64_t rays_ = 0;
 };
 
@@ -231,13 +231,13 @@ std::uint64_t Finder::sense(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     // The readings of a robot take a kilobyte: they are prefetched while it searches.
     __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
-    write(*search, *this, search->look(batch.world, *this, batch.rows[i], batch.mount(i)), batch.state,
+    write(*search, *this, search->find(batch.world, *this, batch.rows[i], batch.mount(i)), batch.state,
           batch.slot(i));
   }
   return search->rays() - rays_before;
 }
 
-void Finder::show(const engine::DeviceView& view, engine::Frame& frame) const {
+void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
   const std::span<const double> poses = view.state.cell<double>(view.slot, k_fiducial_pose);
   const std::size_t count =
       std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_fiducial_count)[0], poses.size() / 4);

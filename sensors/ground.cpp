@@ -60,7 +60,7 @@ struct Ground::Fixed {
   partition::BoxGrid places;
 };
 
-void Ground::look(const WorldSpec& world) {
+void Ground::collect(const WorldSpec& world) {
   Fixed zones;
   std::vector<Box> boxes;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
@@ -153,13 +153,13 @@ struct GroundSensor {
             .reach_m = reach};
   }
 
-  Result<> mount(const engine::TypeSpec&, std::uint32_t) {
+  Result<> bind_part(const engine::TypeSpec&, std::uint32_t) {
     if (!points.empty() && !is_odd) return {};
     return Error{"needs an even number of values in \"points\", at least 2: x and y of each point"};
   }
 
-  Result<> look(const WorldSpec& world) {
-    ground.look(world);
+  Result<> bind_world(const WorldSpec& world) {
+    ground.collect(world);
     return {};
   }
 

@@ -56,8 +56,8 @@ class Ground {
   explicit Ground(const GroundParams& params, const Color& floor = {})
       : height_(params.height), floor_(floor) {}
 
-  /// Collects the flat static parts. Call it once, from DeviceKind::look, before below().
-  void look(const engine::WorldSpec& world);
+  /// Collects the flat static parts. Call it once, from DeviceKind::bind_world, before below().
+  void collect(const engine::WorldSpec& world);
   /// The ground at a point (world frame, m) for a device of the row `own`; ignores all bodies of its tree. On
   /// the bare floor the body is not valid and the colour that of the floor. with_shown_colors: use the
   /// colours that devices show; only allowed in the sense phase, because they change in other phases

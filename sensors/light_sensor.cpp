@@ -61,7 +61,7 @@ class Eyes {
   Eyes() { seen_.reserve(256); }
 
   /// Returns the lights that a row sees, sorted by (body, device). Counts the rays that it casts.
-  std::span<const Seen> look(const World& world, const LightSensor& sensor, Row own,
+  std::span<const Seen> find(const World& world, const LightSensor& sensor, Row own,
                              const engine::Mount& mount) {
     seen_.clear();
     const Pose here = compose(mount, sensor.pose_body_sensor);
@@ -94,7 +94,7 @@ class Eyes {
   bool is_hidden(const World& world, Row own, Row light, const Pose& here, const Vec2& direction,
                  double range) {
     ++rays_;
-    const engine::Sighting first = engine::first_met(
+    const engine::RayHit first = engine::first_met(
         world, {.origin = here.position(), .direction = direction, .length = range, .own = own, .z = here.z});
     if (!first.met()) return false;
     const Row met = world.row(first.body);
@@ -118,7 +118,7 @@ std::uint64_t LightSensor::sense(const DeviceBatch& batch) const {
   thread_local const auto eyes = std::make_unique<Eyes>();
   const std::uint64_t rays_before = eyes->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    const std::span<const Seen> lights = eyes->look(batch.world, *this, batch.rows[i], batch.mount(i));
+    const std::span<const Seen> lights = eyes->find(batch.world, *this, batch.rows[i], batch.mount(i));
     const auto brightness = batch.state.cell<float>(batch.slot(i), k_light_brightness);
     for (std::size_t k = 0; k < directions.size(); ++k) {
       double sum = 0;

@@ -14,7 +14,7 @@ struct LightState {
   std::uint8_t lit = 0;  ///< 1 if the light is lit in this tick
 
   static constexpr void describe(engine::Description<LightState>& d) {
-    d.member<&LightState::lit>("lit", engine::facts::is_look);
+    d.member<&LightState::lit>("lit", engine::facts::is_appearance);
   }
 };
 

@@ -106,7 +106,7 @@ struct Radio {
   double loss_a_fold = 0;  // dB per factor e of distance
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_radio);
-  Result<> mount(const engine::TypeSpec& type, std::uint32_t part);
+  Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   std::uint64_t sense(const DeviceBatch& batch) const;
 
   bool bodies_block() const { return params.bodies == Bodies::block; }
@@ -780,7 +780,7 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
 
 /// Checks the parameters. A radio must be inside the circle of its body, because radios are found by these
 /// circles.
-Result<> Radio::mount(const engine::TypeSpec& type, std::uint32_t) {
+Result<> Radio::bind_part(const engine::TypeSpec& type, std::uint32_t) {
   if (!(params.sensitivity < params.power))
     return Error{fmt::format("has a sensitivity_dBm of {:g}, which must be below its power_dBm of {:g}",
                              params.sensitivity, params.power)};

@@ -45,7 +45,7 @@ void add_beam(BeamGroup& group, const Transducer& transducer, std::size_t i, con
   group.oy.push_back(transducer.pose.y - reference.y());
   group.range_max.push_back(static_cast<float>(transducer.params.range_max));
   group.headings.push_back(transducer.heading(i));
-  group.wobbles.push_back(transducer.params.noise_angular);
+  group.angular_noise.push_back(transducer.params.noise_angular);
   ++group.count;
 }
 
@@ -88,7 +88,7 @@ void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams&
                           .beam_width = params.beam_width,
                           .origin = transducer.pose.position(),
                           .z = transducer.pose.z};
-  ranger.wobbles = ranger.wobbles || params.noise_angular > 0;
+  ranger.has_angular_noise = ranger.has_angular_noise || params.noise_angular > 0;
   if (extras.beam_width > 0)
     for (std::size_t i = 0; i < transducer.samples(); ++i) extras.headings.push_back(transducer.heading(i));
   if (extras.noise_stddev > 0 || extras.noise_relative > 0 || extras.noise_proportional > 0 ||
@@ -98,11 +98,11 @@ void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams&
 
 /// Prepares what is the same in every cast: padding, limits, and whether the group is mirrored.
 void finish(BeamGroup& group) {
-  if (std::ranges::all_of(group.wobbles, [](double wobble) { return wobble == 0; })) {
+  if (std::ranges::all_of(group.angular_noise, [](double noise) { return noise == 0; })) {
     group.headings.clear();
-    group.wobbles.clear();
+    group.angular_noise.clear();
   }
-  group.mirrored = group.wobbles.empty() && mirrored(group);
+  group.mirrored = group.angular_noise.empty() && mirrored(group);
   const std::size_t padded = partition::padded_beams(group.count);
   for (std::vector<double>* array : {&group.dx, &group.dy, &group.ox, &group.oy})
     array->resize(padded, array->back());

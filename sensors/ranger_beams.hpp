@@ -24,8 +24,8 @@ struct BeamGroup {
   double fov = 0;               ///< angle between the first and the last beam, rad
   double step = 0;              ///< angle between neighbouring beams, rad
   /// For beams with angular noise: empty, or one entry per beam.
-  std::vector<double> headings;  ///< body frame, rad
-  std::vector<double> wobbles;   ///< the error of the heading is uniform within plus and minus this, rad
+  std::vector<double> headings;       ///< body frame, rad
+  std::vector<double> angular_noise;  ///< the error of the heading is uniform within plus and minus this, rad
 };
 
 /// Noise, range_min and beam width of a transducer, applied to its readings after the cast.
@@ -52,7 +52,7 @@ struct RangerBeams {
   double spread = 0;              ///< distance from the reference to the farthest origin, m
   double reach = 0;               ///< bound on the distance from the reference to the end of any beam, m
   bool intensity = false;
-  bool wobbles = false;                  ///< some beams have angular noise
+  bool has_angular_noise = false;        ///< some beams have angular noise
   std::vector<TransducerExtras> extras;  ///< for the transducers that need them
 };
 

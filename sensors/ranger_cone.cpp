@@ -41,8 +41,8 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
   return (a + std::clamp(foot, from, to) * along).norm();
 }
 
-void look_in_cones(const engine::World& world, Row own, const engine::Mount& mount,
-                   const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities) {
+void cast_cones(const engine::World& world, Row own, const engine::Mount& mount,
+                const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities) {
   const Vec2 tip = mount.transform * extras.origin;
   const double z = mount.z + extras.z;
   const double half_width = extras.beam_width / 2;
@@ -54,7 +54,7 @@ void look_in_cones(const engine::World& world, Row own, const engine::Mount& mou
     const auto may_be_nearer = [&](const partition::BodyCircle& circle) {
       return (Vec2(circle.x, circle.y) - tip).norm() - circle.radius <= nearest + k_slack;
     };
-    const auto look = [&](const engine::OutlineChain& chain) {
+    const auto visit = [&](const engine::OutlineChain& chain) {
       if (chain.ranger_return < 0 || !chain.z.contains(z)) return;
       engine::for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
         const auto range = nearest_in_cone(right, left, a - tip, b - tip);
@@ -66,8 +66,8 @@ void look_in_cones(const engine::World& world, Row own, const engine::Mount& mou
       });
     };
     const Box box = box_about(tip, heading, half_width, nearest);
-    engine::for_each_fixed_chain(world, box, may_be_nearer, look);
-    engine::for_each_body_chain(world, box, own, may_be_nearer, look);
+    engine::for_each_fixed_chain(world, box, may_be_nearer, visit);
+    engine::for_each_body_chain(world, box, own, may_be_nearer, visit);
     ranges[i] = static_cast<float>(nearest);
   }
 }

@@ -15,7 +15,7 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 /// Gives the beams a width, as of a sonar: each reading becomes the distance to the nearest surface point
 /// within its beam, which is never more than the reading along its middle. Exact: does not sample rays.
 /// mount: the frame in which the ranger's beams are given
-void look_in_cones(const engine::World& world, Row own, const engine::Mount& mount,
-                   const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities);
+void cast_cones(const engine::World& world, Row own, const engine::Mount& mount,
+                const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities);
 
 }  // namespace troupe::sensors

@@ -1,7 +1,7 @@
 #include "sensors/ranger_exact.hpp"
 
+#include "partition/nearby_outlines.hpp"
 #include "partition/ranging.hpp"
-#include "partition/surroundings.hpp"
 #include "sensors/ranger_noise.hpp"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace troupe::sensors {
 namespace {
 
-using partition::Surroundings;
+using partition::NearbyOutlines;
 
 /// Casts the beams of rangers. Each thread reuses one, so that a warm step allocates nothing.
 class Caster {
@@ -35,12 +35,12 @@ class Caster {
     if (ranger.common_origin)
       for (std::vector<float>* array : {&ox_, &oy_}) std::ranges::fill(*array, 0.0f);
     // Culls may keep too many circles but never too few: their margins are above the rounding errors.
-    surroundings_.begin(world.index(), world.scene().outlines(), world.geometry(),
-                        ranger.reach * (1 + partition::k_range_slack) + 1e-6);
+    nearby_.begin(world.index(), world.scene().outlines(), world.geometry(),
+                  ranger.reach * (1 + partition::k_range_slack) + 1e-6);
     for (std::size_t r = 0; r < batch.rows.size(); ++r) {
       const Row row = batch.rows[r];
       const std::size_t slot = world.slot(row);
-      if (ranger.wobbles) random_ = random_of_headings(batch, r);
+      if (ranger.has_angular_noise) random_ = random_of_headings(batch, r);
       for (const BeamGroup& group : ranger.groups) {
         cast(group, row);
         const auto ranges = batch.state.cell<float>(slot, 0).subspan(group.first, group.count);
@@ -66,22 +66,22 @@ class Caster {
       z_ = mount.z + group.z;
       aim(group, mount.transform);
     }
-    surroundings_.look_from(reference_);
-    const Surroundings::Band first = surroundings_.band(0);
-    const auto at_hand = std::min(farthest_, static_cast<float>(surroundings_.at_hand()));
-    look(first, -std::numeric_limits<float>::infinity(), at_hand);
-    if (at_hand < farthest_) look(first, at_hand, farthest_);
-    for (std::size_t band = 1; band < surroundings_.bands(); ++band) {
-      if (farthest_ <= surroundings_.radius(band - 1)) break;
-      look(surroundings_.band(band), -std::numeric_limits<float>::infinity(), farthest_);
+    nearby_.set_block_of(reference_);
+    const NearbyOutlines::Band first = nearby_.band(0);
+    const auto nearest_shell = std::min(farthest_, static_cast<float>(nearby_.nearest_shell_m()));
+    search(first, -std::numeric_limits<float>::infinity(), nearest_shell);
+    if (nearest_shell < farthest_) search(first, nearest_shell, farthest_);
+    for (std::size_t band = 1; band < nearby_.bands(); ++band) {
+      if (farthest_ <= nearby_.radius(band - 1)) break;
+      search(nearby_.band(band), -std::numeric_limits<float>::infinity(), farthest_);
     }
   }
 
   /// Rotates the group's beams into the world frame and resets their inverse ranges.
   void aim(const BeamGroup& group, const Transform& pose) {
     reference_ = pose * ranger_->reference;
-    const auto [dx, dy] =
-        group.wobbles.empty() ? std::pair(group.dx.data(), group.dy.data()) : wobbling_.draw(group, random_);
+    const auto [dx, dy] = group.angular_noise.empty() ? std::pair(group.dx.data(), group.dy.data())
+                                                      : noisy_headings_.draw(group, random_);
     partition::turn(pose.rotation, dx, dy, group.count, dx_.data(), dy_.data());
     if (!ranger_->common_origin)
       partition::turn(pose.rotation, group.ox.data(), group.oy.data(), group.count, ox_.data(), oy_.data());
@@ -107,23 +107,23 @@ class Caster {
   }
 
   /// Projects the outlines of a band that are from low to high away and that a beam may hit.
-  void look(Surroundings::Band band, float low, float high) {
+  void search(NearbyOutlines::Band band, float low, float high) {
     if (linked_)
-      look_at<true>(band, low, high);
+      search_outlines<true>(band, low, high);
     else
-      look_at<false>(band, low, high);
+      search_outlines<false>(band, low, high);
   }
 
   /// k_linked: some bodies of the world have joints or may carry others
   template <bool k_linked>
-  void look_at(Surroundings::Band band, float low, float high) {
-    const auto& circles = surroundings_.circles();
+  void search_outlines(NearbyOutlines::Band band, float low, float high) {
+    const auto& circles = nearby_.circles();
     const std::size_t count =
         partition::may_meet(circles, band.begin, band.end, reference_, fan_, limits_now_, low, high, met_);
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t row = met_.row[i];
-      if (row >= Surroundings::k_fixed)
-        add_fixed(row - Surroundings::k_fixed, met_.beams[i]);
+      if (row >= NearbyOutlines::k_fixed)
+        add_fixed(row - NearbyOutlines::k_fixed, met_.beams[i]);
       else if (row != self_.value && !(k_linked && world_->same_tree(Row(row), self_)))
         add_body<k_linked>(Row(row), met_.beams[i]);
     }
@@ -199,9 +199,9 @@ class Caster {
   const partition::FixedOutlines* outlines_ = nullptr;
   const partition::FixedSolid* solids_ = nullptr;
   float slack_spread_ = 0;
-  Surroundings surroundings_;
+  NearbyOutlines nearby_;
 
-  Wobbling wobbling_;
+  NoisyHeadings noisy_headings_;
   Random random_{0, 0, 0, 0};
   Row self_;
   std::int32_t joint_ = engine::k_rigid;

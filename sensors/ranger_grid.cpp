@@ -9,7 +9,7 @@ namespace troupe::sensors {
 void cast_grid(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
   const engine::World& world = batch.world;
   const partition::RayGrid& grid = *world.ray_grid();
-  thread_local Wobbling wobbling;
+  thread_local NoisyHeadings noisy_headings;
   for (std::size_t r = 0; r < batch.rows.size(); ++r) {
     const Row row = batch.rows[r];
     Random random = random_of_headings(batch, r);
@@ -19,8 +19,8 @@ void cast_grid(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
     const Vec2 reference = transform * ranger.reference;
     for (const BeamGroup& group : ranger.groups) {
       const double z = mount.z + group.z;
-      const auto [dx, dy] =
-          group.wobbles.empty() ? std::pair(group.dx.data(), group.dy.data()) : wobbling.draw(group, random);
+      const auto [dx, dy] = group.angular_noise.empty() ? std::pair(group.dx.data(), group.dy.data())
+                                                        : noisy_headings.draw(group, random);
       for (std::size_t i = 0; i < group.count; ++i) {
         const Vec2 origin = reference + transform.rotation * Vec2(group.ox[i], group.oy[i]);
         const Vec2 direction = transform.rotation * Vec2(dx[i], dy[i]);

@@ -30,12 +30,12 @@ Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i) {
           static_cast<std::uint32_t>(batch.world.tick())};
 }
 
-std::pair<const double*, const double*> Wobbling::draw(const BeamGroup& group, Random& random) {
+std::pair<const double*, const double*> NoisyHeadings::draw(const BeamGroup& group, Random& random) {
   dx_.resize(std::max(dx_.size(), group.dx.size()));
   dy_.resize(std::max(dy_.size(), group.dy.size()));
   for (std::size_t i = 0; i < group.dx.size(); ++i) {
     if (i < group.count) {
-      const SinCos direction = sincos(group.headings[i] + group.wobbles[i] * random.uniform(-1, 1));
+      const SinCos direction = sincos(group.headings[i] + group.angular_noise[i] * random.uniform(-1, 1));
       dx_[i] = direction.cos;
       dy_[i] = direction.sin;
     } else {
@@ -55,8 +55,8 @@ void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
     for (const TransducerExtras& extras : ranger.extras) {
       const std::span<float> own = ranges.subspan(extras.first, extras.count);
       if (extras.beam_width > 0)
-        look_in_cones(batch.world, batch.rows[i], batch.mount(i), extras, own,
-                      ranger.intensity ? intensities.subspan(extras.first, extras.count) : intensities);
+        cast_cones(batch.world, batch.rows[i], batch.mount(i), extras, own,
+                   ranger.intensity ? intensities.subspan(extras.first, extras.count) : intensities);
       if (extras.noise_proportional > 0 || extras.noise_stddev > 0 || extras.noise_relative > 0)
         add_noise(extras, random, own);
       for (float& range : own) range = std::max(range, static_cast<float>(extras.least));

@@ -13,7 +13,7 @@ namespace troupe::sensors {
 Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i);
 
 /// Draws the directions of beams with angular noise, body frame.
-class Wobbling {
+class NoisyHeadings {
  public:
   /// Draws the directions for one row in one tick: x and y per beam, padded like the group's arrays. Valid
   /// until the next draw.

@@ -201,7 +201,7 @@ struct BatchEnv::Impl {
   void for_copies(Work&& work);
   void begin(std::size_t c);
   void act(std::size_t c);
-  void look(std::size_t c);
+  void read_outputs(std::size_t c);
   void observe(std::size_t c);
   void judge(std::size_t c, bool has_stepped);
   void read(const TeamCopy& team, const Copy& copy, const ArrayData& array, std::size_t i,
@@ -494,13 +494,13 @@ void BatchEnv::Impl::for_copies(Work&& work) {
   const std::size_t n = copies.size();
   const std::size_t block = std::clamp<std::size_t>(n / (k_tasks_a_thread * parallel.threads()), 1, k_most);
   parallel.for_each((n + block - 1) / block, [&](std::size_t b) {
-    std::exception_ptr fault;
+    std::exception_ptr error;
     for (std::size_t c = b * block; c < std::min(n, (b + 1) * block); ++c) try {
         work(c);
       } catch (...) {
-        if (!fault) fault = std::current_exception();
+        if (!error) error = std::current_exception();
       }
-    if (fault) std::rethrow_exception(fault);
+    if (error) std::rethrow_exception(error);
   });
 }
 
@@ -517,7 +517,7 @@ void BatchEnv::Impl::begin(std::size_t c) {
   if (copy.measures) copy.measures->see();
   copy.last_tick = copy.simulation.tick() + episode_ticks;
   truncated[c] = 0;
-  look(c);
+  read_outputs(c);
   judge(c, false);
 }
 
@@ -549,7 +549,7 @@ void BatchEnv::Impl::act(std::size_t c) {
   }
 }
 
-void BatchEnv::Impl::look(std::size_t c) {
+void BatchEnv::Impl::read_outputs(std::size_t c) {
   Copy& copy = *copies[c];
   if (copy.measures)
     std::ranges::copy(copy.measures->values(),
@@ -833,7 +833,7 @@ void BatchEnv::step(std::span<const std::uint8_t> begins) {
       copy.simulation.step();
       if (copy.measures) copy.measures->see();
     }
-    impl_->look(c);
+    impl_->read_outputs(c);
     impl_->judge(c, true);
   });
 }

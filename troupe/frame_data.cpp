@@ -93,7 +93,7 @@ std::vector<FrameTransducer> transducers_of(const engine::DeviceSpec& spec, cons
   std::vector<FrameTransducer> transducers;
   for (const engine::Transducer& t : device.prepared.transducers)
     transducers.push_back(
-        {compose(spec.pose_body_sensor, t.pose_sensor_transducer), t.range_max, t.fov, t.first, t.samples});
+        {compose(spec.pose_body_device, t.pose_sensor_transducer), t.range_max, t.fov, t.first, t.samples});
   return transducers;
 }
 
@@ -188,11 +188,11 @@ void add_scans(const World& world, Frame& frame) {
 void add_layer(const World& world, engine::FrameLayer layer, Frame& frame) {
   for_each_device(world, frame, [&](std::uint32_t body, Row row, const BodyType::Device& device) {
     const engine::DeviceKind& kind = *device.kind;
-    if (kind.layer != layer || !kind.show) return;
+    if (kind.layer != layer || !kind.draw) return;
     if (kind.is_sensor() && (world.tick() == 0 || !world.runs(row, device))) return;
     const engine::DeviceSpec& spec = spec_of(world, world.body(row), device);
-    kind.show({world, device.prepared.data, world.percepts(device), world.slot(row), body,
-               compose(world.mount(row, device.joint), spec.pose_body_sensor)},
+    kind.draw({world, device.prepared.data, world.percepts(device), world.slot(row), body,
+               compose(world.mount(row, device.joint), spec.pose_body_device)},
               frame);
   });
 }

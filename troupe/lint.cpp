@@ -191,7 +191,7 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
   own.sort();
   ZInterval looks = k_no_heights;
   for (const auto& level : levels_[type]) {
-    const double z = sensor.pose_body_sensor.z + level.first;
+    const double z = sensor.pose_body_device.z + level.first;
     if (marked.at(z) > own.at(z)) return;
     looks = united(looks, {z, z});
   }

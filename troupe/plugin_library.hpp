@@ -34,7 +34,7 @@
 namespace troupe::plugin {
 
 /// Version of struct Library and of its functions.
-inline constexpr std::uint32_t k_interface = 4;
+inline constexpr std::uint32_t k_interface = 5;
 
 /// Build settings that change types or bits without a change of a header.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY

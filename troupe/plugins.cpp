@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 namespace {
 
 bool is_file(const fs::path& path) {
-  std::error_code fault;
-  return fs::is_regular_file(path, fault);
+  std::error_code error;
+  return fs::is_regular_file(path, error);
 }
 
 /// Whether the bytes of a library contain the name of a symbol: a cheap test for an export, before loading.

@@ -72,8 +72,8 @@ T number_in(const RecordingReader& reader, const std::string& key, T fallback) {
   if (found == reader.meta().end()) return fallback;
   const std::string& text = found->second;
   T value = fallback;
-  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return fault == std::errc() && end == text.data() + text.size() ? value : fallback;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? value : fallback;
 }
 
 }  // namespace
@@ -306,8 +306,8 @@ template <class Work>
 auto checked(Work&& work) {
   try {
     return work();
-  } catch (const worldio::Hdf5Error& fault) {
-    throw InputError(fault.what());
+  } catch (const worldio::Hdf5Error& error) {
+    throw InputError(error.what());
   }
 }
 

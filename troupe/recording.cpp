@@ -42,13 +42,13 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
                                                       const RecordingOptions& options) {
   try {
     return worldio::recorded_components(simulation.world(), fields);
-  } catch (const std::invalid_argument& fault) {
+  } catch (const std::invalid_argument& error) {
     const engine::WorldSpec& spec = simulation.world().spec();
     if (!options.fields.empty() || !spec.record || !spec.files)
-      throw InputError(fmt::format("{}: error: {}", file.string(), fault.what()));
+      throw InputError(fmt::format("{}: error: {}", file.string(), error.what()));
     const Where& where = spec.record->where_fields;
     throw InputError(fmt::format("{}:{}: error: /record/fields: {}", spec.files->name(where.file), where.line,
-                                 fault.what()));
+                                 error.what()));
   }
 }
 
@@ -116,8 +116,8 @@ Recording::Recording(const std::filesystem::path& file, const Simulation& simula
   try {
     impl_ = std::unique_ptr<Impl>(
         new Impl{{file, simulation.world(), std::move(components), head, options.in_background}});
-  } catch (const worldio::Hdf5Error& fault) {
-    throw InputError(fault.what());
+  } catch (const worldio::Hdf5Error& error) {
+    throw InputError(error.what());
   }
   observe(simulation);
 }

@@ -849,7 +849,7 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
   if (without != nullptr && without->place_->world != impl_->world.get())
     throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", without->name()));
   const Rotation rotation(from.heading);
-  const engine::Sighting met = engine::first_met(
+  const engine::RayHit met = engine::first_met(
       *impl_->world, {.origin = from.position(),
                       .direction = {rotation.cos, rotation.sin},
                       .length = range_max,

@@ -180,17 +180,17 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
     for (const BodyId id : ids_) robots_.push_back(Model::of(*world_, id));
   }
   world_->parallel().for_each((size() + k_batch - 1) / k_batch, [&](std::size_t batch) {
-    std::exception_ptr fault;
+    std::exception_ptr error;
     for (std::size_t i = batch * k_batch; i < std::min(size(), (batch + 1) * k_batch); ++i) {
       if (!world_->is_there(rows_[i])) continue;
       try {
         const Model::Visit turn(robots_[i]);
         visit(i, robots_[i]);
       } catch (...) {
-        if (!fault) fault = std::current_exception();
+        if (!error) error = std::current_exception();
       }
     }
-    if (fault) std::rethrow_exception(fault);
+    if (error) std::rethrow_exception(error);
   });
 }
 

@@ -25,8 +25,8 @@ std::vector<ChosenValue> readings_of(const std::string& name) {
   readings.push_back({whole->first, whole->second, 0, {}});
   std::size_t column = 0;
   const std::string& last = whole->second;
-  const auto [end, fault] = std::from_chars(last.data(), last.data() + last.size(), column);
-  if (fault != std::errc() || end != last.data() + last.size()) return readings;
+  const auto [end, error] = std::from_chars(last.data(), last.data() + last.size(), column);
+  if (error != std::errc() || end != last.data() + last.size()) return readings;
   if (const auto field = split_last(whole->first))
     readings.push_back({field->first, field->second, column, {}});
   return readings;

@@ -206,8 +206,8 @@ std::optional<Color> color_by_name(std::string_view given) {
   const std::string_view stem = std::string_view(name).substr(0, digits);
   std::uint32_t number = 0;
   const char* end = name.data() + name.size();
-  const auto [rest, fault] = std::from_chars(name.data() + digits, end, number);
-  if (fault != std::errc() || rest != end) return {};
+  const auto [rest, error] = std::from_chars(name.data() + digits, end, number);
+  if (error != std::errc() || rest != end) return {};
   if (stem == "gray") {
     if (number > 100) return {};
     // X11's list rounds halves up, except for these two.

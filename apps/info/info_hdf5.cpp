@@ -62,8 +62,8 @@ Summary summary_of(const worldio::RecordingReader& recording) {
 Summary summary_of_recording(const fs::path& file) {
   try {
     return summary_of(worldio::RecordingReader(file));
-  } catch (const worldio::Hdf5Error& fault) {
-    throw InputError(fault.what());
+  } catch (const worldio::Hdf5Error& error) {
+    throw InputError(error.what());
   }
 }
 

@@ -109,8 +109,8 @@ Summary summary_of_hash_log(const fs::path& file) {
       if (!first) first = line->tick;
       last = *line;
     }
-  } catch (const InputError& fault) {
-    whole = fmt::format("no: {}", fault.what());
+  } catch (const InputError& error) {
+    whole = fmt::format("no: {}", error.what());
   }
   if (first) {
     const double tick_s = finite(header("tick_s")).value_or(0);

@@ -85,9 +85,9 @@ worldio::DepthImage depth_image(const engine::Camera& camera, std::span<const fl
 
 CameraPictures::CameraPictures(std::filesystem::path folder, std::uint64_t every_ticks)
     : folder_(std::move(folder)), every_ticks_(every_ticks) {
-  std::error_code fault;
-  std::filesystem::create_directory(folder_, fault);
-  if (fault) refuse_output(folder_, fault.message());
+  std::error_code error;
+  std::filesystem::create_directory(folder_, error);
+  if (error) refuse_output(folder_, error.message());
 }
 
 void CameraPictures::observe(const Simulation& simulation) {

@@ -25,8 +25,8 @@ Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const
   const fs::path rehearsal = fs::path(file_).concat(".rehearsal");
   try {
     simulation.save(rehearsal);
-  } catch (const std::runtime_error& fault) {
-    const std::string_view reason = std::string_view(fault.what()).substr(rehearsal.string().size());
+  } catch (const std::runtime_error& error) {
+    const std::string_view reason = std::string_view(error.what()).substr(rehearsal.string().size());
     throw OutputError(file_.string() + std::string(reason));
   }
   std::error_code ignored;

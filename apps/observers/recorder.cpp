@@ -55,8 +55,8 @@ std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulat
       simulation.resumed_at_tick() && !options.force && std::filesystem::exists(file, ignored)) {
     try {
       return std::make_unique<Recorder>(Recording::resume(file, simulation, recording));
-    } catch (const std::runtime_error& fault) {
-      throw InputError(fault.what());
+    } catch (const std::runtime_error& error) {
+      throw InputError(error.what());
     }
   }
   return std::make_unique<Recorder>(Recording(file, simulation, recording));

@@ -130,12 +130,12 @@ void Ffmpeg::start(const std::string& program, const std::vector<std::string>& a
     execv(program.c_str(), words.data());
     _exit(127);
   }
-  const int fault = errno;
+  const int error = errno;
   close(ends[0]);
   pipe_ = ends[1];
   if (process_ < 0) {
     close_if_open(pipe_);
-    refuse_output(film_, std::strerror(fault));
+    refuse_output(film_, std::strerror(error));
   }
 }
 

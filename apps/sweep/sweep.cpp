@@ -136,18 +136,18 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
   const std::uint64_t end = engine::ticks_until(end_of(study, simulation), simulation.tick_s());
   const std::uint64_t every = engine::period_ticks(study.measure_every_s, simulation.tick_s());
   std::string series;
-  const auto look = [&] {
+  const auto add_sample = [&] {
     const std::vector<double> values = measures.values();
     statistics.add(values);
     if (study.series) add_series_row(series, index, simulation.time_s(), values);
   };
-  look();
+  add_sample();
   while (simulation.tick() < end && !simulation.stopped()) {
     if (stop_requested()) return std::nullopt;
     simulation.step();
     measures.see();
     const bool is_last = simulation.tick() == end || simulation.stopped();
-    if (simulation.tick() % every == 0 || is_last) look();
+    if (simulation.tick() % every == 0 || is_last) add_sample();
   }
   return Made{.outcome = {.run = index,
                           .seed = simulation.world().spec().seed,
@@ -214,7 +214,7 @@ void keep_series(const fs::path& file, const std::string& rows) {
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
                                             const SweepOptions& options, SweepJournal& journal) {
   std::map<std::size_t, std::string> failed;
-  std::exception_ptr fault;  // a write error, which ends the sweep
+  std::exception_ptr write_error;  // a write error, which ends the sweep
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   Count count(study.run_count() - runs.size(), study.run_count(), !options.quiet);
@@ -240,7 +240,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
         journal.add(made->outcome);
         count.add_one();
       } catch (...) {
-        fault = std::current_exception();
+        write_error = std::current_exception();
         next = runs.size();
       }
     }
@@ -253,7 +253,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
        ++w)
     workers.emplace_back(work);
   workers.clear();  // joins the threads
-  if (fault) std::rethrow_exception(fault);
+  if (write_error) std::rethrow_exception(write_error);
   return failed;
 }
 

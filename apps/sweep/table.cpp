@@ -34,8 +34,8 @@ struct Column {
 
 std::optional<double> number_of(const std::string& json) {
   double value = 0;
-  const auto [end, fault] = std::from_chars(json.data(), json.data() + json.size(), value);
-  if (fault != std::errc() || end != json.data() + json.size()) return std::nullopt;
+  const auto [end, error] = std::from_chars(json.data(), json.data() + json.size(), value);
+  if (error != std::errc() || end != json.data() + json.size()) return std::nullopt;
   return value;
 }
 

@@ -79,7 +79,7 @@ struct Beeclust {
       memory.wait_updates = wait(percept);
       if (memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
     } else {
-      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), params.min_front, params.min_front);
+      const ScanAhead ahead = scanner.ahead(percept.ranges(k_scanner), params.min_front, params.min_front);
       if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
     }
     const bool waits = memory.wait_updates > 0;

@@ -249,7 +249,7 @@ struct Chain {
 
   bool avoids(Memory& memory, const engine::Percept& percept, Random& random,
               engine::Command& command) const {
-    const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), params.min_front, params.min_front);
+    const ScanAhead ahead = scanner.ahead(percept.ranges(k_scanner), params.min_front, params.min_front);
     if (memory.turn_updates == 0 && ahead.obstruction) {
       memory.turn = static_cast<float>(ahead.left < ahead.right ? -k_turn : k_turn);
       memory.turn_updates = 5 + random.below(15);

@@ -60,7 +60,7 @@ struct Clustering {
     memory.y = here.y;
     memory.heading = here.heading;
     const bool is_stuck = stands && memory.same_updates >= k_surely_goes;
-    const ScanAhead seen = scanner.look(percept.ranges(0), params.min_front, 0);
+    const ScanAhead seen = scanner.ahead(percept.ranges(0), params.min_front, 0);
     if (is_stuck && memory.does == k_back) {
       memory.back_updates = 0;  // starts to turn
     } else if (is_stuck) {

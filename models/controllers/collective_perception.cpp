@@ -87,7 +87,7 @@ struct CollectivePerception {
       begin_exploring(memory, percept, random);
     }
     if (memory.shares == 0)
-      look(memory, percept);
+      sample_ground(memory, percept);
     else if (memory.updates_left * percept.tick_s <= k_listen_s)
       hear(memory, radio);
     if (memory.updates_left > 0) {
@@ -127,7 +127,7 @@ struct CollectivePerception {
     memory.updates_left = updates(params.share * quality, percept, random);
   }
 
-  static void look(Memory& memory, const engine::Percept& percept) {
+  static void sample_ground(Memory& memory, const engine::Percept& percept) {
     const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
     const bool is_white = (color[0] + color[1] + color[2]) / 3 > k_middle;
     ++memory.looked;
@@ -154,7 +154,7 @@ struct CollectivePerception {
 
   void walk(Memory& memory, const engine::Percept& percept, Random& random, engine::Command& command) const {
     const auto [obstruction, stop, left, right] =
-        scanner.look(percept.ranges(k_scanner), params.min_front, k_stop_share * params.min_front);
+        scanner.ahead(percept.ranges(k_scanner), params.min_front, k_stop_share * params.min_front);
     if (memory.turn_updates == 0 && obstruction) {
       memory.turn = static_cast<float>(left < right ? -k_turn : k_turn);
       memory.turn_updates = 5 + static_cast<std::int32_t>(random.below(15));

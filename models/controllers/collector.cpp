@@ -93,7 +93,7 @@ struct Collector {
   partition::BoxGrid sinks_about;  // finds the sinks at which a puck is delivered
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
-  Result<> look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  Result<> bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
@@ -133,7 +133,7 @@ Result<std::vector<std::size_t>> Collector::choose(std::span<const DeviceInfo> d
   return choice.chosen();
 }
 
-Result<> Collector::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+Result<> Collector::bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     if (!world.starts(BodyId(b))) continue;
     const engine::BodySpec& body = world.bodies[b];

@@ -26,7 +26,7 @@ struct Evasion {
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
               engine::Command& command) const {
-    const auto [obstruction, is_near, left, right] = scanner.look(ranges, min_front, stop);
+    const auto [obstruction, is_near, left, right] = scanner.ahead(ranges, min_front, stop);
     if (!obstruction && !is_near && memory.avoid_updates == 0) return false;
     command.x = is_near ? 0 : avoid_speed;
     command.y = 0;

@@ -107,7 +107,7 @@ struct Forager {
   double zone_radius = 0;
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
-  Result<> look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  Result<> bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
@@ -142,7 +142,7 @@ Result<std::vector<std::size_t>> Forager::choose(std::span<const DeviceInfo> dev
   return choice.chosen();
 }
 
-Result<> Forager::look(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
   const FloorPlan plan = FloorPlan::of_world(world, map);
   const auto goal = [&](BodyId body) {
     const Vec2 at = world.bodies[body.index()].pose_world_body.position();

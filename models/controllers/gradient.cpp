@@ -144,7 +144,7 @@ struct Gradient {
       return;
     }
     const auto [obstruction, stop, left, right] =
-        scanner.look(ranges, params.min_front, k_stop_share * params.min_front);
+        scanner.ahead(ranges, params.min_front, k_stop_share * params.min_front);
     if (!obstruction && memory.avoid_updates == 0) {
       command = {params.speed, 0, 0};
       return;

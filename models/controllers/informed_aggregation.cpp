@@ -141,7 +141,7 @@ struct InformedAggregation {
     if (memory.turn_updates > 0) {
       --memory.turn_updates;
     } else {
-      const ScanAhead ahead = scanner.look(percept.ranges(k_scanner), params.min_front, params.min_front);
+      const ScanAhead ahead = scanner.ahead(percept.ranges(k_scanner), params.min_front, params.min_front);
       if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
     }
     const bool turns = memory.turn_updates > 0;

@@ -20,7 +20,7 @@ struct Rasterize {
 
   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
 
-  Result<> look(const WorldSpec&, const TypeSpec& type, std::uint32_t p) {
+  Result<> bind_world(const WorldSpec&, const TypeSpec& type, std::uint32_t p) {
     const PartSpec& part = type.parts[p];
     Box box;
     for (const Solid& solid : part.solids)

@@ -46,7 +46,7 @@ Scanner::Scanner(const engine::DeviceInfo& ranger, std::size_t share) {
     if (beams_[i].is_middle) beams_[i].is_left = beams[i].origin.y() > (y_min + y_max) / 2 + k_same_m;
 }
 
-ScanAhead Scanner::look(std::span<const float> ranges, double min_front, double stop_distance) const {
+ScanAhead Scanner::ahead(std::span<const float> ranges, double min_front, double stop_distance) const {
   ScanAhead seen;
   for (const Beam& beam : beams_) {
     const float range = ranges[beam.reading];

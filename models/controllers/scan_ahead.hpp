@@ -45,7 +45,7 @@ class Scanner {
   std::size_t size() const { return beams_.size(); }  ///< number of beams
 
   /// ranges: the readings of the ranger. All values in m.
-  ScanAhead look(std::span<const float> ranges, double min_front, double stop_distance) const;
+  ScanAhead ahead(std::span<const float> ranges, double min_front, double stop_distance) const;
   /// The reading of the beam nearest to straight ahead, m; of several equally near beams, the smallest.
   float straight_ahead(std::span<const float> ranges) const;
 

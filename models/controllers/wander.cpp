@@ -47,7 +47,7 @@ struct Wander {
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
     const auto [obstruction, stop, left, right] =
-        scanner.look(percept.ranges(0), params.min_front, params.stop);
+        scanner.ahead(percept.ranges(0), params.min_front, params.stop);
     // A program may have commanded another mode before.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {

@@ -78,7 +78,7 @@ struct Waypoints {
     return std::vector<std::size_t>();
   }
 
-  Result<> look(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t) {
+  Result<> bind_world(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t) {
     if (type.drive) period = engine::period_ticks(type.drive->period_s, world.tick_s);
     if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
     if (!type.drive || type.drive->kind != omni_drive().name)

@@ -76,7 +76,7 @@ struct Actuator {
             .joints = {actuator.at(actuator.start_position)},
             .joint_reach_m = actuator.reach()};
   }
-  Result<> mount(const engine::TypeSpec&, std::uint32_t) const { return range; }
+  Result<> bind_part(const engine::TypeSpec&, std::uint32_t) const { return range; }
   void start(State& row) const { row.position = start_position; }
 
   Pose at(double position) const {

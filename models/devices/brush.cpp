@@ -27,8 +27,8 @@ struct Brush {
     return {.data = Brush{sensors::Ground(params), pose_body_brush.position()}, .most_effects = 1};
   }
 
-  Result<> look(const engine::WorldSpec& world) {
-    ground.look(world);
+  Result<> bind_world(const engine::WorldSpec& world) {
+    ground.collect(world);
     return {};
   }
 

@@ -78,7 +78,7 @@ struct Gripper {
   void act(const DeviceBatch& batch) const;
   void joints_moved(const DeviceBatch& batch) const;
   void apply(World& world, const engine::Effect& effect) const;
-  void show(const engine::DeviceView& view, engine::Frame& frame) const;
+  void draw(const engine::DeviceView& view, engine::Frame& frame) const;
 };
 
 Solid block(double x0, double x1, double y0, double y1, double height) {
@@ -316,7 +316,7 @@ void Gripper::apply(World& world, const engine::Effect& effect) const {
 }
 
 /// Draws the beams between the paddles, and a tie to the body that it holds.
-void Gripper::show(const engine::DeviceView& view, engine::Frame& frame) const {
+void Gripper::draw(const engine::DeviceView& view, engine::Frame& frame) const {
   using engine::FrameTie;
   const auto& state = view.state.as<GripperState>(view.slot);
   const double side = face(state.paddle_position);

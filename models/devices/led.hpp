@@ -26,7 +26,7 @@ struct LedState {
   std::array<float, 3> shown_color{};  ///< red, green, blue, 0 to 1
 
   static constexpr void describe(engine::Description<LedState>& d) {
-    d.member<&LedState::shown_color>("shown_color", engine::facts::is_look);
+    d.member<&LedState::shown_color>("shown_color", engine::facts::is_appearance);
   }
 };
 

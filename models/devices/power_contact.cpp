@@ -41,7 +41,7 @@ struct PowerContact {
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
     return {.data = PowerContact{params}, .most_effects = params.give > 0 ? k_most_takers : 0};
   }
-  Result<> mount(const engine::TypeSpec& type, std::uint32_t part);
+  Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   void act(const DeviceBatch& batch) const;
   void apply(World& world, const Effect& effect) const;
 };
@@ -86,7 +86,7 @@ void add_touched(const World& world, const PlacedShape& giver, Row other, Takers
   }
 }
 
-Result<> PowerContact::mount(const engine::TypeSpec& type, std::uint32_t part) {
+Result<> PowerContact::bind_part(const engine::TypeSpec& type, std::uint32_t part) {
   std::vector<ConvexPrism> pieces;
   try {
     for (const Solid& solid : type.parts[part].solids)

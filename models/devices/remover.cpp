@@ -63,7 +63,7 @@ struct Remover {
             .ends_lives = true};
   }
 
-  Result<> look(const engine::WorldSpec& world) {
+  Result<> bind_world(const engine::WorldSpec& world) {
     if (params.of.empty()) return {};
     types.assign(world.types.size(), 0);
     std::vector<std::string_view> known;

@@ -69,7 +69,7 @@ struct Spawner {
     return {.data = Spawner{params, Mount(pose_body_spawner)}, .most_effects = 1};
   }
 
-  Result<> mount(const engine::TypeSpec& type, std::uint32_t) const {
+  Result<> bind_part(const engine::TypeSpec& type, std::uint32_t) const {
     if (params.per_flags == 0) return {};
     const bool has_flags = std::ranges::any_of(
         type.devices, [](const engine::DeviceSpec& device) { return device.kind == "flags"; });
@@ -77,7 +77,7 @@ struct Spawner {
     return Error{"counts flags, but its body has no device \"flags\""};
   }
 
-  Result<> look(const engine::WorldSpec& world) {
+  Result<> bind_world(const engine::WorldSpec& world) {
     const auto found = std::ranges::find(world.reserves, params.population, &engine::ReserveSpec::population);
     if (found != world.reserves.end()) {
       reserve = static_cast<std::uint32_t>(found - world.reserves.begin());

@@ -64,7 +64,7 @@ struct Wheels {
             .commands = engine::command_fields(),
             .command_bytes = sizeof(Command)};
   }
-  Result<> mount(const engine::TypeSpec&, std::uint32_t) const {
+  Result<> bind_part(const engine::TypeSpec&, std::uint32_t) const {
     if (bounds) return {};
     return Error{fmt::format("has contradictory drive parameters: {}", bounds.error().text)};
   }

@@ -187,7 +187,7 @@ TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
               Contains(HasSubstr("sees nothing: no other marked body is at its height, 0.2 m")));
 }
 
-TEST_F(LintTest, ReportsWhatNobodyUses) {
+TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
   EXPECT_THAT(findings("w.json", R"({ "troupe": 1, "types": {
     "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}},
     "crate": {"size_m": [1, 1, 1]} },

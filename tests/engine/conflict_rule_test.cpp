@@ -61,7 +61,8 @@ void compare(const TestCrowd& crowd, Teams& teams, Tally& tally) {
 
 void report(const Tally& tally) {
   std::printf(
-      "%zu crowds, %zu motions, %.1f %% blocked, %zu held; the order matters in %zu; a body waited for one "
+      "%zu crowds, %zu motions, %.1f %% blocked, %zu out of bounds; the order matters in %zu; a body waited "
+      "for one "
       "that waited in %zu, "
       "longest chain %zu\n",
       tally.crowds, tally.moving,

@@ -321,7 +321,7 @@ struct State {
     using namespace facts;
     d.member<&State::heading>("heading", Unit::radians, is_sparse, "to the north");
     d.member<&State::pair>("two", Unit::meters_per_second);
-    d.member<&State::lit>("lit", is_look, "1: it shines");
+    d.member<&State::lit>("lit", is_appearance, "1: it shines");
   }
 };
 struct Listed {
@@ -346,7 +346,7 @@ TEST(Description, StateHasUnitsAndTextsAndThePlacesOfItsMembers) {
   EXPECT_EQ(fields[0].text, "to the north");
   EXPECT_TRUE(fields[0].sparse);
   EXPECT_EQ(fields[1].unit, "m/s");
-  EXPECT_TRUE(fields[2].look);
+  EXPECT_TRUE(fields[2].appearance);
   EXPECT_FALSE(fields[2].sparse);
 }
 
@@ -372,7 +372,7 @@ struct Lamp {
   bool is_spent(const StateTable& state, std::size_t slot) const {
     return state.as<State>(slot).heading > params.intensity;
   }
-  Result<> mount(const TypeSpec&, std::uint32_t) {
+  Result<> bind_part(const TypeSpec&, std::uint32_t) {
     height = 9;
     return {};
   }
@@ -388,7 +388,7 @@ TEST(DeviceKinds, AreMadeOfTheHooksThatAClassHas) {
   EXPECT_EQ(kind.sense, nullptr);
   EXPECT_EQ(kind.act, nullptr);
   EXPECT_EQ(kind.apply, nullptr);
-  EXPECT_EQ(kind.look, nullptr);
+  EXPECT_EQ(kind.bind_world, nullptr);
 
   DeviceKind::Prepared prepared = kind.prepare({5.0}, {0, 0, 0.5, 0});
   EXPECT_EQ(prepared.percepts.size(), 3u);
@@ -400,7 +400,7 @@ TEST(DeviceKinds, AreMadeOfTheHooksThatAClassHas) {
   kind.start(prepared.data, table, 0);
   EXPECT_EQ(table.as<State>(0).heading, 5.5);
   EXPECT_TRUE(kind.is_spent(prepared.data, table, 0));
-  EXPECT_TRUE(kind.mount(prepared.data, TypeSpec(), 0));
+  EXPECT_TRUE(kind.bind_part(prepared.data, TypeSpec(), 0));
   EXPECT_EQ(std::any_cast<Lamp>(prepared.data).height, 9);
 }
 

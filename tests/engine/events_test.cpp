@@ -84,9 +84,9 @@ std::map<std::uint32_t, int> stalls_of(const World& world) {
 }
 
 /// Robots that jostle in a pen, commanded at random.
-class Pen {
+class Enclosure {
  public:
-  explicit Pen(unsigned threads) {
+  explicit Enclosure(unsigned threads) {
     test::SceneBuilder scene;
     const TypeId bot = scene.robot("bot", {Solid{{test::box_ring(0.3, 0.2)}, {0, 0.3}}}, "omni");
     for (int i = 0; i < 40; ++i)
@@ -115,23 +115,23 @@ class Pen {
 TEST(Events, AreTheChangesOfTheTableOfStallsByIdWhateverTheThreads) {
   std::vector<std::vector<std::string>> runs;
   for (const unsigned threads : {1u, 3u}) {
-    Pen pen(threads);
-    EventWatch watch(pen.world());
-    std::map<std::uint32_t, int> before = stalls_of(pen.world());
+    Enclosure enclosure(threads);
+    EventWatch watch(enclosure.world());
+    std::map<std::uint32_t, int> before = stalls_of(enclosure.world());
     std::vector<std::string> run;
     for (int tick = 0; tick < 60; ++tick) {
-      pen.step();
-      const std::map<std::uint32_t, int> now = stalls_of(pen.world());
+      enclosure.step();
+      const std::map<std::uint32_t, int> now = stalls_of(enclosure.world());
       std::vector<std::string> expected;
       for (const auto& [body, stall] : now) {
-        const std::string name = pen.world().spec().name(BodyId(body));
+        const std::string name = enclosure.world().spec().name(BodyId(body));
         if (stall == before[body]) continue;
         if (before[body] == 1) expected.push_back("stall_ends " + name);
         if (before[body] == 2) expected.push_back("held_ends " + name);
         if (stall == 1) expected.push_back("stall_begins " + name);
         if (stall == 2) expected.push_back("held_begins " + name);
       }
-      EXPECT_EQ(texts(pen.world(), watch.see(pen.world())), expected) << tick;
+      EXPECT_EQ(texts(enclosure.world(), watch.see(enclosure.world())), expected) << tick;
       run.insert(run.end(), expected.begin(), expected.end());
       before = now;
     }
@@ -170,17 +170,18 @@ TEST(Events, GripsAndReleasesAreThoseOfTheCarrier) {
 }
 
 TEST(Events, AWatchMayBeginWithAnyTickAndTellsNothingOfAReset) {
-  Pen pen(2);
-  EventWatch first(pen.world());
+  Enclosure enclosure(2);
+  EventWatch first(enclosure.world());
   for (int tick = 0; tick < 5; ++tick) {
-    pen.step();
-    first.see(pen.world());
+    enclosure.step();
+    first.see(enclosure.world());
   }
-  EventWatch second(pen.world());
-  pen.step();
-  EXPECT_EQ(texts(pen.world(), second.see(pen.world())), texts(pen.world(), first.see(pen.world())));
-  pen.world().reset();
-  EXPECT_THAT(first.see(pen.world()), IsEmpty());
+  EventWatch second(enclosure.world());
+  enclosure.step();
+  EXPECT_EQ(texts(enclosure.world(), second.see(enclosure.world())),
+            texts(enclosure.world(), first.see(enclosure.world())));
+  enclosure.world().reset();
+  EXPECT_THAT(first.see(enclosure.world()), IsEmpty());
 }
 
 }  // namespace

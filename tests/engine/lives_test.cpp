@@ -74,7 +74,7 @@ TEST(Lives, WhoIsInReserveIsNowhere) {
   EXPECT_EQ(world.mean_displacement(), world.pose(plain.robot).x);
 }
 
-TEST(Lives, AWorldWithoutThemHasNoSuchComponentAndNobodyGoes) {
+TEST(Lives, AWorldWithoutThemHasNoSuchComponentAndNoDeaths) {
   SceneBuilder scene;
   const BodyId robot = scene.body("r", scene.robot("bot", {box(0.4, 0.4)}));
   World world = scene.world();
@@ -114,7 +114,7 @@ TEST(Lives, BornBodiesAreSeenMetAndMoved) {
   EXPECT_LE(world.pose(plain.robot).x, 1.6 + 1e-9);
 }
 
-TEST(Lives, ABirthNeedsAFreePlaceInTheWorldAndSomebodyLeft) {
+TEST(Lives, ABirthNeedsAFreePlaceInTheWorldAndAnUnbornBody) {
   Plain plain;
   plain.scene.wall(3, -1, 4, 1);
   plain.scene.spec.bounds = Box::around(Vec2::Zero(), 10);
@@ -382,7 +382,7 @@ TEST(Lives, TheSameAreBornAndDieOnAnyThreadsAndTiles) {
   }
 }
 
-TEST(Lives, AcrossAllBirthsAndDeathsNobodyOverlapsAndNobodyIsLost) {
+TEST(Lives, AcrossAllBirthsAndDeathsNoRobotOverlapsAndNoneIsLost) {
   Yard yard({.threads = 2});
   World& world = yard.world();
   std::size_t deaths = 0;

@@ -177,7 +177,7 @@ TEST(Placement, DrawsAreNamedBySeedAndPopulation) {
   EXPECT_NE(first(1, "p").heading, 0);
 }
 
-TEST(Placement, AFixedHeadingMovesNobody) {
+TEST(Placement, AFixedHeadingMovesNoRobot) {
   PlacementRule rule{.region = region(0, 0, 9, 9), .pitch_m = 1, .jitter_m = 0.2};
   Crowd crowd_a, crowd_b;
   const auto a = place(rule, box_shape({0.1, 0.1}), 20, 1, "p", std::nullopt, {}, crowd_a, one_thread());
@@ -187,7 +187,7 @@ TEST(Placement, AFixedHeadingMovesNobody) {
 }
 
 /// Enough bodies, walls and refusals that several blocks of candidates are looked at ahead.
-TEST(Placement, ThreadsChangeNobodysPlace) {
+TEST(Placement, ThreadsChangeNoPlacement) {
   std::vector<partition::FixedSolid> walls;
   Random random(1, 2, 3, 4);
   for (std::size_t i = 1; i <= 40; ++i)
@@ -315,7 +315,7 @@ TEST(Placement, TheFreeFloorIsWhatABodyCanReach) {
   EXPECT_TRUE(placed(rule, 1, scene, {0.2, 0.2}).empty()) << "in a wall";
 }
 
-RC_GTEST_PROP(PlacementProperty, NobodyOverlaps, ()) {
+RC_GTEST_PROP(PlacementProperty, NoBodiesOverlap, ()) {
   const Setting s = any_setting();
   const auto poses = s.placed(60);
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -98,7 +98,7 @@ TEST(Placing, WhoWasStalledNoLongerIs) {
   EXPECT_EQ(world.stalled_count(), 0u);
 }
 
-TEST(Placing, WhereSomebodyStandsTheyMayMoveApart) {
+TEST(Placing, BodiesThatOverlapMayMoveApart) {
   Pair pair;
   World world = pair.scene.world();
   const Row row = world.row(pair.first);
@@ -128,7 +128,7 @@ TEST(Placing, IsFreeTellsWhoseWayItWouldBe) {
   EXPECT_FALSE(world.is_free(row, {std::nan(""), 0, 0, 0}));
 }
 
-TEST(Placing, RefusesWhatIsNoPlaceAndThenMovesNobody) {
+TEST(Placing, RefusesAnInvalidPlaceAndThenMovesNoRobot) {
   Pair pair;
   World world = pair.scene.world();
   const std::uint64_t before = world.hashes().state;

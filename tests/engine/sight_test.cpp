@@ -1,7 +1,7 @@
 #include "engine/sight.hpp"
 
 #include "base/random.hpp"
-#include "engine/lookout.hpp"
+#include "engine/visibility_query.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -42,8 +42,8 @@ std::vector<Edge> edges_of(const WorldSpec& spec) {
 }
 
 /// The textbook's way, over every edge there is.
-Sighting oracle(const WorldSpec& spec, const std::vector<Edge>& edges, const SightRay& ray, BodyId own) {
-  Sighting best{.range = ray.length};
+RayHit oracle(const WorldSpec& spec, const std::vector<Edge>& edges, const SightRay& ray, BodyId own) {
+  RayHit best{.range = ray.length};
   for (const Edge& edge : edges) {
     if (edge.body == own || (ray.z && !edge.z.contains(*ray.z))) continue;
     const PartSpec& part = spec.types[spec.bodies[edge.body.index()].type.index()].parts[edge.part];
@@ -109,8 +109,8 @@ TEST(Sight, MeetsFirstWhatBruteForceMeetsFirst) {
         ray.own = Row(random.below(static_cast<std::uint32_t>(world.rows())));
         own = world.body(ray.own);
       }
-      const Sighting got = first_met(world, ray);
-      const Sighting want = oracle(scene.spec, edges, ray, own);
+      const RayHit got = first_met(world, ray);
+      const RayHit want = oracle(scene.spec, edges, ray, own);
       ASSERT_NEAR(got.range, want.range, 1e-9) << "world " << w << ", ray " << r;
       ASSERT_EQ(got.body, want.body) << "world " << w << ", ray " << r;
       if (want.met()) {
@@ -143,7 +143,7 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
       scene.spec.bodies[b].pose_world_body.y += middle.y();
     }
     const World world = scene.world({.threads = 1, .tile_size_m = w % 3 == 0 ? 0 : random.uniform(0.5, 20)});
-    Lookout lookout;
+    VisibilityQuery query;
     for (int p = 0; p < k_points; ++p) {
       SightRay ray{.origin = middle + Vec2(random.uniform(-7, 7), random.uniform(-7, 7))};
       if (p % 3 != 0) ray.z = random.uniform(0, 1);
@@ -154,13 +154,13 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
         const double heading = random.uniform(-k_pi, k_pi);
         line = {{troupe::cos(heading), troupe::sin(heading)}, reach * random.uniform(0, 1)};
       }
-      std::vector<Sighting> found(rays.size());
-      lookout.stand(world, ray.origin, reach, ray.own, ray.z);
-      lookout.first_met(rays, found);
+      std::vector<RayHit> found(rays.size());
+      query.stand(world, ray.origin, reach, ray.own, ray.z);
+      query.first_met(rays, found);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         ray.direction = rays[i].direction;
         ray.length = rays[i].length;
-        const Sighting want = first_met(world, ray);
+        const RayHit want = first_met(world, ray);
         ASSERT_EQ(found[i].range, want.range) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].body, want.body) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].part, want.part);
@@ -182,10 +182,10 @@ TEST(Sight, ALookoutKnowsWhoIsInReach) {
                                  add("c", barge, 5)};
   add("far", robot, 2.3);
   const World world = scene.world();
-  Lookout lookout;
-  lookout.stand(world, {0, 0}, 2, world.row(near[0]), {});
+  VisibilityQuery query;
+  query.stand(world, {0, 0}, 2, world.row(near[0]), {});
   std::vector<BodyId> found;
-  for (const std::uint32_t row : lookout.bodies()) found.push_back(world.body(Row(row)));
+  for (const std::uint32_t row : query.bodies()) found.push_back(world.body(Row(row)));
   std::ranges::sort(found);
   EXPECT_EQ(found, (std::vector<BodyId>{near[1], near[2], near[3]}));
 }
@@ -213,8 +213,7 @@ TEST(Sight, NoRaySlipsBetweenTwoEdges) {
       const Vec2 origin(0.01 * i, -0.013 * i);
       // From within the crate's width each corner lies before its far side.
       const Vec2 way = Vec2(5, 0.3) + 0.999999999999 * (corner - Vec2(5, 0.3)) - origin;
-      const Sighting first =
-          first_met(world, {.origin = origin, .direction = way / way.norm(), .length = 20});
+      const RayHit first = first_met(world, {.origin = origin, .direction = way / way.norm(), .length = 20});
       EXPECT_EQ(first.body, crate) << i;
     }
 }
@@ -226,7 +225,7 @@ TEST(Sight, AColourIsThePartsOrElseTheBodys) {
   const BodyId post = scene.body("post", type, {2, 0, 0, 0});
   scene.spec.bodies[post.index()].color = {0, 1, 0, 1};
   const World world = scene.world();
-  const Sighting sign = first_met(world, {.length = 9});
+  const RayHit sign = first_met(world, {.length = 9});
   EXPECT_EQ(sign.part, 1u);
   EXPECT_EQ(color_of(world, sign), (Color{0, 0, 1, 1}));
   EXPECT_EQ(color_of(world, {.body = post, .part = 0}), (Color{0, 1, 0, 1}));

@@ -152,7 +152,7 @@ TEST(World, AnExceptionOfAControllerComesOutOfTheStep) {
   }
 }
 
-TEST(World, ARobotAtTheSpeedOfLightKeepsNobodyWaiting) {
+TEST(World, ARobotAtTheSpeedOfLightDelaysNoOther) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
   scene[type].drive = test::drive("diff", {{"velocity_max_x", 3e8}});

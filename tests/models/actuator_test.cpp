@@ -88,7 +88,7 @@ TEST(Actuator, TurnsWhatStandsOnIt) {
   scene[type].controllers.push_back(test::operate({order(0.1, "pan", "go_to", k_pi / 2)}));
   engine::DeviceSpec eye = test::ranger("eye", {{.pose = {0.1, 0, 0.05, 0}}});
   eye.joint = scene[type].devices[0].moves;
-  eye.pose_body_sensor = {0, 0, 0.5, 0};
+  eye.pose_body_device = {0, 0, 0.5, 0};
   scene[type].devices.push_back(eye);
   const BodyId body = scene.body("m", type, {1, 0, 0, 0});
   scene.wall(3, -2, 3.1, 2);

@@ -83,7 +83,7 @@ TEST(Scanner, OfAFanAheadItIsStagesLaw) {
           scan[near] = 0.4f + 0.5f * static_cast<float>(random.uniform());
           const std::string what =
               fmt::format("beam {} of {} over {} degrees, share {}", near, n, degrees, share);
-          expect_equal(scanner.look(scan, 0.7, 0.6), by_stage(scan, share, 0.7, 0.6), what);
+          expect_equal(scanner.ahead(scan, 0.7, 0.6), by_stage(scan, share, 0.7, 0.6), what);
           EXPECT_EQ(scanner.straight_ahead(scan), scan[n / 2]) << what;
         }
       }
@@ -124,7 +124,7 @@ TEST(Scanner, LooksAheadWhereverItsFanIsTurnedTo) {
   const auto look = [&](double degrees) {
     std::vector<float> scan(41, 5.0f);
     scan[static_cast<std::size_t>(std::lround((degrees + 10) / 5))] = 0.2f;
-    return scanner.look(scan, 1, 0.5);
+    return scanner.ahead(scan, 1, 0.5);
   };
   EXPECT_TRUE(look(0).obstruction);
   EXPECT_TRUE(look(-10).obstruction);
@@ -157,7 +157,7 @@ TEST(Scanner, ParallelBeamsTellLeftAndRightByWhereTheyStart) {
   for (std::size_t near = 0; near < 9; ++near) {
     std::vector<float> scan(9, 3.0f);
     scan[near] = 0.5f;
-    const ScanAhead seen = scanner.look(scan, 1, 0.6);
+    const ScanAhead seen = scanner.ahead(scan, 1, 0.6);
     EXPECT_TRUE(seen.obstruction && seen.stop);
     EXPECT_EQ(seen.left, near > 4 ? 0.5f : 3.0f) << near;
     EXPECT_EQ(seen.right, near > 4 ? 3.0f : 0.5f) << near;
@@ -184,7 +184,7 @@ TEST(Beams, KnowTheirBearingsAndOriginsInTheFrameOfTheDrive) {
 /// A way to say it.
 struct Form {
   std::vector<Transducer> transducers;
-  Pose pose_body_sensor;
+  Pose pose_body_device;
 };
 
 /// Beams of a fan, one transducer; `turned`: by that angle to the one side, and back to the other.
@@ -232,10 +232,10 @@ SceneBuilder robots(const engine::ControllerSpec& controller, const Form& form, 
   const TypeId type = scene.robot("robot", {box(0.2, 0.2, 0.2)});
   scene[type].parts[0].returns.fiducial = 1;
   engine::DeviceSpec ranger = test::ranger("eyes", form.transducers);
-  ranger.pose_body_sensor = form.pose_body_sensor;
+  ranger.pose_body_device = form.pose_body_device;
   scene[type].devices = {ranger, device("ground"), device("radio", {{"range", 2.0}, {"payload", 4}}),
                          device("fiducial", {{"fov", 2 * k_pi}}), device("flags")};
-  for (const std::size_t d : {2, 3}) scene[type].devices[d].pose_body_sensor = {0, 0, 0.1, turned};
+  for (const std::size_t d : {2, 3}) scene[type].devices[d].pose_body_device = {0, 0, 0.1, turned};
   if (controller.kind == "collector") test::add_device(scene[type], "hand", "gripper", {0.2, 0, 0, 0});
   scene[type].controllers = {controller};
   for (int i = 0; i < (crowd ? 12 : 1); ++i)
@@ -335,7 +335,7 @@ TEST_P(OfRanges, ALoneRobotInTheOpenGoesSomewhere) {
 TEST_P(OfRanges, WhatLooksBackIsRefused) {
   if (GetParam().name == "radio_flocking") GTEST_SKIP() << "a scanner only pushes it away from walls";
   Form form = one_fan(90, 12);
-  form.pose_body_sensor.heading = k_pi;
+  form.pose_body_device.heading = k_pi;
   const SceneBuilder scene = robots(controller_of(GetParam()), form, false);
   Diagnostics diagnostics;
   try {
@@ -374,7 +374,7 @@ double mean_way_in_an_office(const Form& form) {
     }
   const TypeId type = scene.robot("robot", {box(0.25, 0.25, 0.2)});
   engine::DeviceSpec ranger = test::ranger("eyes", form.transducers);
-  ranger.pose_body_sensor = form.pose_body_sensor;
+  ranger.pose_body_device = form.pose_body_device;
   scene[type].devices = {ranger};
   scene[type].controllers = {test::controller("expand")};
   Random random(3, 4, 5, 6);

@@ -198,14 +198,14 @@ TEST(Expand, EachBeamOfATransducerHasItsClearance) {
 }
 
 TEST(Expand, WhatNeverPointsAheadIsAFault) {
-  const std::string fault =
+  const std::string error =
       "needs a ranger with a beam ahead, or beams to the left and to the right: the vector sum of the "
       "beams of \"sensor\" never points ahead";
   for (const std::vector<double>& headings : {std::vector{k_pi}, {1.0}, {2.0, -2.0}, {0.6, 1.2, 2.9}})
     EXPECT_EQ(
         Decision(Decision::ring(headings), "expand", test::registry().controller("expand")->params.defaults())
             .error,
-        fault)
+        error)
         << headings[0];
   for (const std::vector<double>& headings : {std::vector{0.4}, {1.5, -1.5}, {k_pi, 0.1}})
     EXPECT_EQ(

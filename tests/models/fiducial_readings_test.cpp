@@ -17,7 +17,7 @@ TEST(FiducialReadings, AreThoseOfTheFinder) {
       {.name = "finder",
        .kind = "fiducial",
        .params = test::record(test::registry().device("fiducial")->params, {{"most_targets", 2}}),
-       .pose_body_sensor = {0, 0, 0.5, 0}}};
+       .pose_body_device = {0, 0, 0.5, 0}}};
   const BodyId body = scene.body("r", robot);
   for (int i = 1; i <= 3; ++i) {
     const std::string name = std::string("target").append(std::to_string(i));

@@ -121,7 +121,7 @@ TEST(Flags, ChangeHandsAndNoneIsLost) {
   for (int i = 0; i < 4; ++i) takers.push_back(crowd.add(2, 0, FlagCommand::take, store.value));
   const BodyId giver = crowd.add(2, 1, FlagCommand::give, takers[3].value);
   const BodyId full = crowd.add(1, 1, FlagCommand::take, store.value);
-  const BodyId from_nobody = crowd.add(2, 1, FlagCommand::give, 0);  // the ground
+  const BodyId from_no_body = crowd.add(2, 1, FlagCommand::give, 0);  // the ground
   World world = crowd.world();
   for (int t = 0; t < 4; ++t) world.step();
   EXPECT_EQ((Holder{world, store}.count()), 0);
@@ -132,7 +132,7 @@ TEST(Flags, ChangeHandsAndNoneIsLost) {
   EXPECT_EQ((Holder{world, takers[3]}.received()), 1);
   EXPECT_EQ((Holder{world, giver}.count()), 0);
   EXPECT_EQ((Holder{world, full}.count()), 1);
-  EXPECT_EQ((Holder{world, from_nobody}.count()), 1);
+  EXPECT_EQ((Holder{world, from_no_body}.count()), 1);
 }
 
 TEST(Depots, ASourceFillsUpAndASinkCountsAndEmpties) {

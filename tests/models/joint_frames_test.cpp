@@ -56,7 +56,7 @@ DeviceSpec device(const std::string& kind, const Pose& pose, Values values) {
   return {.name = kind,
           .kind = kind,
           .params = test::record(test::registry().device(kind)->params, values),
-          .pose_body_sensor = pose};
+          .pose_body_device = pose};
 }
 
 /// One of every kind of sensor, all with their origin at one pose.
@@ -65,7 +65,7 @@ std::vector<DeviceSpec> all_sensors(const Pose& pose) {
   DeviceSpec cone = test::ranger("cone", {});
   cone.params = engine::to_record(
       engine::RangerParams{.transducers = {{.range_max = 4, .samples = 1, .beam_width = 0.3}}});
-  for (DeviceSpec* ranger : {&fan, &cone}) ranger->pose_body_sensor = pose;
+  for (DeviceSpec* ranger : {&fan, &cone}) ranger->pose_body_device = pose;
   DeviceSpec bumper = device("bumper", pose, {});
   bumper.params = engine::to_record(
       engine::BumperParams{.bumpers = {{{0.2, 0, 0, 0}, 0.5}, {{0, 0.2, 0, 1.5}, 0.5}}, .thickness = 0.3});

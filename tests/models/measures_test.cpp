@@ -352,7 +352,7 @@ TEST(Measures, GoOnWithWhatTheyRememberedAsIfTheyHadNeverStopped) {
   EXPECT_FALSE(measures(world, {spec("stalls")}).remember(memory));
 }
 
-TEST(Measures, BeginAnewAfterAReset) {
+TEST(Measures, BeginAgainAfterAReset) {
   World world = crowd().world();
   MeasureSet set = measures(world, all_specs());
   const std::vector<double> start = set.values();
@@ -507,15 +507,15 @@ TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
   EXPECT_DOUBLE_EQ(value(world, ranges(0)), (5 + 5 + 2) / 3.0) << "two tables of one component";
   EXPECT_DOUBLE_EQ(value(world, ranges(8, "w")), 5);
   EXPECT_TRUE(std::isnan(value(world, ranges(0, "b")))) << "it has none";
-  const auto fault = [&](const MeasureSpec& one) {
+  const auto error = [&](const MeasureSpec& one) {
     Diagnostics diagnostics;
     const MeasureSet set(world, test::registry(), {&one, 1}, diagnostics);
     return diagnostics.findings().empty() ? std::string() : diagnostics.text(diagnostics.findings()[0]);
   };
-  EXPECT_THAT(fault(ranges(9)), HasSubstr("state_mean: the last column of \"ranges\" is 8"));
-  EXPECT_THAT(fault(spec("state_mean", "", {{"component", "ranger/ear"}, {"field", "ranges"}})),
+  EXPECT_THAT(error(ranges(9)), HasSubstr("state_mean: the last column of \"ranges\" is 8"));
+  EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/ear"}, {"field", "ranges"}})),
               HasSubstr("state_mean: unknown component \"ranger/ear\"; known: command, pose, ranger/eye, "));
-  EXPECT_THAT(fault(spec("state_mean", "", {{"component", "ranger/eye"}, {"field", "range"}})),
+  EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/eye"}, {"field", "range"}})),
               HasSubstr("state_mean: unknown field \"range\"; known: ranges"));
 }
 

@@ -32,7 +32,7 @@ engine::DeviceSpec device(std::string kind, Values values, const Pose& pose = {}
   return {.name = kind,
           .kind = kind,
           .params = test::record(test::registry().device(kind)->params, values),
-          .pose_body_sensor = pose};
+          .pose_body_device = pose};
 }
 
 /// A door at x = -1 that bears robots at x = 0, heading up; they drive on at 0.5 m/s.
@@ -57,7 +57,7 @@ void step(World& world, int ticks) {
   for (int tick = 0; tick < ticks; ++tick) world.step();
 }
 
-TEST(Spawner, BearsOneEveryPeriodUntilNobodyIsLeft) {
+TEST(Spawner, SpawnsOneEveryPeriodUntilTheReserveIsEmpty) {
   const Door door({device("spawner", {{"population", "bot"}, {"every", 2.0}}, {1, 0, 0, k_pi / 2})}, 3);
   World world = door.scene.world();
   step(world, 19);
@@ -217,7 +217,7 @@ TEST(Remover, TakesThoseOfItsTypeAlone) {
   EXPECT_THAT(error_of(unknown.scene), HasSubstr("unknown type \"othr\"; known: bot, door"));
 }
 
-TEST(Remover, TakesPucksThatNobodyCarries) {
+TEST(Remover, TakesPucksThatNoRobotCarries) {
   SceneBuilder scene;
   const TypeId puck = scene.type("puck", {box(0.1, 0.1, 0.1)}, {.gripper = true});
   const TypeId mill = scene.type("mill", {box(1, 1, 0.01)}, {.obstacle = false, .ranger = -1});

@@ -41,7 +41,7 @@ struct Mover {
     scene[type].drive->period_s = period_s;
     body = scene.body("m", type);
   }
-  std::string fault() const {
+  std::string error() const {
     Diagnostics diagnostics;
     try {
       engine::World(scene.spec, test::registry(), {.threads = 1}, diagnostics);
@@ -157,18 +157,18 @@ TEST(Movers, WithoutObstaclesOfTheirOwnTheyPassThroughAll) {
 
 TEST(Movers, WhatTheyCannotKeepIsTold) {
   EXPECT_THAT(
-      Mover({{1, 0, 0, 0, 2}}).fault(),
+      Mover({{1, 0, 0, 0, 2}}).error(),
       HasSubstr("controller \"waypoints\" has a goal 1 with a speed of 2 m/s: its drive reaches only 1 m/s "
                 "in every direction"));
-  EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).fault(),
+  EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).error(),
               HasSubstr("has a goal 2 that is 3 m from the one before it, to be covered in 1 s: its drive "
                         "reaches only 1 m/s"));
-  EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).fault(),
+  EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).error(),
               HasSubstr("has a goal 2 at 2 s, after one at 3 s: times must increase"));
-  EXPECT_THAT(Mover({{1, 0, 0, 3, 1}}).fault(), HasSubstr("with both `at` and `speed`"));
+  EXPECT_THAT(Mover({{1, 0, 0, 3, 1}}).error(), HasSubstr("with both `at` and `speed`"));
   Mover diff({{1, 0, 0, 3}});
   diff.scene[diff.type].drive = test::drive("diff");
-  EXPECT_THAT(diff.fault(), HasSubstr("which need an omni drive"));
+  EXPECT_THAT(diff.error(), HasSubstr("which need an omni drive"));
 }
 
 }  // namespace

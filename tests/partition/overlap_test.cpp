@@ -109,7 +109,7 @@ TEST(Overlap, SegmentsThatTouchDoNotEnter) {
 
 // What is left of a corner cut off where two sides meet almost at one point: an edge so short that the
 // rounding of its ends decides its direction. It must not hide the polygon it belongs to.
-TEST(Overlap, EdgesShorterThanTheirRoundingSeparateNobody) {
+TEST(Overlap, EdgesShorterThanTheirRoundingSeparateNoBodies) {
   for (const double far : {0.0, 10.0, 1e3, 1e5}) {
     for (const double length : {0.0, 1e-17, 1e-16, 1e-14, 1e-12, 1e-10}) {
       for (int turn = 0; turn < 64; ++turn) {
@@ -183,7 +183,7 @@ TEST(Overlap, HeightsThatOnlyTouchDoNot) {
   EXPECT_FALSE(overlap(low.shape, {0, 0, 0.5, 0}, low.shape, {0.5, 0, 0, 0}));
 }
 
-TEST(Overlap, ABodyWithoutSolidsMeetsNobody) {
+TEST(Overlap, ABodyWithoutSolidsMeetsNoBody) {
   const oracle::Kind square = oracle::make_kind({{{rectangle(-1, -1, 1, 1)}, {0, 0.5}}});
   const ObstacleShape nothing = make_obstacle_shape({});
   EXPECT_TRUE(nothing.empty());

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 using Place = std::pair<std::int64_t, std::int64_t>;
 
-constexpr std::uint32_t k_nobody = ~0u;
+constexpr std::uint32_t k_no_body = ~0u;
 constexpr std::uint32_t k_fixed = ~0u - 1;
 
 /// Paper and pencil: every cell in a map, every ray a cell at a time.
@@ -150,7 +150,7 @@ class Scene {
                 {},
                 draw.real(0, 0.5),
                 static_cast<float>(draw.chance(0.1) ? draw.scale(resolution_ / 2, extent_) : 3 * extent_),
-                k_nobody};
+                k_no_body};
     if (bodies_ > 0 && draw.chance(0.6)) {
       ray.body = static_cast<std::uint32_t>(draw.below(bodies_));
       ray.origin = poses_[ray.body].position();
@@ -231,7 +231,7 @@ TEST(RayGrid, NoRayLeavesAClosedOutlineAndAHitIsWithinThreeCellsOfIt) {
     for (std::size_t n = 0; n < 1000; ++n) {
       const double heading =
           draw.chance(0.1) ? static_cast<double>(draw.below(8)) * k_pi / 4 : draw.real(-4, 4);
-      const GridRay ray{middle, {std::cos(heading), std::sin(heading)}, 0.5, 1e4, k_nobody};
+      const GridRay ray{middle, {std::cos(heading), std::sin(heading)}, 0.5, 1e4, k_no_body};
       const float range = grid.cast(ray).range;
       ASSERT_LT(range, 1e4) << heading;
       double nearest = 1e300;
@@ -255,7 +255,7 @@ FixedSolid wall(double x0, double y0, double x1, double y1, float ranger_return 
 }
 
 GridRay ray_from(double x, double y, const Vec2& direction, float range_max = 10) {
-  return {{x, y}, direction, 0.5, range_max, k_nobody};
+  return {{x, y}, direction, 0.5, range_max, k_no_body};
 }
 
 TEST(RayGrid, AnEdgeIsAStaircaseFromItsStartToBeforeItsEnd) {
@@ -359,25 +359,25 @@ TEST(RayGrid, EmptyGroundCostsNothing) {
   EXPECT_EQ(grid.cast(ray_from(1e300, -1e300, {1, 0}, 10000)).range, 10000);
 }
 
-std::string fault_of(const std::vector<FixedSolid>& solids, const Ring& body, double resolution) {
+std::string error_of(const std::vector<FixedSolid>& solids, const Ring& body, double resolution) {
   try {
     const auto count = static_cast<std::uint32_t>(body.size());
     const RayGrid grid(solids, {{0, 0, count, {0, 1}, 1}}, body, resolution);
-  } catch (const std::length_error& fault) {
-    return fault.what();
+  } catch (const std::length_error& error) {
+    return error.what();
   }
   return "";
 }
 
 TEST(RayGrid, CellsThatMemoryCannotHoldAreRefused) {
   const Ring small = oracle::rectangle(0, 0, 1, 1);
-  EXPECT_EQ(fault_of({wall(0, 0, 1000, 1000)}, small, 0.001), "");
+  EXPECT_EQ(error_of({wall(0, 0, 1000, 1000)}, small, 0.001), "");
   EXPECT_THAT(
-      fault_of({wall(0, 0, 4e4, 4e4)}, small, 1e-4),
+      error_of({wall(0, 0, 4e4, 4e4)}, small, 1e-4),
       MatchesRegex(
           "cells of 0.0001 m would take ..\\.. GB, more than the limit of 2.15 GB; use 0.00.. m or more"));
-  EXPECT_THAT(fault_of({}, oracle::rectangle(0, 0, 4e4, 4e4), 1e-4), HasSubstr("; use "));
-  EXPECT_THAT(fault_of({wall(1e8, 0, 1e8 + 1, 1)}, small, 0.1),
+  EXPECT_THAT(error_of({}, oracle::rectangle(0, 0, 4e4, 4e4), 1e-4), HasSubstr("; use "));
+  EXPECT_THAT(error_of({wall(1e8, 0, 1e8 + 1, 1)}, small, 0.1),
               "cells of 0.1 m reach 5.36871e+07 m from the origin, but the static scene reaches 1e+08 m");
 }
 

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-std::string fault_of(const std::string& name) {
+std::string error_of(const std::string& name) {
   try {
     use_simd_target(name);
     return "";
@@ -59,7 +59,7 @@ TEST(SimdTarget, TheKernelsOfX86AreThoseThatHighwayKnows) {
 TEST(SimdTarget, AnUnknownOneIsRefusedAndChangesNothing) {
   const std::string before = simd_target();
   for (const char* name : {"avx9", "", "AVX2", "avx", "scalar "})
-    EXPECT_THAT(fault_of(name),
+    EXPECT_THAT(error_of(name),
                 AllOf(StartsWith("\"" + std::string(name) +
                                  "\" is not an instruction set that this program is compiled for; this "
                                  "processor can use "),
@@ -70,8 +70,8 @@ TEST(SimdTarget, AnUnknownOneIsRefusedAndChangesNothing) {
 /// A processor that has nothing but what the portable kernels need.
 [[noreturn]] void choose_on_a_poor_processor(const std::string& name) {
   hwy::DisableTargets(~(HWY_SCALAR | HWY_EMU128));
-  const std::string fault = fault_of(name);
-  std::fputs((fault + "; kernels run on " + simd_target()).c_str(), stderr);
+  const std::string error = error_of(name);
+  std::fputs((error + "; kernels run on " + simd_target()).c_str(), stderr);
   std::exit(0);
 }
 

@@ -75,7 +75,7 @@ class PluginsTest : public test::ScratchTest {
     Simulation simulation(stage_world("walker"), options({folder_of(folder)}, threads));
     return log(simulation, 20);
   }
-  static std::string fault_of(const fs::path& world, const SimulationOptions& with) {
+  static std::string error_of(const fs::path& world, const SimulationOptions& with) {
     try {
       const Simulation simulation(world, with);
       ADD_FAILURE() << "loaded";
@@ -84,11 +84,11 @@ class PluginsTest : public test::ScratchTest {
     }
     return {};
   }
-  std::string fault_of(std::string_view call, std::string_view folder = "unusable") const {
+  std::string error_of(std::string_view call, std::string_view folder = "unusable") const {
     const std::string world = stage_world(call).string();
-    const std::string fault = fault_of(world, options({folder_of(folder)}));
-    EXPECT_TRUE(fault.starts_with(world + ":3: error: ")) << fault;
-    return fault.substr(fault.find("error: "));
+    const std::string error = error_of(world, options({folder_of(folder)}));
+    EXPECT_TRUE(error.starts_with(world + ":3: error: ")) << error;
+    return error.substr(error.find("error: "));
   }
   static std::string file(std::string_view folder, std::string_view name) {
     return (folder_of(folder) / name).string() + ".so ";
@@ -111,7 +111,7 @@ TEST_F(PluginsTest, AreFoundByJsonWorlds) {
   fast.run_for(0.5);
   slow.run_for(0.5);
   EXPECT_GT(fast.statistics().mean_displacement_m, 2 * slow.statistics().mean_displacement_m);
-  EXPECT_THAT(fault_of(json_world(R"({"kind": "walker", "speed_mps": -1})"), options({folder_of("plugins")})),
+  EXPECT_THAT(error_of(json_world(R"({"kind": "walker", "speed_mps": -1})"), options({folder_of("plugins")})),
               HasSubstr("speed_mps: must be at least 0 m/s"));
 }
 
@@ -151,19 +151,19 @@ TEST_F(PluginsTest, ComeAfterTroupesOwnAndInTheOrderOfThePath) {
 TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
   const std::string world = stage_world("wonder").string();
   const std::string known = world + ":3: error: unknown controller \"wonder\"; known: ";
-  EXPECT_THAT(fault_of(world, options({"/nowhere", folder_of("other")})),
+  EXPECT_THAT(error_of(world, options({"/nowhere", folder_of("other")})),
               AllOf(testing::StartsWith(known),
                     EndsWith("; there is no wonder.so in /nowhere, " + folder_of("other").string())));
   EXPECT_THAT(
-      fault_of(stage_world("walker"), {}).substr(world.size()),
+      error_of(stage_world("walker"), {}).substr(world.size()),
       AllOf(testing::StartsWith(":3: error: unknown controller \"walker\"; known: "),
             EndsWith(" (did you mean \"wander\"?); no --plugin-path is given to search for walker.so")));
-  EXPECT_THAT(fault_of(stage_world("../plugins/walker"), options({folder_of("other")})),
+  EXPECT_THAT(error_of(stage_world("../plugins/walker"), options({folder_of("other")})),
               Not(HasSubstr(".so")))
       << "a name is no path";
   write("libgo.so", "");
   EXPECT_THAT(
-      fault_of(stage_world("go"), options({folder_})),
+      error_of(stage_world("go"), options({folder_})),
       EndsWith(" (the file name of a plug-in has no \"lib\": " + (folder_ / "libgo.so").string() + ")"));
 }
 
@@ -171,43 +171,43 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
   const auto about = [](std::string_view name) {
     return "error: controller \"" + std::string(name) + "\": " + file("unusable", name);
   };
-  EXPECT_THAT(fault_of("of_stage"),
+  EXPECT_THAT(error_of("of_stage"),
               AllOf(testing::StartsWith(about("of_stage") + "is a controller of Stage (it has Init"),
                     HasSubstr("docs/controllers.md")));
-  EXPECT_EQ(fault_of("nothing"),
+  EXPECT_EQ(error_of("nothing"),
             about("nothing") +
                 "is not a Troupe plug-in: it has no symbol troupe_plugin, which TROUPE_CONTROLLER and "
                 "TROUPE_DEVICE define");
-  EXPECT_THAT(fault_of("undefined_symbol"),
+  EXPECT_THAT(error_of("undefined_symbol"),
               AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
                     HasSubstr("no_such_function"), EndsWith(" (link it with troupe::plugin)")));
-  EXPECT_THAT(fault_of("another_version"),
+  EXPECT_THAT(error_of("another_version"),
               MatchesRegex(about("another_version") +
-                           "was built for troupe 99.1.0 .interface 4., this is troupe 0.1.0 "
-                           ".interface 4.: rebuild it"));
-  EXPECT_THAT(fault_of("old_interface"),
+                           "was built for troupe 99.1.0 .interface 5., this is troupe 0.1.0 "
+                           ".interface 5.: rebuild it"));
+  EXPECT_THAT(error_of("old_interface"),
               MatchesRegex(about("old_interface") +
-                           "was built for troupe 0.1.0 .interface 3., this is troupe 0.1.0 .interface 4.: "
+                           "was built for troupe 0.1.0 .interface 3., this is troupe 0.1.0 .interface 5.: "
                            "rebuild it"));
-  EXPECT_THAT(fault_of("another_build"),
+  EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
-  EXPECT_THAT(fault_of("other_headers"), HasSubstr("was built with other headers of troupe 0.1.0"));
-  EXPECT_THAT(fault_of("contracting"), HasSubstr("-ffp-contract=off"));
-  EXPECT_THAT(fault_of("empty"), EndsWith("has no controller, sensor or device"));
-  EXPECT_THAT(fault_of("throwing"), EndsWith("cannot list its kinds: it threw: a table is missing"));
+  EXPECT_THAT(error_of("other_headers"), HasSubstr("was built with other headers of troupe 0.1.0"));
+  EXPECT_THAT(error_of("contracting"), HasSubstr("-ffp-contract=off"));
+  EXPECT_THAT(error_of("empty"), EndsWith("has no controller, sensor or device"));
+  EXPECT_THAT(error_of("throwing"), EndsWith("cannot list its kinds: it threw: a table is missing"));
   for (const char* number : {"throwing_a_number", "throwing_at_once"})
-    EXPECT_THAT(fault_of(number),
+    EXPECT_THAT(error_of(number),
                 EndsWith("cannot list its kinds: it threw an exception that is no std::exception"));
-  EXPECT_THAT(fault_of("null"), EndsWith("cannot be used: troupe_plugin returns null"));
-  EXPECT_THAT(fault_of("clash"), EndsWith("has two of the name \"clash:idle\", each a controller"));
-  EXPECT_THAT(fault_of("expand:expand"),
+  EXPECT_THAT(error_of("null"), EndsWith("cannot be used: troupe_plugin returns null"));
+  EXPECT_THAT(error_of("clash"), EndsWith("has two of the name \"clash:idle\", each a controller"));
+  EXPECT_THAT(error_of("expand:expand"),
               EndsWith("has a controller \"expand\", but Troupe has one of that name: rename it"));
-  EXPECT_EQ(fault_of("swarm", "plugins"),
+  EXPECT_EQ(error_of("swarm", "plugins"),
             "error: " + file("plugins", "swarm") +
                 "has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy");
-  EXPECT_THAT(fault_of("swarm:leadr", "plugins"), EndsWith("(did you mean \"swarm:leader\"?)"));
-  EXPECT_THAT(fault_of("swarm:needy", "plugins"),
+  EXPECT_THAT(error_of("swarm:leadr", "plugins"), EndsWith("(did you mean \"swarm:leader\"?)"));
+  EXPECT_THAT(error_of("swarm:needy", "plugins"),
               EndsWith("controller \"swarm:needy\" needs a device of kind ranger"));
 }
 
@@ -239,7 +239,7 @@ TEST_F(PluginsTest, WhoseControllersThrowAreNamedWithTickAndRobot) {
                      "12, threw: the map is missing"));
   }
   EXPECT_THAT(
-      fault_of(json_world(R"({"kind": "thrower:when_made"})"), options({folder_of("plugins")})),
+      error_of(json_world(R"({"kind": "thrower:when_made"})"), options({folder_of("plugins")})),
       EndsWith("error: controller \"thrower:when_made\" threw an exception that is no std::exception"));
 }
 
@@ -247,14 +247,14 @@ TEST_F(PluginsTest, FilesThatAreNoLibrariesAreNotLoaded) {
   write("text.so", "troupe_plugin");
   write("cut.so",
         content(folder_of("plugins") / "walker.so").substr(0, 3000) + std::string("troupe_plugin\0", 14));
-  EXPECT_THAT(fault_of(stage_world("text"), options({folder_})), EndsWith("text.so is not a shared library"));
-  EXPECT_THAT(fault_of(stage_world("cut"), options({folder_})), EndsWith("cut.so is truncated"));
+  EXPECT_THAT(error_of(stage_world("text"), options({folder_})), EndsWith("text.so is not a shared library"));
+  EXPECT_THAT(error_of(stage_world("cut"), options({folder_})), EndsWith("cut.so is truncated"));
 }
 
 #if defined(__x86_64__)
 TEST_F(PluginsTest, CompiledWithFusedMultiplicationAreRefused) {
   if (!__builtin_cpu_supports("fma")) GTEST_SKIP() << "the processor has no such instruction";
-  EXPECT_THAT(fault_of("walker", "by_hand"), HasSubstr("was compiled with fused multiply-add"));
+  EXPECT_THAT(error_of("walker", "by_hand"), HasSubstr("was compiled with fused multiply-add"));
 }
 #endif
 
@@ -278,7 +278,7 @@ TEST_F(PluginsTest, ThatWereBuiltAgainNeedAnotherProcess) {
   { const Simulation simulation(stage_world("walker"), options({folder_})); }
   fs::remove(folder_ / "walker.so");
   fs::copy_file(folder_of("other") / "walker.so", folder_ / "walker.so");
-  EXPECT_THAT(fault_of(stage_world("walker"), options({folder_})),
+  EXPECT_THAT(error_of(stage_world("walker"), options({folder_})),
               EndsWith("walker.so was rebuilt since this process loaded it: restart the process"));
 }
 
@@ -343,10 +343,10 @@ class PluginSensors : public PluginsTest {
       text.replace(text.find(word), std::string_view(word).size(), value);
     return write("room.json", text);
   }
-  std::string fault(const fs::path& world, std::string_view folder = "plugins") const {
-    const std::string fault = fault_of(world, options({folder_of(folder)}));
-    EXPECT_TRUE(fault.starts_with(world.string())) << fault;
-    return fault.substr(world.string().size());
+  std::string error(const fs::path& world, std::string_view folder = "plugins") const {
+    const std::string error = error_of(world, options({folder_of(folder)}));
+    EXPECT_TRUE(error.starts_with(world.string())) << error;
+    return error.substr(world.string().size());
   }
   std::vector<std::string> log_of(const fs::path& world, unsigned threads = 2) const {
     Simulation simulation(world, options({folder_of("plugins")}, threads));
@@ -404,7 +404,7 @@ TEST_F(PluginSensors, ThatThrowAreNamedWithTickAndRobot) {
                 MatchesRegex("tick 3: device \"eye\" .thrower:sensor. of \"r[0-2]\", the first of a "
                              "batch of 3, threw an exception that is no std::exception"));
   }
-  EXPECT_EQ(fault(bots("unpreparable")),
+  EXPECT_EQ(error(bots("unpreparable")),
             ":2: error: device \"eye\" (thrower:unpreparable) threw: the map is missing");
   try {
     const Simulation unstartable(bots("unstartable"), options({folder_of("plugins")}));
@@ -430,35 +430,35 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
     return ":" + std::string(line) + ": error: /types/bot/sensors/0" + std::string(pointer) + ": ";
   };
   const std::string plugins = folder_of("plugins").string();
-  EXPECT_THAT(fault(room("sonic")),
+  EXPECT_THAT(error(room("sonic")),
               AllOf(testing::StartsWith(at("3", "/kind") + "unknown sensor \"sonic\"; known: "),
                     EndsWith("; there is no sonic.so in " + plugins)));
-  EXPECT_EQ(fault(room("walker")),
+  EXPECT_EQ(error(room("walker")),
             at("3", "/kind") + plugins +
                 "/walker.so has no sensor or device \"walker\"; it has: no sensor or device, but walker");
-  EXPECT_EQ(fault(room("beam_ranger:sonic")),
+  EXPECT_EQ(error(room("beam_ranger:sonic")),
             at("3", "/kind") + plugins +
                 "/beam_ranger.so has no sensor or device \"beam_ranger:sonic\"; it has: beam_ranger");
-  EXPECT_THAT(fault(room("another_version"), "unusable"),
+  EXPECT_THAT(error(room("another_version"), "unusable"),
               MatchesRegex(at("3", "/kind") +
                            "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                           "99.1.0 .interface 4., this is troupe 0.1.0 .interface 4.: rebuild it"));
+                           "99.1.0 .interface 5., this is troupe 0.1.0 .interface 5.: rebuild it"));
   EXPECT_THAT(
-      fault(room("ranger:ranger"), "unusable"),
+      error(room("ranger:ranger"), "unusable"),
       EndsWith("ranger.so has a sensor or device \"ranger\", but Troupe has one of that name: rename it"));
-  EXPECT_THAT(fault(room("twice"), "unusable"),
+  EXPECT_THAT(error(room("twice"), "unusable"),
               EndsWith("twice.so has two of the name \"twice\", each a sensor or device"));
-  EXPECT_THAT(fault(room("unprepared"), "unusable"),
+  EXPECT_THAT(error(room("unprepared"), "unusable"),
               EndsWith("unprepared.so has a sensor or device \"unprepared\" without `prepare`"));
-  EXPECT_EQ(fault(room("beam_ranger", {}, "devices")),
+  EXPECT_EQ(error(room("beam_ranger", {}, "devices")),
             ":3: error: /types/bot/devices/0/kind: \"beam_ranger\" is a sensor: it belongs in \"sensors\"");
-  EXPECT_EQ(fault(room("led")), at("3", "/kind") + "\"led\" is not a sensor: it belongs in \"devices\"");
-  EXPECT_THAT(fault_of(stage_world("beam_ranger"), options({folder_of("plugins")})),
+  EXPECT_EQ(error(room("led")), at("3", "/kind") + "\"led\" is not a sensor: it belongs in \"devices\"");
+  EXPECT_THAT(error_of(stage_world("beam_ranger"), options({folder_of("plugins")})),
               EndsWith("has no controller \"beam_ranger\"; it has: no controller, but beam_ranger"));
 }
 
 TEST_F(PluginSensors, HaveTheirParametersChecked) {
-  const auto is = [&](std::string_view parameters) { return fault(room("beam_ranger", parameters)); };
+  const auto is = [&](std::string_view parameters) { return error(room("beam_ranger", parameters)); };
   EXPECT_EQ(is(R"("short_share": 2,)"),
             ":3: error: /types/bot/sensors/0/short_share: must be from 0 to 1, found 2");
   EXPECT_THAT(is(R"("short_shares": 0.1,)"),

@@ -34,7 +34,7 @@ struct CameraScene : SceneBuilder {
     (*this)[type].devices = {{.name = "camera",
                               .kind = "camera",
                               .params = params,
-                              .pose_body_sensor = {0, 0, k_eye, 0},
+                              .pose_body_device = {0, 0, k_eye, 0},
                               .where = {}}};
     body("r", type, pose);
   }
@@ -202,12 +202,12 @@ TEST(Camera, WhatCanSeeNothingIsRefused) {
   try {
     static_cast<void>(CameraScene(camera(k_square, {{"range_near", 3.0}, {"range_far", 2.0}})).world());
     FAIL();
-  } catch (const InputError& fault) {
+  } catch (const InputError& error) {
     EXPECT_NE(
-        std::string(fault.what())
+        std::string(error.what())
             .find("device \"camera\" has a range_near of 3 m, which must be below its range_far of 2 m"),
         std::string::npos)
-        << fault.what();
+        << error.what();
   }
 }
 
@@ -217,7 +217,7 @@ TEST(Camera, TheSameForAnyThreadsAndTiles) {
   scene[type].devices = {{.name = "camera",
                           .kind = "camera",
                           .params = camera({{"width", 12}, {"height", 8}}),
-                          .pose_body_sensor = {0, 0, 0.3, 0},
+                          .pose_body_device = {0, 0, 0.3, 0},
                           .where = {}}};
   for (int i = 0; i < 20; ++i) {
     std::string name = "r";

@@ -26,7 +26,7 @@ struct CompassScene : SceneBuilder {
     (*this)[type].devices = {{.name = "compass",
                               .kind = "compass",
                               .params = {noise_stddev, declination},
-                              .pose_body_sensor = {0.05, 0, 0.1, mounted},
+                              .pose_body_device = {0.05, 0, 0.1, mounted},
                               .active = true,
                               .where = {}}};
     for (std::size_t i = 0; i < headings.size(); ++i)

@@ -26,7 +26,7 @@ engine::DeviceSpec finder(Params params = {}) {
   return {.name = "finder",
           .kind = "fiducial",
           .params = test::record(test::registry().device("fiducial")->params, params),
-          .pose_body_sensor = {0, 0, k_eye, 0},
+          .pose_body_device = {0, 0, k_eye, 0},
           .where = {}};
 }
 

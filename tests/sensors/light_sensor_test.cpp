@@ -22,7 +22,7 @@ engine::DeviceSpec device(std::string kind, Params params, const Pose& pose) {
   return {.name = kind,
           .kind = kind,
           .params = test::record(test::registry().device(kind)->params, params),
-          .pose_body_sensor = pose,
+          .pose_body_device = pose,
           .active = true,
           .where = {}};
 }

@@ -34,7 +34,7 @@ engine::DeviceSpec radio(const Params& params = {}, const Pose& pose = {0, 0, k_
   engine::DeviceSpec device{.name = "radio",
                             .kind = "radio",
                             .params = table.defaults(),
-                            .pose_body_sensor = pose,
+                            .pose_body_device = pose,
                             .active = true,
                             .where = {}};
   for (const auto& [name, value] : params)
@@ -537,7 +537,7 @@ TEST(Radio, ThreadsAndTilesChangeNothing) {
   }
 }
 
-std::string fault(const engine::DeviceSpec& device) {
+std::string error(const engine::DeviceSpec& device) {
   RadioScene scene;
   const TypeId type = scene.type("robot", {box(0.4, 0.4)});
   scene[type].devices = {device};
@@ -551,11 +551,11 @@ std::string fault(const engine::DeviceSpec& device) {
 }
 
 TEST(Radio, WhatCannotBeIsAnError) {
-  EXPECT_EQ(fault(radio()), "nothing");
+  EXPECT_EQ(error(radio()), "nothing");
   EXPECT_THAT(
-      fault(radio({{"power_dBm", -90.0}})),
+      error(radio({{"power_dBm", -90.0}})),
       HasSubstr("device \"radio\" has a sensitivity_dBm of -80, which must be below its power_dBm of -90"));
-  EXPECT_THAT(fault(radio({}, {2, 0, 0, 0})),
+  EXPECT_THAT(error(radio({}, {2, 0, 0, 0})),
               HasSubstr("device \"radio\" is 2 m from the origin of its body; it must be within 0.282843 m, "
                         "the radius of the body"));
 }

@@ -96,8 +96,8 @@ TEST(RangerGrid, AnOutlineThatTheWorldCannotHoldIsSaidAtTheResolution) {
   try {
     const World world(yard.spec, test::registry(), {}, diagnostics);
     FAIL() << "it was built";
-  } catch (const InputError& fault) {
-    EXPECT_THAT(fault.what(), ::testing::StartsWith(
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::StartsWith(
                                   "yard.json:7: error: the grid ray engine: cells of 0.0001 m would take "));
   }
 }

@@ -127,16 +127,16 @@ TEST(RangerNoise, AngularNoiseTurnsTheBeams) {
 }
 
 TEST(RangerNoise, AScannerThatHardlyWobblesReadsWhatOneThatDoesNotReads) {
-  const auto scanned = [](double wobble) {
-    NoiseScene scene({{"noise_angular", wobble}, {"samples", 101}, {"fov", k_pi}}, 1);
+  const auto scanned = [](double noise) {
+    NoiseScene scene({{"noise_angular", noise}, {"samples", 101}, {"fov", k_pi}}, 1);
     scene.wall(2, -3, 2.2, 3);
     scene.wall(-1, 1, 2, 1.5);
     return readings(scene);
   };
   const std::vector<float> steady = scanned(0);
-  const std::vector<float> wobbling = scanned(1e-9);
-  ASSERT_EQ(steady.size(), wobbling.size());
-  for (std::size_t i = 0; i < steady.size(); ++i) EXPECT_NEAR(steady[i], wobbling[i], 2e-5) << i;
+  const std::vector<float> noisy = scanned(1e-9);
+  ASSERT_EQ(steady.size(), noisy.size());
+  for (std::size_t i = 0; i < steady.size(); ++i) EXPECT_NEAR(steady[i], noisy[i], 2e-5) << i;
 }
 
 TEST(Ranger, TheLeastRangeIsAppliedOnlyWhereAsked) {

@@ -123,7 +123,7 @@ RandomScene random_scene(std::uint32_t seed, const Vec2& place) {
     for (std::uint32_t s = 0, m = random.below(3); s < m; ++s) {
       const std::vector<Transducer> transducers = any_ranger(random);
       scene[type].devices.push_back(test::ranger(numbered("ranger", s), transducers, random.below(2) == 0));
-      scene[type].devices.back().pose_body_sensor = {random.uniform(-0.1, 0.1), 0, random.uniform(0, 0.2),
+      scene[type].devices.back().pose_body_device = {random.uniform(-0.1, 0.1), 0, random.uniform(0, 0.2),
                                                      random.uniform(-3, 3)};
       out.rangers.back().push_back(transducers);
     }
@@ -157,7 +157,7 @@ struct Formula {
   }
 
   /// The readings of one sensor: what ranger.cpp documents, written down once more.
-  std::vector<Reading> operator()(Row row, const Pose& pose_body_sensor,
+  std::vector<Reading> operator()(Row row, const Pose& pose_body_device,
                                   const std::vector<Transducer>& transducers) const {
     struct Beam {
       Vec2 origin, direction;
@@ -166,7 +166,7 @@ struct Formula {
     };
     std::vector<Beam> beams;  // body frame
     for (const Transducer& t : transducers) {
-      const Pose pose = compose(pose_body_sensor, t.pose);
+      const Pose pose = compose(pose_body_device, t.pose);
       for (int i = 0; i < t.samples; ++i) {
         const SinCos way =
             sincos(pose.heading + (t.samples == 1 ? 0.0 : -t.fov / 2 + i * (t.fov / (t.samples - 1))));
@@ -175,7 +175,7 @@ struct Formula {
     }
     const bool common =
         std::ranges::all_of(beams, [&](const Beam& b) { return b.origin == beams[0].origin; });
-    const Vec2 reference_body = common ? beams[0].origin : pose_body_sensor.position();
+    const Vec2 reference_body = common ? beams[0].origin : pose_body_device.position();
     const Transform body(world.poses()[row.index()]);
     const Vec2 reference = body * reference_body;
     std::vector<partition::RayEdge> relative;
@@ -249,7 +249,7 @@ TEST(Ranger, GridTilesThreadsAndCullsChangeNoBit) {
             world, random, [&](Row row, std::size_t s, const std::vector<Transducer>& transducers) {
               const auto type = world.spec().bodies[world.body(row).index()].type;
               expected.push_back(
-                  formula(row, world.spec().types[type.index()].devices[s].pose_body_sensor, transducers));
+                  formula(row, world.spec().types[type.index()].devices[s].pose_body_device, transducers));
             });
       }
       world.step();
@@ -382,7 +382,7 @@ void expect_true_ranges(const Vec2& place, std::uint32_t first_seed) {
     for_each_ranger(world, random, [&](Row row, std::size_t s, const std::vector<Transducer>& transducers) {
       const BodyId body = world.body(row);
       const engine::BodySpec& spec = world.spec().bodies[body.index()];
-      const Pose& mount = world.spec().types[spec.type.index()].devices[s].pose_body_sensor;
+      const Pose& mount = world.spec().types[spec.type.index()].devices[s].pose_body_device;
       std::size_t beam = 0;
       for (const Transducer& t : transducers) {
         const double heading = spec.pose_world_body.heading + mount.heading;
@@ -560,7 +560,7 @@ TEST(Ranger, OneSampleLooksStraightAheadWhateverItsFov) {
 
 TEST(Ranger, SensorAndTransducerPosesAreComposed) {
   RobotScene s({{.pose = {1, 0, 0.2, k_quarter}}});
-  s[s.robot_type].devices[0].pose_body_sensor = {0.5, 0, 0.3,
+  s[s.robot_type].devices[0].pose_body_device = {0.5, 0, 0.3,
                                                  k_quarter};  // transducer at (0.5, 1, 0.5), looking back
   s.spec.bodies[s.robot_body.index()].pose_world_body = {10, 20, 0,
                                                          -k_quarter};  // at (11, 19.5), looking to +y

@@ -19,7 +19,7 @@ inline std::size_t add_device(engine::TypeSpec& type, std::string name, std::str
   engine::DeviceSpec device{.name = std::move(name),
                             .kind = kind_name,
                             .params = record(kind.params, values),
-                            .pose_body_sensor = pose};
+                            .pose_body_device = pose};
   const std::size_t d = engine::add_device(type, std::move(device), kind);
   engine::add_device_body(type, d, kind);
   return d;

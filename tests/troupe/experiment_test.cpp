@@ -258,8 +258,8 @@ TEST_F(StopWhen, WhatIsWrongIsToldWithItsPlace) {
   const auto error = [&](const std::string& keys) {
     try {
       Simulation simulation(world(keys));
-    } catch (const InputError& fault) {
-      return std::string(fault.what());
+    } catch (const InputError& error) {
+      return std::string(error.what());
     }
     return std::string("none");
   };

@@ -25,7 +25,7 @@ FrameScene robots() {
   return scene;
 }
 
-TEST(Trails, BelongToTheirBodiesWhoeverComesAndGoes) {
+TEST(Trails, BelongToTheirBodiesAcrossBirthsAndDeaths) {
   Trails trails(0.1);  // a place every 4 ticks
   trails.see(frame_at(0, {{2, {0, 0}}, {5, {5, 0}}}));
   trails.see(frame_at(2, {{2, {9, 9}}}));  // too soon
@@ -43,7 +43,7 @@ TEST(Trails, BelongToTheirBodiesWhoeverComesAndGoes) {
   EXPECT_EQ(xs(2), (std::vector<double>{9}));
 }
 
-TEST(Trails, ReachBackTwentySecondsAndBeginAnewWithTheRun) {
+TEST(Trails, ReachBackTwentySecondsAndBeginAgainWithTheRun) {
   Trails trails(0.1);
   for (std::uint64_t tick = 0; tick <= 1000; ++tick)
     trails.see(frame_at(tick, {{1, {0.1 * static_cast<double>(tick), 0}}}));

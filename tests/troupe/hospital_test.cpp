@@ -66,7 +66,7 @@ std::size_t median_edges_near_robots(const engine::World& world, double reach) {
   return counts[counts.size() / 2];
 }
 
-TEST(Hospital, NobodyIsInAWallAndTheSwarmHasSpread) {
+TEST(Hospital, NoRobotIsInAWallAndTheSwarmHasSpread) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;
   worldio::LoadOptions options;

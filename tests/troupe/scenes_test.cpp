@@ -90,7 +90,7 @@ TEST(BeeclustScene, TheSwarmGathersBelowTheBrighterLampAndFollowsIt) {
   EXPECT_NEAR(mean(after), 0.70, 0.10);
 }
 
-TEST(BeeclustScene, WhereNobodyWaitsTheShareIsThatOfTheGround) {
+TEST(BeeclustScene, WhereNoRobotWaitsTheShareIsThatOfTheGround) {
   if (test::k_slow_build) GTEST_SKIP() << "takes 36,000 ticks";
   std::vector<double> left;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
@@ -150,7 +150,7 @@ TEST_F(BeeclustByHand, WhoMeetsWaitsByTheBrightnessOfTheGround) {
       << "and then go apart";
 }
 
-TEST_F(BeeclustByHand, NobodyWaitsOnBlackGroundNorAtAWall) {
+TEST_F(BeeclustByHand, NoRobotWaitsOnBlackGroundNorAtAWall) {
   for (const auto& [grey, name] : {std::pair("0", "a"), std::pair("1", "lone")}) {
     Simulation simulation = duel(grey);
     const engine::World& world = simulation.world();
@@ -309,7 +309,7 @@ TEST(SegregationScene, EachGathersOnTheGroundOfItsColour) {
   }
 }
 
-TEST(SegregationScene, WithNobodyInformedTheSwarmGathersOnASiteAtRandom) {
+TEST(SegregationScene, WithNoRobotInformedTheSwarmGathersOnASiteAtRandom) {
   if (test::k_slow_build) GTEST_SKIP() << "takes 360,000 ticks";
   std::size_t on_black = 0, on_one = 0;
   for (std::uint64_t seed = 1; seed <= k_seeds; ++seed) {
@@ -376,7 +376,7 @@ TEST_F(SegregationByHand, WhoHearsOthersStaysLonger) {
   EXPECT_GT(standing(simulation), 350u);
 }
 
-TEST_F(SegregationByHand, NobodyStopsOnGroundOfNoOrOfTheWrongColour) {
+TEST_F(SegregationByHand, NoRobotStopsOnGroundOfNoOrOfTheWrongColour) {
   for (const auto& [grey, controller] : {std::pair("0.5", ""), std::pair("0", R"(, "informed": "white")"),
                                          std::pair("1", R"(, "informed": "black")")}) {
     Simulation simulation = crowd("9", grey, controller, 0.1);

@@ -70,7 +70,7 @@ class Sessions : public test::ScratchTest {
   }
 
   /// The message of a session of these lines.
-  std::string fault(const std::string& text, std::uint64_t seed = 5) {
+  std::string error(const std::string& text, std::uint64_t seed = 5) {
     const fs::path file = write("s.jsonl", text);
     try {
       Simulation simulation = yard(1, seed);
@@ -232,19 +232,19 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
 
 TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
   const std::string good = header();
-  EXPECT_EQ(fault(good), "");
+  EXPECT_EQ(error(good), "");
   const std::string move = R"({"tick":3,"n":1,"do":"remove","robot":"b0"})"
                            "\n";
-  EXPECT_EQ(fault(good + move), "");
-  EXPECT_THAT(fault(good, 6),
+  EXPECT_EQ(error(good + move), "");
+  EXPECT_THAT(error(good, 6),
               HasSubstr("s.jsonl:1: error: the session is of another run: seed is 5, here 6"));
   std::string other = good;
   other.replace(other.find("\"hash\":\"") + 8, 4, "0000");
-  EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 with state hash 0000"));
+  EXPECT_THAT(error(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 with state hash 0000"));
   other = good;
   other.replace(other.find("troupe 0."), 9, "troupe 9.");
-  EXPECT_THAT(fault(other), HasSubstr("s.jsonl:1: error: troupe 9."));
-  EXPECT_THAT(fault(good + move +
+  EXPECT_THAT(error(other), HasSubstr("s.jsonl:1: error: troupe 9."));
+  EXPECT_THAT(error(good + move +
                     R"({"tick":4,"n":2,"do":"remove","robot":"b0"})"
                     "\n"),
               HasSubstr("s.jsonl:3: error: at tick 4: \"b0\" is not in the world"));
@@ -258,12 +258,12 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
            {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1e999,2,0,0]})", ""},
            {R"([1])", ""},
            {R"({"tick")", ""}}) {
-    EXPECT_THAT(fault(good + line + "\n"), HasSubstr("s.jsonl:2: error: ")) << line;
-    EXPECT_THAT(fault(good + line + "\n"), HasSubstr(message)) << line;
+    EXPECT_THAT(error(good + line + "\n"), HasSubstr("s.jsonl:2: error: ")) << line;
+    EXPECT_THAT(error(good + line + "\n"), HasSubstr(message)) << line;
   }
-  EXPECT_THAT(fault(""), HasSubstr("s.jsonl: error: is empty"));
-  EXPECT_THAT(fault("{}\n"), HasSubstr("s.jsonl:1: error: "));
-  EXPECT_EQ(fault(good + move + R"({"tick":4,"n":2,"do":"rem)"), "") << "what a kill cut off is left out";
+  EXPECT_THAT(error(""), HasSubstr("s.jsonl: error: is empty"));
+  EXPECT_THAT(error("{}\n"), HasSubstr("s.jsonl:1: error: "));
+  EXPECT_EQ(error(good + move + R"({"tick":4,"n":2,"do":"rem)"), "") << "what a kill cut off is left out";
 }
 
 TEST_F(Sessions, SpareBodiesComeBehindAllOthersAndAreAdded) {

@@ -43,8 +43,8 @@ TEST_F(StageGrip, AnActuatorsLimitsStandInTheirOrder) {
   try {
     load("\nposition( actuator( name \"lift\" min_position 2 ) )");
     ADD_FAILURE() << "it was read";
-  } catch (const InputError& fault) {
-    EXPECT_THAT(fault.what(),
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
                 ::testing::EndsWith("w.world:2: error: device \"lift\" has a \"min_position\" of 2, "
                                     "above its \"max_position\" of 1"));
   }
@@ -71,12 +71,12 @@ TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
   try {
     load("position( gripper( paddle_size [1 2 3] ) gripper( paddle_state [\"shut\" \"up\"] ) )");
     FAIL();
-  } catch (const InputError& fault) {
-    EXPECT_THAT(fault.what(),
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
                 HasSubstr("w.world:1: error: \"paddle_size\" needs fractions of the gripper's size, "
                           "between 0 and 1, y below 0.5"));
     EXPECT_THAT(
-        fault.what(),
+        error.what(),
         HasSubstr("\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or \"down\""));
   }
 }
@@ -187,24 +187,24 @@ TEST_F(StageGrip, APlanIsOneWord) {
   EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").lift, GripperState::is_up);
   step(simulation, 30);
   EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").paddles, GripperState::is_open);
-  const auto fault_of = [&](const std::string& plan) -> std::string {
+  const auto error_of = [&](const std::string& plan) -> std::string {
     try {
       load("position( ctrl \"operate " + plan + "\" gripper( name \"hand\" ) actuator( name \"arm\" ) )");
-    } catch (const InputError& fault) {
-      return fault.what();
+    } catch (const InputError& error) {
+      return error.what();
     }
     return "nothing";
   };
   EXPECT_THAT(
-      fault_of("hand:close"),
+      error_of("hand:close"),
       HasSubstr("w.world:1: error: controller \"operate\" has a plan with \"hand:close\", which is not "
                 "DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS"));
-  EXPECT_THAT(fault_of("hand:clse@1"),
+  EXPECT_THAT(error_of("hand:clse@1"),
               HasSubstr("has a plan with an unknown order \"clse\"; known: close, down, "
                         "go_to, open, speed, up (did you mean \"close\"?)"));
-  EXPECT_THAT(fault_of("arm:go_to@1"), HasSubstr("\"arm:go_to@1\": that order needs a number"));
-  EXPECT_THAT(fault_of("hand:close:2@1"), HasSubstr("\"hand:close:2@1\": that order takes no number"));
-  EXPECT_THAT(fault_of("foot:up@1"), HasSubstr("has an order for unknown device \"foot\"; known: arm, hand"));
+  EXPECT_THAT(error_of("arm:go_to@1"), HasSubstr("\"arm:go_to@1\": that order needs a number"));
+  EXPECT_THAT(error_of("hand:close:2@1"), HasSubstr("\"hand:close:2@1\": that order takes no number"));
+  EXPECT_THAT(error_of("foot:up@1"), HasSubstr("has an order for unknown device \"foot\"; known: arm, hand"));
 }
 
 }  // namespace

@@ -283,7 +283,7 @@ TEST(StageStylesRefused, IncludesThatAreNotWhereTheyAreSaidToBe) {
   EXPECT_THAT(text, HasSubstr("lost.world:2: error: cannot read the included file wifi/map.inc"));
 }
 
-TEST(StageStylesRefused, ControllersThatNobodyHas) {
+TEST(StageStylesRefused, ControllersThatNoRobotHas) {
   EXPECT_THAT(refusal("no_plugin.world"),
               HasSubstr("no_plugin.world:4: error: unknown controller \"fasr_plan\"; known: "));
 }

@@ -96,8 +96,8 @@ TEST(JsonJoints, DevicesMoveTheirBodyAndWhatStandsOnThem) {
     EXPECT_EQ(type.devices[d].joint, 0) << d;
     EXPECT_EQ(type.devices[d].part, 1u) << d;
   }
-  EXPECT_NEAR(type.devices[0].pose_body_sensor.x, 0.1, 1e-12);
-  EXPECT_NEAR(type.devices[0].pose_body_sensor.y, 0.2, 1e-12);
+  EXPECT_NEAR(type.devices[0].pose_body_device.x, 0.1, 1e-12);
+  EXPECT_NEAR(type.devices[0].pose_body_device.y, 0.2, 1e-12);
   EXPECT_EQ(type.devices[1].joint, engine::k_rigid);
   EXPECT_EQ(type.devices[1].moves, 0);
   EXPECT_EQ(type.devices[3].moves, 1);
@@ -135,20 +135,20 @@ TEST(JsonJoints, WhatIsWrongIsTold) {
               ElementsAre(::testing::HasSubstr("gate.json:7: error: /types/gate/sensors/0/on: ")));
   EXPECT_THAT(Read(changed(R"("size_m": [1, 0.04, 0.05])", R"("size_m": [1, 0, 0.05])")).found,
               ElementsAre(::testing::HasSubstr("gate.json:11: error: /types/gate/devices/0/size_m")));
-  const auto fault_of = [](const std::string& text) -> std::string {
+  const auto error_of = [](const std::string& text) -> std::string {
     Read read(text);
     try {
       engine::World world(read.spec, read.registry, {}, read.diagnostics);
-    } catch (const InputError& fault) {
-      return fault.what();
+    } catch (const InputError& error) {
+      return error.what();
     }
     return "nothing";
   };
   EXPECT_THAT(
-      fault_of(changed(R"("device": "boom")", R"("device": "barrier")")),
+      error_of(changed(R"("device": "boom")", R"("device": "barrier")")),
       ::testing::HasSubstr("gate.json:15: error: controller \"operate\" has an order for unknown device "
                            "\"barrier\"; known: boom, eye, hand, lamp"));
-  EXPECT_THAT(fault_of(changed(R"("order": "go_to")", R"("order": "close")")),
+  EXPECT_THAT(error_of(changed(R"("order": "go_to")", R"("order": "close")")),
               ::testing::HasSubstr("has an order \"close\" for \"boom\", which is no gripper"));
 }
 

@@ -181,7 +181,7 @@ TEST(JsonWorld, SettingsAndUnits) {
   EXPECT_EQ(type.devices[1].name, "ranger:1");
   EXPECT_EQ(type.devices[0].period_s, 0.5);
   EXPECT_FALSE(type.devices[0].active);
-  EXPECT_EQ(type.devices[0].pose_body_sensor, (Pose{0, 0, 0.1, 0}));
+  EXPECT_EQ(type.devices[0].pose_body_device, (Pose{0, 0, 0.1, 0}));
   const engine::Registry registry = json_test_registry();
   const engine::FieldTable& ranger = registry.device("ranger")->params;
   const engine::FieldTable& fan = *ranger.fields.front().record;

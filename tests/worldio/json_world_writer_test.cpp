@@ -182,7 +182,7 @@ class RandomWorld {
         const DeviceKind& kind = *registry().device(part.kind);
         engine::DeviceSpec device{.name = part.name, .kind = part.kind, .part = p, .joint = joint};
         device.params = record(kind.params);
-        device.pose_body_sensor = chance() ? part.pose_body_part : pose();
+        device.pose_body_device = chance() ? part.pose_body_part : pose();
         const std::size_t d = engine::add_device(type, device, kind);
         if (!kind.body) type.parts[p].joint = below_joint = type.devices[d].moves;
         if (kind.body && chance()) engine::add_device_body(type, d, kind);
@@ -200,7 +200,7 @@ class RandomWorld {
           .name = name + std::to_string(type.devices.size()), .kind = name, .part = part};
       device.joint = chance() ? joint : engine::k_rigid;
       device.params = record(kind.params);
-      if (chance()) device.pose_body_sensor = pose();
+      if (chance()) device.pose_body_device = pose();
       device.period_s = one_of({0.0, 0.1, 0.25});
       device.active = chance();
       type.devices.push_back(std::move(device));

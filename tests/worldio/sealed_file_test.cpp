@@ -30,7 +30,7 @@ class SealedFile : public test::ScratchTest {
     write_sealed(file_, "test", 2, std::as_bytes(std::span(bytes)));
   }
   /// What check_seal() says of a file with these bytes, behind its name; empty when nothing.
-  std::string fault_of(std::string_view bytes, std::string_view kind = "test", unsigned layout = 2) const {
+  std::string error_of(std::string_view bytes, std::string_view kind = "test", unsigned layout = 2) const {
     write("b.kept", bytes);
     try {
       check_seal(folder_ / "b.kept", kind, layout);
@@ -49,7 +49,7 @@ TEST_F(SealedFile, SaysWhatItIsAndHashesTheRest) {
   EXPECT_EQ(bytes.size(), k_seal_bytes + 10);
   EXPECT_THAT(bytes,
               StartsWith("troupe test\nlayout 2\nbytes 10\nxxh3 " + hex(hash_text("some bytes")) + "\n  "));
-  EXPECT_EQ(fault_of(bytes), "");
+  EXPECT_EQ(error_of(bytes), "");
   EXPECT_TRUE(has_seal(file_, "test"));
   EXPECT_FALSE(has_seal(file_, "other"));
   EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
@@ -57,7 +57,7 @@ TEST_F(SealedFile, SaysWhatItIsAndHashesTheRest) {
 
 TEST_F(SealedFile, MayHoldNothing) {
   seal("");
-  EXPECT_EQ(fault_of(content(file_)), "");
+  EXPECT_EQ(error_of(content(file_)), "");
 }
 
 TEST_F(SealedFile, EveryByteThatChangedShows) {
@@ -66,7 +66,7 @@ TEST_F(SealedFile, EveryByteThatChangedShows) {
   for (std::size_t i = 0; i < good.size(); i += i < 100 ? 1 : 13) {
     std::string bad = good;
     bad[i] = static_cast<char>(bad[i] ^ (1 << (i % 8)));
-    EXPECT_NE(fault_of(bad), "") << "byte " << i;
+    EXPECT_NE(error_of(bad), "") << "byte " << i;
   }
 }
 
@@ -74,23 +74,23 @@ TEST_F(SealedFile, EveryCutShows) {
   seal(std::string(1000, 'x'));
   const std::string good = content(file_);
   for (std::size_t size = 1; size < good.size(); size += 57)
-    EXPECT_THAT(fault_of(good.substr(0, size)),
+    EXPECT_THAT(error_of(good.substr(0, size)),
                 StartsWith("the file was cut off, after " + std::to_string(size) + " bytes"));
-  EXPECT_THAT(fault_of(good + "x"), StartsWith("the file is damaged"));
+  EXPECT_THAT(error_of(good + "x"), StartsWith("the file is damaged"));
 }
 
 TEST_F(SealedFile, SaysWhyItRefuses) {
   seal("abc");
   const std::string good = content(file_);
-  EXPECT_THAT(fault_of(good, "checkpoint"), StartsWith("this is not a checkpoint"));
-  EXPECT_EQ(fault_of(good, "test", 1),
+  EXPECT_THAT(error_of(good, "checkpoint"), StartsWith("this is not a checkpoint"));
+  EXPECT_EQ(error_of(good, "test", 1),
             "its layout is 2, of a newer version of Troupe; this program reads layout 1");
-  EXPECT_EQ(fault_of(good, "test", 3),
+  EXPECT_EQ(error_of(good, "test", 3),
             "its layout is 2, of an older version of Troupe; this program reads layout 3");
-  EXPECT_EQ(fault_of(""), "this is not a test: the file is empty");
-  EXPECT_EQ(fault_of("\x89HDF\r\n\x1a\n and so on"), "this is an HDF5 file, but not a test");
-  EXPECT_EQ(fault_of(std::string(2000, 'z')), "this is not a test");
-  EXPECT_EQ(fault_of(good.substr(0, 514)), "the file was cut off, after 514 bytes of 515");
+  EXPECT_EQ(error_of(""), "this is not a test: the file is empty");
+  EXPECT_EQ(error_of("\x89HDF\r\n\x1a\n and so on"), "this is an HDF5 file, but not a test");
+  EXPECT_EQ(error_of(std::string(2000, 'z')), "this is not a test");
+  EXPECT_EQ(error_of(good.substr(0, 514)), "the file was cut off, after 514 bytes of 515");
   EXPECT_THROW(check_seal(folder_ / "nowhere", "test", 2), InputError);
   EXPECT_THROW(check_seal(folder_, "test", 2), InputError);
 }
@@ -103,15 +103,15 @@ TEST_F(SealedFile, AFullDiskLeavesTheFileBefore) {
   const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit small{1000, old.rlim_max};
   setrlimit(RLIMIT_FSIZE, &small);
-  std::string fault;
+  std::string error;
   try {
     seal(std::string(5000, 'x'));
-  } catch (const std::runtime_error& error) {
-    fault = error.what();
+  } catch (const std::runtime_error& thrown) {
+    error = thrown.what();
   }
   setrlimit(RLIMIT_FSIZE, &old);
   std::signal(SIGXFSZ, old_handler);
-  EXPECT_EQ(fault, file_.string() + ": error: cannot be written: File too large");
+  EXPECT_EQ(error, file_.string() + ": error: cannot be written: File too large");
   EXPECT_EQ(content(file_), before);
   EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
 }
@@ -123,7 +123,7 @@ TEST_F(SealedFile, TwoWritersOfOneFileDoNotWriteIntoEachOther) {
     const PartialFile other(file_);
     EXPECT_EQ(other.path(), file_.string() + ".2.partial");
     seal("whole");  // a third
-    EXPECT_EQ(fault_of(content(file_)), "");
+    EXPECT_EQ(error_of(content(file_)), "");
     EXPECT_TRUE(fs::exists(one.path()));
     EXPECT_TRUE(fs::exists(other.path()));
   }
@@ -151,7 +151,7 @@ TEST_F(SealedFile, ManyWritersOfOneFileLeaveAWholeOne) {
     waitpid(writer, &status, 0);
     EXPECT_EQ(status, 0);
   }
-  EXPECT_EQ(fault_of(content(file_)), "");
+  EXPECT_EQ(error_of(content(file_)), "");
   fs::remove(folder_ / "b.kept");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "leftovers";
 }
@@ -160,14 +160,14 @@ TEST_F(SealedFile, TakesTheNameThatALinkOrAFolderHasForAnother) {
   fs::create_directory(file_.string() + ".partial");
   fs::create_symlink("elsewhere", file_.string() + ".2.partial");
   seal("new");
-  EXPECT_EQ(fault_of(content(file_)), "");
+  EXPECT_EQ(error_of(content(file_)), "");
   EXPECT_FALSE(fs::exists(folder_ / "elsewhere"));
 }
 
 TEST_F(SealedFile, ReplacesWhatAKilledWriterLeft) {
   write("a.kept.partial", std::string(5000, 'y'));
   seal("new");
-  EXPECT_EQ(fault_of(content(file_)), "");
+  EXPECT_EQ(error_of(content(file_)), "");
   EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
 }
 

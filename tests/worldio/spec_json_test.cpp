@@ -102,7 +102,7 @@ WorldSpec full_spec() {
   const engine::Record fan = engine::described<engine::TransducerParams>().defaults();
   put(registry.device("ranger")->params, sensor.params, "transducers", std::vector{fan, fan});
   sensor.part = 2;
-  sensor.pose_body_sensor = {0.1, 0.2, 0.3, 0.4};
+  sensor.pose_body_device = {0.1, 0.2, 0.3, 0.4};
   sensor.period_s = 0.3;
   sensor.active = false;
   sensor.where = {file, 9};

@@ -120,7 +120,7 @@ TEST_F(StageOtherWorlds, AChildStandsOnThePoseNotOnTheOriginOfItsParent) {
   const engine::TypeSpec& type = type_of(spec, 1);
   EXPECT_EQ(type.parts[1].pose_body_part, (Pose{0.3, 0, 0.5, 0}));
   EXPECT_EQ(type.parts[2].pose_body_part, (Pose{0.3, 0, 0.5, 0}));
-  const Pose& eye = type.devices[0].pose_body_sensor;
+  const Pose& eye = type.devices[0].pose_body_device;
   EXPECT_NEAR(eye.x, 0.3, 1e-15);
   EXPECT_NEAR(eye.y, 0.4, 1e-15);
   EXPECT_NEAR(eye.z, 0.55, 1e-15);

@@ -72,7 +72,7 @@ TEST_F(StagePowerTest, WhatModelsDrawGoesToTheNearestPack) {
   EXPECT_EQ(number(*packs[1], "mass"), 0);
 }
 
-TEST_F(StagePowerTest, ADriveThatNobodyRunsDrawsNothing) {
+TEST_F(StagePowerTest, ADriveThatNoControllerCommandsDrawsNoRandomNumbers) {
   EXPECT_EQ(number(devices("position( joules 100 mass 3 )").at(0), "idle"), 0);
   EXPECT_EQ(number(devices("position( joules 100 ctrl \"script line\" )").at(0), "idle"), 1);
 }

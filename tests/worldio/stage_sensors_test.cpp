@@ -42,7 +42,7 @@ TEST_F(StageSensors, AFiducialFinderStandsOnItsParentWithUnitsAndKey) {
   ASSERT_EQ(type.devices.size(), 1u);
   const engine::DeviceSpec& finder = type.devices[0];
   EXPECT_EQ(finder.kind, "fiducial");
-  EXPECT_DOUBLE_EQ(finder.pose_body_sensor.z, 0.3);
+  EXPECT_DOUBLE_EQ(finder.pose_body_device.z, 0.3);
   EXPECT_DOUBLE_EQ(param(finder, "range_min").number(), 0.2);
   EXPECT_TRUE(param(finder, "apply_range_min").boolean());
   EXPECT_DOUBLE_EQ(param(finder, "range_max").number(), 4);

@@ -176,7 +176,7 @@ TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
                                       "is only a body here (and 1 more)"));
 }
 
-TEST_F(StageWorld, MacrosThatNobodyUsesAreNotLookedAt) {
+TEST_F(StageWorld, MacrosThatNoModelUsesAreNotChecked) {
   load("define a laser( wibble 3 pose [1] )\nmodel()");
   EXPECT_THAT(messages(), IsEmpty());
 }
@@ -455,7 +455,7 @@ TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
                                       "bodies and beams at exactly its height meet it"));
   const engine::TypeSpec& robot = type_of(spec, 1);
   EXPECT_EQ(robot.parts[1].size, Eigen::Vector3d(0, 0, 0));
-  EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 0, "z"), 0.3, 1e-15);
+  EXPECT_NEAR(robot.devices[0].pose_body_device.z + transducer_pose(robot.devices[0], 0, "z"), 0.3, 1e-15);
   EXPECT_NEAR(robot.parts[2].pose_body_part.z, 0.3, 1e-15);  // it stands on nothing high
   EXPECT_EQ(type_of(spec, 3).parts[0].solids[0].z, (ZInterval{0, 0}));
 }
@@ -594,10 +594,10 @@ TEST_F(StageWorld, RangersBecomeSensors) {
   EXPECT_EQ(eyes.kind, "ranger");
   EXPECT_TRUE(eyes.active);
   EXPECT_EQ(eyes.period_s, 0.25);
-  EXPECT_NEAR(eyes.pose_body_sensor.x, 0.1, 1e-15);
-  EXPECT_NEAR(eyes.pose_body_sensor.y, 0.2, 1e-15);
-  EXPECT_NEAR(eyes.pose_body_sensor.z, 0.15, 1e-15);
-  EXPECT_NEAR(eyes.pose_body_sensor.heading, k_pi / 2, 1e-15);
+  EXPECT_NEAR(eyes.pose_body_device.x, 0.1, 1e-15);
+  EXPECT_NEAR(eyes.pose_body_device.y, 0.2, 1e-15);
+  EXPECT_NEAR(eyes.pose_body_device.z, 0.15, 1e-15);
+  EXPECT_NEAR(eyes.pose_body_device.heading, k_pi / 2, 1e-15);
   EXPECT_EQ(eyes.where.line, 2u);
   EXPECT_EQ(transducer_pose(eyes, 0, "x"), 0.01);
   EXPECT_NEAR(transducer_pose(eyes, 0, "z"), 0.105, 1e-15);  // half of the transducer's height is added
@@ -644,7 +644,7 @@ TEST_F(StageWorld, LasersAndSonarsAreRangers) {
   EXPECT_EQ(transducer(sensor(3), 0, "range_min").number(), 0.2);
   EXPECT_EQ(transducer(sensor(3), 0, "range_max").number(), 4);
   EXPECT_EQ(transducer_pose(sensor(3), 0, "x"), 0);  // its pose is that of the model
-  EXPECT_NEAR(sensor(3).pose_body_sensor.x, 0.1, 1e-15);
+  EXPECT_NEAR(sensor(3).pose_body_device.x, 0.1, 1e-15);
   EXPECT_EQ(transducer(sensor(4), 0, "range_max").number(), 3);
   EXPECT_EQ(transducer(sensor(5), 0, "samples").integer(), 4);  // with sensors it is a ranger like others
   EXPECT_EQ(get(ranger_table(), sensor(5).params, "transducers").records().size(), 2u);
@@ -998,8 +998,8 @@ TEST_F(StageOwnWorld, Simple) {
   expect_box(bounds_of(robot.parts[0].solids), -0.26, 0.18, -0.19, 0.19);
   EXPECT_EQ(robot.parts[0].solids[0].z, (ZInterval{0, 0.22}));
   ASSERT_THAT(robot.devices, SizeIs(2));
-  EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 3, "z"), 0.195, 1e-12);
-  EXPECT_NEAR(robot.devices[1].pose_body_sensor.z + transducer_pose(robot.devices[1], 0, "z"), 0.33, 1e-12);
+  EXPECT_NEAR(robot.devices[0].pose_body_device.z + transducer_pose(robot.devices[0], 3, "z"), 0.195, 1e-12);
+  EXPECT_NEAR(robot.devices[1].pose_body_device.z + transducer_pose(robot.devices[1], 0, "z"), 0.33, 1e-12);
   EXPECT_EQ(transducer(robot.devices[1], 0, "samples").integer(), 180);
   EXPECT_NEAR(robot.parts[2].solids[0].z.max, 0.41, 1e-12);
   ASSERT_THAT(robot.controllers, SizeIs(1));
@@ -1096,7 +1096,7 @@ TEST_F(StageOwnWorld, Hospital) {
   const engine::TypeSpec& robot = spec.types[2];
   EXPECT_EQ(robot.name, "swarmbot");
   EXPECT_THAT(get(ranger_table(), robot.devices[0].params, "transducers").records(), SizeIs(12));
-  EXPECT_NEAR(robot.devices[0].pose_body_sensor.z + transducer_pose(robot.devices[0], 0, "z"), 0.06, 1e-12);
+  EXPECT_NEAR(robot.devices[0].pose_body_device.z + transducer_pose(robot.devices[0], 0, "z"), 0.06, 1e-12);
   expect_box(bounds_of(spec.types[1].parts[0].solids), -70, 70, -30, 30);
   EXPECT_THAT(spec.types[1].parts[0].solids[0].contours, SizeIs(979));
 }
@@ -1152,7 +1152,7 @@ class StageLikeWorld : public StageTest {
     return read(file, {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()}, {}, registry);
   }
   static double beam_height(const engine::DeviceSpec& ranger, std::size_t number = 0) {
-    return ranger.pose_body_sensor.z + transducer_pose(ranger, number, "z");
+    return ranger.pose_body_device.z + transducer_pose(ranger, number, "z");
   }
 };
 
@@ -1221,7 +1221,7 @@ TEST_F(StageLikeWorld, YardInCentimetresAndRadians) {
   EXPECT_THAT(get(ranger_table(), robot.devices[0].params, "transducers").records(), SizeIs(12));
   EXPECT_NEAR(transducer_pose(robot.devices[0], 7, "heading"), -2.61799388, 1e-12);
   EXPECT_EQ(transducer(robot.devices[0], 0, "range_max").number(), 2.5);
-  EXPECT_NEAR(robot.devices[1].pose_body_sensor.heading, 0.5, 1e-12);
+  EXPECT_NEAR(robot.devices[1].pose_body_device.heading, 0.5, 1e-12);
   EXPECT_NEAR(beam_height(robot.devices[1]), 0.44, 1e-12);
   EXPECT_NEAR(drive_param(spec, 4, "velocity_max_x"), 1, 1e-12);
 }

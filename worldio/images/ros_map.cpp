@@ -26,8 +26,8 @@ std::optional<double> yaml_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
   const char* end = text.data() + text.size();
-  const auto [rest, fault] = std::from_chars(text.data(), end, value);
-  if (text.empty() || fault != std::errc() || rest != end || !std::isfinite(value)) return {};
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (text.empty() || error != std::errc() || rest != end || !std::isfinite(value)) return {};
   return value;
 }
 
@@ -39,8 +39,8 @@ class MapReader {
   std::optional<RosMap> read(std::string_view text) {
     try {
       return read(YAML::Load(std::string(text)));
-    } catch (const YAML::Exception& fault) {
-      error(line_of(fault.mark), fmt::format("not valid YAML: {}", fault.msg));
+    } catch (const YAML::Exception& exception) {
+      error(line_of(exception.mark), fmt::format("not valid YAML: {}", exception.msg));
       return {};
     }
   }

@@ -196,7 +196,7 @@ void TypeContractor::contract_device(std::size_t d, const Pose& usual_pose, std:
   const DeviceSpec& device = type_.devices[d];
   document.where = device.where;
   document.kind = device.kind;
-  if (!same_bits(device.pose_body_sensor, usual_pose)) document.pose = device.pose_body_sensor;
+  if (!same_bits(device.pose_body_device, usual_pose)) document.pose = device.pose_body_device;
   document.joint = joint_name(device.joint, usual_joint);
   document.active = device.active;
   document.period = device.period_s;

@@ -243,8 +243,8 @@ Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const 
       result.difference = spec_difference(spec, back);
       if (result.difference.empty()) result.document = std::move(document);
     }
-  } catch (const std::runtime_error& fault) {
-    result.difference = fault.what();
+  } catch (const std::runtime_error& error) {
+    result.difference = error.what();
   }
   return result;
 }

@@ -132,7 +132,7 @@ void TypeExpander::expand_own_device(const PartDocument& document, const Documen
                             .part = stand.part,
                             .joint = stand.joint,
                             .params = own.params,
-                            .pose_body_sensor = own.pose.value_or(part.pose_body_part),
+                            .pose_body_device = own.pose.value_or(part.pose_body_part),
                             .period_s = own.period,
                             .active = own.active,
                             .where = own.where};
@@ -171,7 +171,7 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
     if (other.name != on) continue;
     device.part = other.part;
     device.joint = other.moves;
-    device.pose_body_sensor = compose(other.pose_body_sensor, device.pose_body_sensor);
+    device.pose_body_device = compose(other.pose_body_device, device.pose_body_device);
     return {};
   }
   if (known.empty())
@@ -185,11 +185,11 @@ engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const
   // The kinds of parts are model kinds, and not every kind of device with a joint is one ("wheels").
   engine::PartSpec part{.name = device.name,
                         .kind = registry_.model(device.kind) ? device.kind : "model",
-                        .pose_body_part = device.pose_body_sensor,
+                        .pose_body_part = device.pose_body_device,
                         .returns = document.returns,
                         .color = document.color,
                         .where = device.where};
-  if (!kind.body) part.solids = expand_solids(document.size, document.blocks, device.pose_body_sensor);
+  if (!kind.body) part.solids = expand_solids(document.size, document.blocks, device.pose_body_device);
   return part;
 }
 
@@ -203,7 +203,7 @@ void TypeExpander::expand_device(const DeviceDocument& document, const DocumentP
                             .part = stand.part,
                             .joint = stand.joint,
                             .params = document.params,
-                            .pose_body_sensor = document.pose.value_or(Pose()),
+                            .pose_body_device = document.pose.value_or(Pose()),
                             .period_s = document.period,
                             .active = document.active,
                             .where = document.where};

@@ -307,9 +307,9 @@ void WorldExpander::place_bodies() {
 void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
   for (const auto& [name, type] : type_ids_) try {
       occupancy.shape(type);
-    } catch (const std::length_error& fault) {
+    } catch (const std::length_error& error) {
       diagnostics_.error(spec_.types[type.index()].parts.front().where,
-                         fmt::format("/types/{}: {}", escape_pointer_token(std::string(name)), fault.what()));
+                         fmt::format("/types/{}: {}", escape_pointer_token(std::string(name)), error.what()));
     }
 }
 

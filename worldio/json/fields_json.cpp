@@ -181,7 +181,7 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
 std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   std::array<char, 32> digits{};
   constexpr int k_digits = 9;
-  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), si / suffix.to_si,
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), si / suffix.to_si,
                                           std::chars_format::general, k_digits);
   double value = 0;
   std::from_chars(digits.data(), end, value);
@@ -303,7 +303,7 @@ void write_fields(const Record& record, const FieldTable& table, JsonNode::Objec
 
 double short_number(float x) {
   std::array<char, 32> digits{};
-  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
   double value = 0;
   std::from_chars(digits.data(), end, value);
   return static_cast<float>(value) == x ? value : static_cast<double>(x);

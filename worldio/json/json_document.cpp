@@ -90,10 +90,10 @@ class TreeBuilder {
     return close();
   }
 
-  bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception& fault) {
+  bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception& error) {
     // The parser's message is "[json.exception...] parse error at line 2, column 3: what". Only "what" is
     // kept: `where` has the line.
-    std::string_view message = fault.what();
+    std::string_view message = error.what();
     if (const std::size_t end = message.find("] "); end != std::string_view::npos)
       message.remove_prefix(end + 2);
     if (message.starts_with("parse error at line "))
@@ -109,7 +109,7 @@ class TreeBuilder {
       where.line = 1 + static_cast<std::uint32_t>(std::count(text_.begin(), text_.begin() + before, '\n'));
     }
     constexpr int k_out_of_range = 406;  // nlohmann's id for a number that is too large for a double
-    const bool has_pointer = fault.id == k_out_of_range && !open_.empty();
+    const bool has_pointer = error.id == k_out_of_range && !open_.empty();
     diagnostics_.error(where, has_pointer ? fmt::format("{}: {}", next_pointer(), what) : what);
     return false;
   }
@@ -197,8 +197,8 @@ std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointe
 std::optional<std::size_t> list_index(const std::string& token, std::size_t size) {
   if (token == "-") return size;
   std::size_t index = 0;
-  const auto [end, fault] = std::from_chars(token.data(), token.data() + token.size(), index);
-  if (fault != std::errc{} || end != token.data() + token.size()) return std::nullopt;
+  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), index);
+  if (error != std::errc{} || end != token.data() + token.size()) return std::nullopt;
   return index;
 }
 

@@ -54,7 +54,7 @@ std::string number_of(double x) {
   if (!std::isfinite(x)) throw std::runtime_error("a number of the world is not finite");
   if (x == 0) return std::signbit(x) ? "-0.0" : "0";  // "-0" would be read back as the integer 0
   std::array<char, 32> digits{};
-  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
   return {digits.data(), end};
 }
 

@@ -48,7 +48,7 @@ class SpecCheck {
     list(engine::alias_fields(), spec_.aliases, "aliases");
     const std::size_t before = diagnostics_.findings().size();
     engine::check_rules(spec_,
-                        [this](Where where, const std::string& fault) { diagnostics_.error(where, fault); });
+                        [this](Where where, const std::string& error) { diagnostics_.error(where, error); });
     if (diagnostics_.findings().size() == before) settings();
   }
 

@@ -286,8 +286,8 @@ void SpecReader::read_files(const JsonCursor& at) {
 void SpecReader::read_words(const JsonCursor& at) {
   try {
     spec_.names = engine::Names(texts_of(at, "a word"));
-  } catch (const std::invalid_argument& fault) {
-    at.error(fault.what());
+  } catch (const std::invalid_argument& error) {
+    at.error(error.what());
   }
 }
 
@@ -360,7 +360,7 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
   engine::WorldSpec spec = reader.read(*document);
   if (!diagnostics.has_errors()) reader.add_bodies(spec, stored.bodies);
   if (!diagnostics.has_errors())
-    engine::check_rules(spec, [&](Where, const std::string& fault) { diagnostics.error(where, fault); });
+    engine::check_rules(spec, [&](Where, const std::string& error) { diagnostics.error(where, error); });
   return spec;
 }
 

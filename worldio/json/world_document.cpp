@@ -198,8 +198,8 @@ std::optional<ComparisonDocument> comparison_of(std::string_view text) {
   if (!longest) return std::nullopt;
   const std::string_view number = trimmed(text.substr(engine::k_comparisons[*longest].size()));
   double value = 0;
-  const auto [end, fault] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (number.empty() || fault != std::errc() || end != number.data() + number.size() || !std::isfinite(value))
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (number.empty() || error != std::errc() || end != number.data() + number.size() || !std::isfinite(value))
     return std::nullopt;
   return ComparisonDocument{static_cast<engine::Comparison>(*longest), value};
 }

@@ -74,7 +74,7 @@ JsonNode described(JsonNode schema, std::string_view about) {
 double rounded_to_digits(double x) {
   constexpr int k_digits = 10;
   std::array<char, 32> digits{};
-  const auto [end, fault] =
+  const auto [end, error] =
       std::to_chars(digits.data(), digits.data() + digits.size(), x, std::chars_format::general, k_digits);
   double rounded = 0;
   std::from_chars(digits.data(), end, rounded);

@@ -188,8 +188,8 @@ template <class Work>
 auto reading(Work&& work) {
   try {
     return work();
-  } catch (const Hdf5Error& fault) {
-    throw InputError(fault.what());
+  } catch (const Hdf5Error& error) {
+    throw InputError(error.what());
   }
 }
 
@@ -222,8 +222,8 @@ void write_checkpoint(const fs::path& file, engine::World& world, const engine::
   const StoredSpec spec = [&] {
     try {
       return store_spec(world.spec(), registry);
-    } catch (const std::runtime_error& fault) {
-      throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), fault.what()));
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), error.what()));
     }
   }();
   // Built in memory: HDF5 does not always survive a full disk, and the state must.

@@ -129,13 +129,13 @@ engine::Record record_of(const Json& block, const engine::FieldTable& table) {
 }
 
 std::vector<RecordedScene::Fan> fans_of(const Json& ranger) {
-  const Pose pose_body_sensor = pose_of(ranger.at("pose"));
+  const Pose pose_body_device = pose_of(ranger.at("pose"));
   std::vector<RecordedScene::Fan> fans;
   for (const Json& block : ranger.at("params").value("transducers", Json::array())) {
     const auto transducer = engine::from_record<engine::TransducerParams>(
         record_of(block, engine::described<engine::TransducerParams>()));
     if (!(transducer.samples >= 1 && transducer.samples <= k_most_beams)) throw Damaged();
-    fans.push_back({.pose_body_fan = compose(pose_body_sensor, transducer.pose),
+    fans.push_back({.pose_body_fan = compose(pose_body_device, transducer.pose),
                     .range_max_m = transducer.range_max,
                     .fov_rad = transducer.fov,
                     .beams = static_cast<std::size_t>(transducer.samples)});

@@ -20,8 +20,8 @@ using engine::StateTable;
 using engine::World;
 
 /// Whether a name of --record-fields chooses a whole table; chosen_fields() adds the names of single fields.
-/// "pose" also chooses the poses of parts that move and fields with StateField::look: a body cannot be drawn
-/// without them.
+/// "pose" also chooses the poses of parts that move and fields with StateField::appearance: a body cannot be
+/// drawn without them.
 bool chooses(const std::string& name, const StateTable& table) {
   const std::string_view component = table.component();
   return name == "all" || name == component || name == component.substr(0, component.find('/')) ||
@@ -45,8 +45,8 @@ std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const 
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
     const bool chosen = std::ranges::any_of(names, [&](const std::string& name) {
       const engine::StateField& field = table.fields()[f];
-      return chooses(name, table) ||
-             (table.group() == HashGroup::sensor && (name == field.name || (name == "pose" && field.look)));
+      return chooses(name, table) || (table.group() == HashGroup::sensor &&
+                                      (name == field.name || (name == "pose" && field.appearance)));
     });
     if (chosen) fields.push_back(f);
   }

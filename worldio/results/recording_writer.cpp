@@ -108,8 +108,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   every_ticks_ = static_cast<std::uint64_t>(std::max<std::int64_t>(meta.integer("record_every_ticks"), 1));
   try {
     components_ = recorded_components(world, split(meta.text("record_fields")));
-  } catch (const std::invalid_argument& fault) {
-    meta.fail(fmt::format("belongs to another world: {}", fault.what()));
+  } catch (const std::invalid_argument& error) {
+    meta.fail(fmt::format("belongs to another world: {}", error.what()));
   }
   batch_frames_ = batch_frames(bytes_of(components_, bodies_.size()));
   std::vector<std::uint32_t> ids;

@@ -47,7 +47,9 @@ std::string name_of(const Array& array) { return fmt::format("{}/{}", array.comp
 bool is_joint(const Array& array) { return array.component.starts_with("joint/"); }
 
 /// Whether a page needs an array to draw the bodies.
-bool is_look(const Array& array) { return is_joint(array) || array.field.name == engine::k_shown_color; }
+bool is_appearance(const Array& array) {
+  return is_joint(array) || array.field.name == engine::k_shown_color;
+}
 
 /// Whether a name of --fields chooses an array.
 bool chooses(std::string_view name, const Array& array) {
@@ -70,7 +72,7 @@ std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
   std::vector<const Array*> arrays;
   for (const Array& array : recording.arrays())
     if (array.component != "pose" && array.field.columns > 0 &&
-        (names.empty() || is_look(array) ||
+        (names.empty() || is_appearance(array) ||
          std::ranges::any_of(names, [&](const std::string& name) { return chooses(name, array); })))
       arrays.push_back(&array);
   return arrays;

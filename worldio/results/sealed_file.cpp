@@ -40,8 +40,8 @@ std::optional<std::uint64_t> number_after(std::string_view head, std::string_vie
   if (line == head.npos) return std::nullopt;
   const char* const begin = head.data() + line + key.size() + 2;
   std::uint64_t number = 0;
-  const auto [end, fault] = std::from_chars(begin, head.data() + head.size(), number, base);
-  return fault == std::errc() && *end == '\n' ? std::optional(number) : std::nullopt;
+  const auto [end, error] = std::from_chars(begin, head.data() + head.size(), number, base);
+  return error == std::errc() && *end == '\n' ? std::optional(number) : std::nullopt;
 }
 
 struct Content {
@@ -100,8 +100,8 @@ void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
     out.write(rest);
     out.sync();
     out.commit();
-  } catch (const std::system_error& fault) {
-    refuse(fault.code().message());
+  } catch (const std::system_error& error) {
+    refuse(error.code().message());
   }
   sync_folder_of(file);
 }
@@ -114,8 +114,8 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
   Content content;
   try {
     content = content_of(file);
-  } catch (const std::system_error& fault) {
-    refuse(fmt::format("cannot be read: {}", fault.code().message()));
+  } catch (const std::system_error& error) {
+    refuse(fmt::format("cannot be read: {}", error.code().message()));
   }
   const std::string& text = content.head;
   const std::string mark = first_line(kind);

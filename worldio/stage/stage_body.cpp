@@ -22,8 +22,8 @@ std::optional<std::int64_t> point_number(std::string_view key) {
   constexpr std::string_view k_stem = "point[";
   std::int64_t number = 0;
   if (!key.starts_with(k_stem)) return {};
-  const auto [rest, fault] = std::from_chars(key.data() + k_stem.size(), key.data() + key.size(), number);
-  if (fault != std::errc() || rest == key.data() + key.size() || *rest != ']') return {};
+  const auto [rest, error] = std::from_chars(key.data() + k_stem.size(), key.data() + key.size(), number);
+  if (error != std::errc() || rest == key.data() + key.size() || *rest != ']') return {};
   return number;
 }
 

@@ -6,8 +6,8 @@ namespace troupe::worldio {
 namespace {
 
 bool is_file(const std::filesystem::path& path) {
-  std::error_code fault;
-  return std::filesystem::is_regular_file(path, fault);
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
 }
 
 }  // namespace
@@ -22,9 +22,9 @@ std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path
 
 std::filesystem::path tidied(const std::filesystem::path& path) {
   std::filesystem::path normal = path.lexically_normal();
-  std::error_code fault;
+  std::error_code error;
   const bool is_other =
-      std::filesystem::exists(path, fault) && !std::filesystem::equivalent(path, normal, fault);
+      std::filesystem::exists(path, error) && !std::filesystem::equivalent(path, normal, error);
   return is_other ? path : normal;
 }
 

@@ -61,8 +61,8 @@ std::vector<std::string_view> words_of(std::string_view text) {
 std::optional<double> number_of(std::string_view text) {
   double value = 0;
   const char* end = text.data() + text.size();
-  const auto [rest, fault] = std::from_chars(text.data(), end, value);
-  if (fault != std::errc() || rest != end || !std::isfinite(value)) return {};
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || rest != end || !std::isfinite(value)) return {};
   return value;
 }
 

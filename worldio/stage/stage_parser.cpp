@@ -112,9 +112,9 @@ class Lexer {
   };
 
   static fs::path identity(const fs::path& file) {
-    std::error_code fault;
-    fs::path whole = fs::weakly_canonical(file, fault);
-    return fault ? file : whole;
+    std::error_code error;
+    fs::path whole = fs::weakly_canonical(file, error);
+    return error ? file : whole;
   }
 
   void add(const Source& source, Kind kind, std::string_view text) {

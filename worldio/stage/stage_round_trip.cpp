@@ -157,10 +157,10 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
   const bool is_placeless = a.kind == "power_pack" || a.kind == "flags";
   if (const engine::DeviceKind* kind = registry_.device(a.kind))
     check_params(a.where, owner, a.params, b.params, kind->params);
-  Pose pose = a.pose_body_sensor;
-  if (is_turned(a.where, owner, pose.heading, b.pose_body_sensor.heading))
-    pose.heading = b.pose_body_sensor.heading;
-  if (!is_placeless && !same_bits(pose, b.pose_body_sensor))
+  Pose pose = a.pose_body_device;
+  if (is_turned(a.where, owner, pose.heading, b.pose_body_device.heading))
+    pose.heading = b.pose_body_device.heading;
+  if (!is_placeless && !same_bits(pose, b.pose_body_device))
     lacks(a.where, owner + ": \"pose\", to the last bit");
   if (!is_placeless && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   if (!is_placeless && a.active != b.active) lacks(a.where, owner + ": \"active\"");

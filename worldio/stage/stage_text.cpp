@@ -105,7 +105,7 @@ std::string StageText::spelt(double value) {
     diagnostics_.error(where_,
                        fmt::format("{:g} is too large for a .world file; numbers are at most 2^53", value));
   std::array<char, 1200> digits{};  // the smallest double has 1074 digits after the point
-  const auto [end, fault] =
+  const auto [end, error] =
       std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::fixed);
   return {digits.data(), end};
 }

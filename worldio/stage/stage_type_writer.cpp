@@ -338,7 +338,7 @@ void TypeText::write_children(std::uint32_t p) {
     }
     text_.open(device->kind);
     write_name(p, device->name, device->kind, generated);
-    text_.pose("pose", relative_pose(pose_body_part, device->pose_body_sensor));
+    text_.pose("pose", relative_pose(pose_body_part, device->pose_body_device));
     if (model->has_default_body) text_.flag("noblocks", true);
     write_stage_device(*device, *kind_of(*device), text_);
     text_.close();

@@ -477,7 +477,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
       device->name = place.name;
       device->part = index;
       device->joint = place.joint;
-      device->pose_body_sensor = pose_body_frame;
+      device->pose_body_device = pose_body_frame;
       const std::size_t d = engine::add_device(draft.type, std::move(*device), *device_kind);
       if (model.type == "actuator")  // it moves its own part and the parts on it
         draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
@@ -491,7 +491,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
       device->name = place.name;
       device->part = index;
       device->joint = place.joint;
-      device->pose_body_sensor = place.pose_body_part;
+      device->pose_body_device = place.pose_body_part;
       const std::size_t d = engine::add_device(draft.type, std::move(*device), *wheels);
       draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
     }

@@ -19,7 +19,7 @@ struct Run {
   double coverage = 0;
   double stalls = 0;
   std::uint64_t hash = 0;
-  std::exception_ptr fault;
+  std::exception_ptr error;
 };
 
 void carry_out(Run& run, const char* world) {
@@ -54,19 +54,19 @@ int main(int argc, char** argv) try {
         try {
           carry_out(runs[r], world);
         } catch (...) {
-          runs[r].fault = std::current_exception();
+          runs[r].error = std::current_exception();
         }
       }
     });
   for (std::thread& worker : workers) worker.join();
 
   for (const Run& run : runs)
-    if (run.fault) std::rethrow_exception(run.fault);
+    if (run.error) std::rethrow_exception(run.error);
   std::puts("robots,seed,coverage,stalls,hash");
   for (const Run& run : runs)
     std::printf("%zu,%llu,%.4f,%.0f,%016llx\n", run.robots, static_cast<unsigned long long>(run.seed),
                 run.coverage, run.stalls, static_cast<unsigned long long>(run.hash));
-} catch (const std::exception& fault) {
-  std::fprintf(stderr, "%s\n", fault.what());
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
   return 1;
 }

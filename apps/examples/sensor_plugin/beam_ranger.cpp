@@ -46,7 +46,7 @@ struct BeamRanger {
   }
 
   /// Checks the parameters together. An error refers to the sensor's line of the world file.
-  troupe::Result<> mount(const troupe::TypeSpec&, std::uint32_t) const {
+  troupe::Result<> bind_part(const troupe::TypeSpec&, std::uint32_t) const {
     if (params.short_share + params.max_share + params.random_share <= 1) return {};
     return troupe::Error{"has short_share, max_share and random_share that add up to more than 1"};
   }

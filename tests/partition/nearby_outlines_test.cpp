@@ -1,4 +1,4 @@
-#include "partition/surroundings.hpp"
+#include "partition/nearby_outlines.hpp"
 
 #include "base/random.hpp"
 #include "tests/support/slow_build.hpp"
@@ -50,7 +50,7 @@ Scene any_scene(Random& random) {
   return scene;
 }
 
-TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
+TEST(NearbyOutlines, BandsHoldAllThatComesNearAndPaddingNothing) {
   Parallel parallel(1);
   std::size_t found = 0;
   for (std::uint32_t trial = 0; trial < 400 / k_thrift; ++trial) {
@@ -60,29 +60,29 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
     BodyIndex bodies(grid);
     bodies.rebuild(scene.places, scene.radii, parallel);
     const FixedOutlines fixed(scene.edges, random.uniform(0.05, 5));
-    Surroundings surroundings;
-    surroundings.begin(bodies, fixed, grid, random.uniform(0.1, 6));
+    NearbyOutlines outlines;
+    outlines.begin(bodies, fixed, grid, random.uniform(0.1, 6));
     for (int look = 0; look < 5; ++look) {
       const Vec2 eye(random.uniform(-10, 10), random.uniform(-10, 10));
-      surroundings.look_from(eye);
+      outlines.set_block_of(eye);
       std::set<std::uint32_t> rows;
       std::vector<bool> edges(scene.edges.size());
-      const std::size_t bands = 1 + random.below(static_cast<std::uint32_t>(surroundings.bands()));
+      const std::size_t bands = 1 + random.below(static_cast<std::uint32_t>(outlines.bands()));
       for (std::size_t b = 0; b < bands; ++b) {
-        const Surroundings::Band band = surroundings.band(b);
+        const NearbyOutlines::Band band = outlines.band(b);
         ASSERT_EQ((band.end - band.begin) % 16, 0u);
         for (std::size_t i = band.begin; i < band.end; ++i) {
-          if (surroundings.circles().radius[i] < 0) continue;  // padding
-          const std::uint32_t row = surroundings.circles().row[i];
-          if (row < Surroundings::k_fixed)
+          if (outlines.circles().radius[i] < 0) continue;  // padding
+          const std::uint32_t row = outlines.circles().row[i];
+          if (row < NearbyOutlines::k_fixed)
             rows.insert(row);
           else
-            for_each_edge(fixed.chain(row - Surroundings::k_fixed), [&](const Vec2& from, const Vec2& to) {
+            for_each_edge(fixed.chain(row - NearbyOutlines::k_fixed), [&](const Vec2& from, const Vec2& to) {
               for (std::size_t k = 0; k < scene.edges.size(); ++k)
                 if (scene.edges[k].a == from && scene.edges[k].b == to) edges[k] = true;
             });
         }
-        const double near = surroundings.radius(b);
+        const double near = outlines.radius(b);
         for (std::uint32_t r = 0; r < scene.places.size(); ++r) {
           if ((scene.places[r].position - eye).norm() - scene.radii[r] > near) continue;
           ASSERT_TRUE(rows.contains(r)) << "trial " << trial << ", band " << b << ", row " << r;
@@ -94,7 +94,7 @@ TEST(Surroundings, BandsHoldAllThatComesNearAndPaddingNothing) {
           ++found;
         }
       }
-      EXPECT_TRUE(surroundings.at_hand() <= surroundings.radius(0) || std::isinf(surroundings.at_hand()));
+      EXPECT_TRUE(outlines.nearest_shell_m() <= outlines.radius(0) || std::isinf(outlines.nearest_shell_m()));
     }
   }
   EXPECT_GT(found, 10000u / k_thrift);

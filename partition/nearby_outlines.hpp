@@ -45,7 +45,7 @@ void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t siz
 /// The circles that sensors in one block of cells may hit: those of bodies and of pieces of fixed outlines,
 /// in bands from near to far. A band is gathered on first use and then serves all sensors in the block: in a
 /// crowd most sensors need only the first band.
-class Surroundings {
+class NearbyOutlines {
  public:
   /// The row of a circle is that of the body, or the number of the fixed piece with this bit set.
   static constexpr std::uint32_t k_fixed = 1u << 31;
@@ -53,7 +53,7 @@ class Surroundings {
   /// Sets the indices to search; they must stay valid during the queries. reach: largest distance, metres
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
   /// Makes the block of this point (world frame) the current block.
-  void look_from(const Vec2& point);
+  void set_block_of(const Vec2& point);
 
   /// Number of bands. Together they contain every circle within the reach of any point of the block, and
   /// more.
@@ -73,12 +73,13 @@ class Surroundings {
   }
   /// The circles of all bands gathered so far; grows when the next band is gathered.
   const CircleArrays& circles() const { return circles_; }
-  /// The distance to search first in the first band, metres: about k_at_hand circles are within it on
-  /// average. At most radius(0), or infinite if there are so few circles that a single search is faster.
-  double at_hand() const { return at_hand_; }
-  static constexpr double k_at_hand = 20;  ///< see at_hand()
-  /// at_hand() is infinite if the first band has at most this many circles.
-  static constexpr double k_few = 48;
+  /// The distance to search first in the first band, metres: about k_nearest_shell_circles circles are within
+  /// it on average. At most radius(0), or infinite if there are so few circles that a single search is
+  /// faster.
+  double nearest_shell_m() const { return nearest_shell_m_; }
+  static constexpr double k_nearest_shell_circles = 20;  ///< see nearest_shell_m()
+  /// nearest_shell_m() is infinite if the first band has at most this many circles.
+  static constexpr double k_most_in_one_search = 48;
 
  private:
   void gather(std::size_t band);
@@ -87,7 +88,7 @@ class Surroundings {
   const FixedOutlines* fixed_ = nullptr;
   GridGeometry geometry_;
   double reach_ = 0;
-  double at_hand_ = 0;
+  double nearest_shell_m_ = 0;
   std::vector<double> radii_;
   std::optional<Cell> home_;        // the current block
   std::array<CircleRun, 64> runs_;  // found, not yet unpacked

@@ -1,4 +1,4 @@
-#include "partition/surroundings.hpp"
+#include "partition/nearby_outlines.hpp"
 
 #include "base/math.hpp"
 #include "partition/ranging.hpp"
@@ -23,8 +23,8 @@ void for_each_rectangle(Cell low, Cell high, Cell inner_low, Cell inner_high, Vi
 
 }  // namespace
 
-void Surroundings::begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry,
-                         double reach) {
+void NearbyOutlines::begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry,
+                           double reach) {
   bodies_ = &bodies;
   fixed_ = &fixed;
   geometry_ = geometry;
@@ -40,17 +40,17 @@ void Surroundings::begin(const BodyIndex& bodies, const FixedOutlines& fixed, co
   radii_.push_back(reach);
 }
 
-void Surroundings::look_from(const Vec2& point) {
+void NearbyOutlines::set_block_of(const Vec2& point) {
   const Cell block = geometry_.block(geometry_.cell(point));
   if (home_ == block) return;
   home_ = block;
   ends_.clear();
 }
 
-void Surroundings::gather(std::size_t band) {
+void NearbyOutlines::gather(std::size_t band) {
   const Box block = geometry_.box_of_block(*home_);
   std::size_t size = ends_.empty() ? 0 : ends_.back();
-  const auto look = [&](const auto& grid, double largest_radius, std::uint32_t mark) {
+  const auto gather = [&](const auto& grid, double largest_radius, std::uint32_t mark) {
     std::size_t runs = 0;
     std::size_t unpacked = size;
     const auto unpack_runs = [&] {
@@ -80,13 +80,14 @@ void Surroundings::gather(std::size_t band) {
     unpack_runs();
   };
   const std::size_t begin = size;
-  look(*bodies_, bodies_->largest_small_radius(), 0);
-  look(*fixed_, fixed_->largest_radius(), k_fixed);
+  gather(*bodies_, bodies_->largest_small_radius(), 0);
+  gather(*fixed_, fixed_->largest_radius(), k_fixed);
   if (band == 0) {
     const double side = block.size().x() + 2 * radii_[0];
     const double found = static_cast<double>(size - begin);
-    at_hand_ = found <= k_few ? std::numeric_limits<double>::infinity()
-                              : std::min(radii_[0], side * sqrt(k_at_hand / (k_pi * found)));
+    nearest_shell_m_ = found <= k_most_in_one_search
+                           ? std::numeric_limits<double>::infinity()
+                           : std::min(radii_[0], side * sqrt(k_nearest_shell_circles / (k_pi * found)));
   }
   while (size % k_circle_padding != 0)
     circles_.set(size++, {0, 0, -std::numeric_limits<float>::infinity(), 0});

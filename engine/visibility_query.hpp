@@ -9,7 +9,7 @@
 
 namespace troupe::engine {
 
-/// A ray from the origin of a Lookout.
+/// A ray from the origin of a VisibilityQuery.
 struct SightLine {
   Vec2 direction = Vec2::UnitX();  ///< world frame, unit length
   double length = 0;               ///< m; outlines at this distance or farther are not hit
@@ -19,7 +19,7 @@ struct SightLine {
 /// equal those of first_met() bit for bit. first_met() walks each ray through the grid; here each ray is
 /// tested against all nearby circles at once, and the remaining candidates are intersected from near to far.
 /// Keep one per thread: its arrays only grow.
-class Lookout {
+class VisibilityQuery {
  public:
   /// Sets the origin and looks up the bodies near it. reach: the largest ray length, m; own, z: as in
   /// SightRay. The world must not change until the last ray is cast.
@@ -30,7 +30,7 @@ class Lookout {
   std::span<const std::uint32_t> bodies() const { return {circles_.row.data(), bodies_}; }
 
   /// Sets found[i] to the first hit of ray i. Sizes are equal.
-  void first_met(std::span<const SightLine> rays, std::span<Sighting> found);
+  void first_met(std::span<const SightLine> rays, std::span<RayHit> found);
 
  private:
   struct Hit {
@@ -39,9 +39,9 @@ class Lookout {
   };
   void add_near(std::span<const partition::BodyCircle> run, std::uint32_t mark);
   void find_fixed(double reach);
-  Sighting first_met(const SightLine& ray);
+  RayHit first_met(const SightLine& ray);
   std::size_t find_hits(const SightLine& ray);
-  void meet(std::uint32_t mark, const SightLine& ray, Sighting& nearest) const;
+  void meet(std::uint32_t mark, const SightLine& ray, RayHit& nearest) const;
 
   const World* world_ = nullptr;
   Vec2 origin_ = Vec2::Zero();

@@ -1,4 +1,4 @@
-#include "engine/lookout.hpp"
+#include "engine/visibility_query.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ constexpr float k_far = std::numeric_limits<float>::infinity();
 }  // namespace
 
 /// Adds the circles within the reach, relative to the origin and widened by more than the rounding error.
-void Lookout::add_near(std::span<const BodyCircle> run, std::uint32_t mark) {
+void VisibilityQuery::add_near(std::span<const BodyCircle> run, std::uint32_t mark) {
   const auto margin = static_cast<float>(1e-6 + 3e-6 * reach_);
   const auto reach = static_cast<float>(reach_) + margin;
   circles_.make_room(size_ + run.size());
@@ -32,7 +32,8 @@ void Lookout::add_near(std::span<const BodyCircle> run, std::uint32_t mark) {
   }
 }
 
-void Lookout::stand(const World& world, const Vec2& origin, double reach, Row own, std::optional<double> z) {
+void VisibilityQuery::stand(const World& world, const Vec2& origin, double reach, Row own,
+                            std::optional<double> z) {
   world_ = &world;
   origin_ = origin;
   reach_ = reach;
@@ -59,7 +60,7 @@ void Lookout::stand(const World& world, const Vec2& origin, double reach, Row ow
   bodies_ = size_;
 }
 
-void Lookout::find_fixed(double reach) {
+void VisibilityQuery::find_fixed(double reach) {
   fixed_reach_ = reach;
   size_ = bodies_;
   const auto find = [&](const partition::FixedOutlines& outlines, std::uint32_t mark) {
@@ -72,18 +73,18 @@ void Lookout::find_fixed(double reach) {
   find(world_->scene().hidden_outlines(), k_hidden);
 }
 
-void Lookout::first_met(std::span<const SightLine> rays, std::span<Sighting> found) {
+void VisibilityQuery::first_met(std::span<const SightLine> rays, std::span<RayHit> found) {
   double longest = 0;
   for (const SightLine& ray : rays) longest = std::max(longest, ray.length);
   if (longest > fixed_reach_) find_fixed(longest);
   for (std::size_t i = 0; i < rays.size(); ++i) found[i] = first_met(rays[i]);
 }
 
-Sighting Lookout::first_met(const SightLine& ray) {
+RayHit VisibilityQuery::first_met(const SightLine& ray) {
   if (size_ > k_crowd)
     return engine::first_met(
         *world_, {.origin = origin_, .direction = ray.direction, .length = ray.length, .own = own_, .z = z_});
-  Sighting nearest{.range = ray.length};
+  RayHit nearest{.range = ray.length};
   const std::size_t count = find_hits(ray);  // may reallocate hits_
   const std::span<Hit> hits(hits_.data(), count);
   std::ranges::sort(hits, {}, &Hit::near);
@@ -95,7 +96,7 @@ Sighting Lookout::first_met(const SightLine& ray) {
 }
 
 /// Finds the circles that the ray passes through. The compiler vectorizes the loop.
-std::size_t Lookout::find_hits(const SightLine& ray) {
+std::size_t VisibilityQuery::find_hits(const SightLine& ray) {
   if (near_.size() < size_) {
     near_.resize(2 * size_);
     hits_.resize(near_.size());
@@ -120,7 +121,7 @@ std::size_t Lookout::find_hits(const SightLine& ray) {
   return count;
 }
 
-void Lookout::meet(std::uint32_t mark, const SightLine& ray, Sighting& nearest) const {
+void VisibilityQuery::meet(std::uint32_t mark, const SightLine& ray, RayHit& nearest) const {
   const partition::StaticScene& scene = world_->scene();
   const auto meet = [&](const OutlineChain& chain) {
     if (!z_ || chain.z.contains(*z_)) meet_chain(chain, origin_, ray.direction, ray.length, nearest);
