@@ -23,7 +23,7 @@ struct DomainPart {
   std::string value;
 };
 
-/// The parts of `troupe 0.1.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)` without the last: assertions
+/// The parts of `troupe 0.2.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)` without the last: assertions
 /// change no result. A line of another form is one part.
 std::vector<DomainPart> domain_of(const std::string& version_line) {
   constexpr std::array<std::string_view, 3> k_names = {"compiler", "flags", "instruction set"};

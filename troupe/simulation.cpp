@@ -35,7 +35,7 @@ constexpr double k_longest_run_s =
     1e12;  // longer than the age of the universe; its ticks still fit in 64 bits
 constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest world
 
-/// The part "troupe 0.1.0" of a version line.
+/// The part "troupe 0.2.0" of a version line.
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
 /// Refuses a checkpoint of another version unless `across_versions`. Returns a warning if another version or

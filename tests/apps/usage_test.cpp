@@ -19,7 +19,7 @@ TEST_F(Usage, VersionIsOneLine) {
   const Outcome outcome = troupe({"--version"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(lines_of(outcome.out),
-              ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.1.0"),
+              ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.2.0"),
                                 HasSubstr(" simd " + partition::simd_target() + " (of "))));
   EXPECT_THAT(outcome.err, IsEmpty());
 }

@@ -183,16 +183,16 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
                     HasSubstr("no_such_function"), EndsWith(" (link it with troupe::plugin)")));
   EXPECT_THAT(error_of("another_version"),
               MatchesRegex(about("another_version") +
-                           "was built for troupe 99.1.0 .interface 5., this is troupe 0.1.0 "
+                           "was built for troupe 99.1.0 .interface 5., this is troupe 0.2.0 "
                            ".interface 5.: rebuild it"));
   EXPECT_THAT(error_of("old_interface"),
               MatchesRegex(about("old_interface") +
-                           "was built for troupe 0.1.0 .interface 3., this is troupe 0.1.0 .interface 5.: "
+                           "was built for troupe 0.2.0 .interface 3., this is troupe 0.2.0 .interface 5.: "
                            "rebuild it"));
   EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
-  EXPECT_THAT(error_of("other_headers"), HasSubstr("was built with other headers of troupe 0.1.0"));
+  EXPECT_THAT(error_of("other_headers"), HasSubstr("was built with other headers of troupe 0.2.0"));
   EXPECT_THAT(error_of("contracting"), HasSubstr("-ffp-contract=off"));
   EXPECT_THAT(error_of("empty"), EndsWith("has no controller, sensor or device"));
   EXPECT_THAT(error_of("throwing"), EndsWith("cannot list its kinds: it threw: a table is missing"));
@@ -442,7 +442,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_THAT(error(room("another_version"), "unusable"),
               MatchesRegex(at("3", "/kind") +
                            "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                           "99.1.0 .interface 5., this is troupe 0.1.0 .interface 5.: rebuild it"));
+                           "99.1.0 .interface 5., this is troupe 0.2.0 .interface 5.: rebuild it"));
   EXPECT_THAT(
       error(room("ranger:ranger"), "unusable"),
       EndsWith("ranger.so has a sensor or device \"ranger\", but Troupe has one of that name: rename it"));
