@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/sight.hpp"
-#include "partition/surroundings.hpp"
+#include "partition/nearby_outlines.hpp"
 
 #include <optional>
 #include <span>
