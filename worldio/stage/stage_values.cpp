@@ -65,8 +65,8 @@ std::optional<double> StageValues::number(const StageProperty& property, const S
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   double value = 0;
   const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
-  if (error == std::errc() && rest == end && std::isfinite(value)) {
+  const auto [rest, code] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
+  if (code == std::errc() && rest == end && std::isfinite(value)) {
     if (std::abs(value) <= k_largest) return value;
     error(where(property),
           fmt::format("\"{}\": {} is too large; numbers are at most 2^53", key(property), token.text));
