@@ -227,6 +227,7 @@ template <class M>
 struct Pointed;
 template <class C, class M>
 struct Pointed<M C::*> {
+  using Class = C;
   using Type = M;
 };
 

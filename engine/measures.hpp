@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
+#include "base/exact_sum.hpp"
 #include "engine/measure_kind.hpp"
 #include "engine/world.hpp"
 
@@ -64,22 +65,20 @@ std::vector<std::string> names_of_robots(const World& world);
 /// Number of the rows that are in the world.
 std::size_t count_there(const World& world, std::span<const Row> rows);
 
-/// term(0) + ... + term(count - 1). Each task sums one block of a fixed size, so the bits of the result do
-/// not depend on the number of threads.
+/// term(0) + ... + term(count - 1), rounded once: the result depends on neither the number of threads nor the
+/// order of the terms.
 template <class Term>
-double ordered_sum(World& world, std::size_t count, Term&& term) {
+double exact_sum(World& world, std::size_t count, Term&& term) {
   constexpr std::size_t k_block = 1024;
-  thread_local std::vector<double> kept;  // kept, because stop conditions are evaluated in every step
-  kept.resize((count + k_block - 1) / k_block);
-  const std::span<double> sums = kept;  // of this thread: `kept` is another array on each worker
+  thread_local std::vector<ExactSum> kept;  // kept, because stop conditions are evaluated in every step
+  kept.assign((count + k_block - 1) / k_block, ExactSum());
+  const std::span<ExactSum> sums = kept;  // of this thread: `kept` is another array on each worker
   world.parallel().for_each(sums.size(), [&, sums](std::size_t b) {
-    double sum = 0;
-    for (std::size_t i = b * k_block; i < std::min(count, (b + 1) * k_block); ++i) sum += term(i);
-    sums[b] = sum;
+    for (std::size_t i = b * k_block; i < std::min(count, (b + 1) * k_block); ++i) sums[b].add(term(i));
   });
-  double sum = 0;
-  for (const double s : sums) sum += s;
-  return sum;
+  ExactSum sum;
+  for (const ExactSum& of_block : sums) sum.add(of_block);
+  return sum.value();
 }
 
 }  // namespace troupe::engine

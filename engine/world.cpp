@@ -1,5 +1,6 @@
 #include "engine/world.hpp"
 
+#include "base/exact_sum.hpp"
 #include "base/fp_environment.hpp"
 #include "engine/frame.hpp"
 #include "engine/kind_errors.hpp"
@@ -758,11 +759,10 @@ Hashes World::hashes() {
 
 double World::mean_displacement() const {
   require_whole();
-  double sum = 0;
-  for (std::size_t b = 0; b < body_rows_.size(); ++b)  // in order of ids: the sum depends on the order
-    if (const Row r = body_rows_[b]; r.valid() && type(r).drive && is_there(r))
-      sum += (transform(r).position - origin(r)).norm();
-  return robots_ > 0 ? sum / static_cast<double>(robots_) : 0;
+  ExactSum sum;
+  for (std::size_t r = 0; r < rows(); ++r)
+    if (type(Row(r)).drive && is_there(Row(r))) sum.add((transform(Row(r)).position - origin(Row(r))).norm());
+  return robots_ > 0 ? sum.value() / static_cast<double>(robots_) : 0;
 }
 
 /// Appearance of the body of a row; if `row` is not valid, of all bodies of the type with joints at rest.

@@ -32,7 +32,7 @@ class OfRobots : public Measure {
   double mean(World& world, Term&& term) const {
     const std::size_t there = engine::count_there(world, robots_);
     if (there == 0) return std::numeric_limits<double>::quiet_NaN();
-    const double sum = engine::ordered_sum(world, robots_.size(), [&](std::size_t i) {
+    const double sum = engine::exact_sum(world, robots_.size(), [&](std::size_t i) {
       return world.is_there(robots_[i]) ? static_cast<double>(term(i)) : 0.0;
     });
     return sum / static_cast<double>(there);

@@ -71,7 +71,7 @@ class MeanNearestDistance : public AmongRobots {
     const std::size_t there = engine::count_there(world, robots());
     if (there < 2) return std::numeric_limits<double>::quiet_NaN();
     for_each_robot(world, [&](std::uint32_t row) { distances_[row] = nearest(world, row); });
-    const double sum = engine::ordered_sum(world, robots().size(), [&](std::size_t i) {
+    const double sum = engine::exact_sum(world, robots().size(), [&](std::size_t i) {
       return world.is_there(robots()[i]) ? distances_[robots()[i].index()] : 0.0;
     });
     return sum / static_cast<double>(there);

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace troupe {
+
+/// A sum of doubles without rounding errors. The result is the double nearest to the mathematical sum of all
+/// terms, ties to even, so it depends neither on the order of the terms nor on how they are divided among
+/// several sums that are added in the end. It equals `math.fsum` of Python.
+///
+/// source  The sum is kept as an integer, in units of the smallest double: Neal, Fast exact summation using
+///         small and large superaccumulators, arXiv:1505.05571, 2015.
+/// cost    some 5 ns per term
+class ExactSum {
+ public:
+  /// Adds a term. With infinities or a NaN among the terms, the sum is what IEEE 754 addition gives: NaN for
+  /// infinities of both signs.
+  void add(double term);
+  /// Adds all terms of another sum.
+  void add(const ExactSum& other);
+  /// The sum of all terms, rounded once; 0 without terms, infinite if it exceeds the largest double.
+  double value() const;
+
+ private:
+  // Limb i holds a multiple of 2^(32 i) units of 2^-1074. Limbs are signed and overlap: a term adds less than
+  // 2^32 to each of three limbs, so their high halves collect carries, which carry() moves on in time.
+  static constexpr std::size_t k_limbs = 68;  // 2046 + 53 bits, and room for the carries of 2^64 terms
+  static constexpr std::uint32_t k_most_adds = 1u << 30;
+
+  using Limbs = std::array<std::int64_t, k_limbs>;
+  static void carry(Limbs& limbs);
+
+  Limbs limbs_{};
+  std::uint32_t adds_ = 0;  // terms since the last carry
+  double special_ = 0;      // sum of the infinities and NaNs among the terms
+};
+
+}  // namespace troupe
