@@ -2,6 +2,7 @@
 
 import copy
 import gc
+import math
 import os
 import signal
 import subprocess
@@ -627,6 +628,17 @@ class Looking(InAFolder):
             troupe.Measures(world, ["far"])
         with self.assertRaises(TypeError):
             troupe.Measures(None)
+
+    def test_means_are_exact_sums_rounded_once(self):
+        world = troupe.Simulation(HOSPITAL, robots=3000)
+        swarm, measures = world.swarm(), troupe.Measures(world, ["displacement"])
+        before = swarm.poses()
+        world.run_for(3)
+        measures.see()
+        way = swarm.poses() - before
+        lengths = np.sqrt(way[:, 0] * way[:, 0] + way[:, 1] * way[:, 1])
+        self.assertEqual(measures["displacement"], math.fsum(lengths) / len(lengths))
+        self.assertNotEqual(math.fsum(lengths), lengths.sum())  # else the test could not fail
 
     def test_recordings(self):
         world = troupe.Simulation(ROOM)
