@@ -10,7 +10,7 @@
 namespace troupe {
 namespace {
 
-/// More errors than this are counted, not listed.
+/// Errors beyond this number are only counted in the message, not listed.
 constexpr std::size_t k_errors_listed = 50;
 constexpr std::size_t k_names_listed = 50;
 constexpr std::size_t k_names_compared = 2000;
@@ -123,7 +123,7 @@ void Diagnostics::throw_if_errors() const {
   if (errors_ > listed) {
     const std::size_t more = errors_ - listed;
     message += fmt::format("\n... and {} more error{}{}", more, more == 1 ? "" : "s",
-                           errors_ == k_most_errors ? "; the rest was not read" : "");
+                           errors_ == k_most_errors ? "; the rest of the input was not read" : "");
   }
   throw InputError(message);
 }
