@@ -21,8 +21,8 @@ std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 /// k is a pure function of (seed, stream, entity, tick, k), so no generator state is kept between ticks.
 class Random {
  public:
-  Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity,
-         std::uint32_t tick);  ///< starts at draw 0
+  /// Starts at draw 0.
+  Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity, std::uint32_t tick);
 
   /// 32 uniform random bits; uses one draw.
   std::uint32_t bits();

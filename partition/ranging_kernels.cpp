@@ -1,7 +1,7 @@
 // The vector kernels of the exact ray engine, compiled once for each instruction set that Highway supports
 // and chosen when the program starts. For a fan they process a few edges at a time on one beam after another;
-// for a scan one edge at a time on a few of the beams that it spans. On every target an inverse range has the
-// bits of inverse_range().
+// for a scan one edge at a time on a few of the beams that it spans. On every instruction set the results
+// have the bits of inverse_range().
 
 #include "partition/ranging.hpp"
 
@@ -38,13 +38,14 @@ struct Relative {
 };
 
 /// Computes the edges relative to the reference; entries between chains are meaningless. For a common origin
-/// `area` becomes its inverse, and edges that look tiny from there get a NaN, which makes the fast path miss
-/// them.
+/// `area` becomes its inverse, and edges that look tiny from there get a NaN, so that they miss every beam
+/// here and are left to project_carefully().
 ///
-/// relative_edge() sets an area to exactly 0 if it is only noise, 2^-50 of its two terms. This is omitted
-/// here: such an area is tiny for every beam, whether it is 0 or noise, and the careful path computes it
-/// again. (Let the origin be at o from the reference, and t = o x e. If |t| is so small that noise could
-/// change A - t, both are below k_tiny. If |t| is larger, the noise is less than half a float step of A - t.)
+/// relative_edge() sets an area to exactly 0 if it is only rounding noise, at most 2^-50 of its two terms.
+/// This function does not: such an area is tiny for every beam, whether it is 0 or noise, and
+/// project_carefully() computes it again. (Proof: let the origin be at o from the reference, and t = o x e.
+/// If |t| is so small that noise could change A - t, both are below k_tiny. If |t| is larger, the noise is
+/// less than half a float step of A - t.)
 template <bool kCommon>
 HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& out) {
   const auto rx = Set(k_d, reference.x());
@@ -95,8 +96,9 @@ struct BeamVector {
   const V &dx, &dy, &ox, &oy, &offset;  // offset: |ox| + |oy|
 };
 
-/// inverse_range() per lane, for beams from the reference. Differs in that it is negative if the edge is
-/// behind, and 0 if the edge needs the careful path: such lanes are added to `unsure`.
+/// inverse_range() per lane, for beams that start at the reference. There are two differences: the result is
+/// negative if the edge is behind, and 0 if the edge needs project_carefully(); such lanes are added to
+/// `unsure`.
 template <class Tag>
 HWY_INLINE Vec<Tag> inverse_common(Tag tag, const EdgeVector<Vec<Tag>>& e, const BeamVector<Vec<Tag>>& beam,
                                    Mask<Tag>& unsure) {
@@ -110,7 +112,7 @@ HWY_INLINE Vec<Tag> inverse_common(Tag tag, const EdgeVector<Vec<Tag>>& e, const
   return IfThenElseZero(met, Mul(across, e.area));
 }
 
-/// inverse_common() for beams with different origins.
+/// The same as inverse_common(), for beams with different origins.
 template <class Tag>
 HWY_INLINE Vec<Tag> inverse_apart(Tag tag, const EdgeVector<Vec<Tag>>& e, const BeamVector<Vec<Tag>>& beam,
                                   Mask<Tag>& unsure) {
@@ -142,7 +144,8 @@ HWY_INLINE Vec<Few> on_beam(const EdgeVector<Vec<Few>>& edges, const Fan& fan, c
       k_few, edges, {dx, dy, Set(k_few, fan.ox[i]), Set(k_few, fan.oy[i]), Set(k_few, offsets[i])}, unsure);
 }
 
-/// Raises the inverse range of one beam to `value`, and updates what it returns.
+/// Raises the inverse range of one beam to `value` if that is larger, and updates the ranger_return that the
+/// beam reads.
 HWY_INLINE void raise_beam(float value, float ranger_return, float& inverse, float* returns) {
   if (returns != nullptr) {
     if (value > inverse)
@@ -260,7 +263,8 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
   std::fill(inverse + fan.count, inverse + fan.padded(), inverse[fan.count - 1]);
 }
 
-/// Raises the inverse ranges of a vector of beams to those of `candidate`, and updates what they return.
+/// Raises the inverse ranges of a vector of beams to those of `candidate` where these are larger, and updates
+/// the ranger_return that each beam reads.
 template <bool kReturns>
 HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, float* inverse, float* returns) {
   const auto before = LoadU(k_few, inverse);

@@ -21,7 +21,7 @@ constexpr std::uint32_t k_link = 1u << 31;  // a mark that is a link to several 
 constexpr std::uint32_t k_unmarked = ~0u;
 constexpr std::uint32_t k_share = 128;        // outlines per task
 constexpr std::size_t k_batch = 8;            // regions per task
-constexpr std::int64_t k_farthest = 1 << 29;  // cells: twice that still fits in 32 bits
+constexpr std::int64_t k_farthest = 1 << 29;  // cells: twice this number still fits in 32 bits
 
 std::uint32_t take(std::uint32_t& counter, std::uint32_t n) {
   return std::atomic_ref(counter).fetch_add(n, std::memory_order_relaxed);
@@ -45,13 +45,13 @@ void for_each_bit(std::uint64_t word, Visit&& visit) {
   for (; word != 0; word &= word - 1) visit(static_cast<std::uint32_t>(std::countr_zero(word)));
 }
 
-/// The most cells that an edge of this length can draw, at any angle.
+/// The largest number of cells that an edge of this length can draw, at any angle.
 double most_cells(const Vec2& a, const Vec2& b, double resolution) {
   return 1.41422 * (b - a).norm() / resolution + 3;
 }
 
 std::string too_fine(double resolution, double bytes, double most_bytes) {
-  // Only outlines are drawn, so that cells of twice the size take half the memory.
+  // Only outlines are drawn, so cells of twice the size take half the memory. The suggestion adds 10 %.
   return fmt::format(
       "cells of {:g} m would take {:.3g} GB, more than the limit of {:.3g} GB; use {:.2g} m or more",
       resolution, bytes / 1e9, most_bytes / 1e9, 1.1 * resolution * bytes / most_bytes);
@@ -216,7 +216,8 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
       runs += std::min(most, most / k_region + 2);
       if (const double away = ring[i].cwiseAbs().maxCoeff(); !(away <= limit)) {
         constexpr auto k_text =
-            "cells of {:g} m reach {:g} m from the origin, but the static scene reaches {:g} m";
+            "cells of {:g} m reach {:g} m from the origin, but the static scene reaches {:g} m; use larger "
+            "cells";
         throw std::length_error(fmt::format(k_text, cells_.cell_m, limit, away));
       }
     }
