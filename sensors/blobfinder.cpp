@@ -32,19 +32,22 @@ struct Finder {
       using enum engine::Unit;
       constexpr double k_most_pixels = 10000;  // per edge
       d.member<&Params::image_width>("image_width", within(1, k_most_pixels),
-                                     "columns of the image, one ray each");
-      d.member<&Params::image_height>("image_height", within(1, k_most_pixels),
-                                      "rows of the image, in which the heights of blobs are reported");
+                                     "columns of the image; each is seen by one ray");
+      d.member<&Params::image_height>(
+          "image_height", within(1, k_most_pixels),
+          "rows of the image, in which the top and the bottom of a blob are reported");
       d.member<&Params::range>("range", meters, above(0), at_most(10000), "length of the rays");
       d.member<&Params::fov>("fov", radians, above(0), at_most(2 * k_pi),
                              "angle between the first column and the last");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "pan angle to the left of its heading");
+                             "angle of the middle of the image to the left of the sensor's heading");
       d.member<&Params::colors>("colors", "only blobs of these colours are reported; []: all blobs");
       d.member<&Params::use_blob_return>(
-          "use_blob_return", "models whose blob_return is false are not blobs, but hide what is behind them");
-      d.member<&Params::most_blobs>("most_blobs", within(1, 1000),
-                                    "entries of the readings, from right to left; `count` counts all blobs");
+          "use_blob_return",
+          "true: models whose blob_return is false are not reported, but hide what is behind them");
+      d.member<&Params::most_blobs>(
+          "most_blobs", within(1, 1000),
+          "number of blobs that the readings list, from right to left; `count` counts all blobs");
     }
   };
 
@@ -206,8 +209,8 @@ void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind blobfinder_kind() {
-  return engine::make_device_kind<Finder>("blobfinder",
-                                          "finds blobs: stretches of one colour in its field of view");
+  return engine::make_device_kind<Finder>(
+      "blobfinder", "reports blobs: runs of neighbouring image columns that show the same colour");
 }
 
 }  // namespace troupe::sensors

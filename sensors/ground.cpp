@@ -125,7 +125,8 @@ struct GroundSensor {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::points>("points", engine::Unit::meters, within(-100, 100),
-                                "points below which it reads, sensor frame: x, y of each, one after another");
+                                "points below which it reads the colour, in the sensor frame: x and y of the "
+                                "first point, then of the next");
       d.part<&Params::ground>();
       d.member<&Params::floor>("floor", within(0, 1), "colour of the bare floor: red, green, blue");
     }

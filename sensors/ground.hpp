@@ -33,8 +33,9 @@ struct GroundParams {
 
   static constexpr void describe(engine::Description<GroundParams>& d) {
     using namespace engine::facts;
-    d.member<&GroundParams::height>("height", engine::Unit::meters, within(0, 10),
-                                    "parts with a higher top are not ground");
+    d.member<&GroundParams::height>(
+        "height", engine::Unit::meters, within(0, 10),
+        "parts of bodies with a top higher than this above the floor are not ground");
   }
 };
 

@@ -67,35 +67,42 @@ struct Radio {
       constexpr double k_farthest = 10000;  // m
       constexpr double k_most_power = 200;  // dBm
       d.member<&Params::range>("range", meters, above(0), at_most(k_farthest),
-                               "largest distance at which it is heard, with every law");
+                               "largest distance at which other radios hear it, whatever the `law`");
       d.member<&Params::hears>("hears", meters, within(0, k_farthest),
-                               "largest distance from which it hears; 0: equal to `range`");
-      d.member<&Params::channel>("channel", "radios hear only radios of their own channel");
-      d.member<&Params::payload>("payload", within(1, 255), "bytes of a message, at most");
-      d.member<&Params::most_heard>(
-          "most_heard", within(1, 1000),
-          "most messages per tick: of more the nearest are heard, the others count as lost");
+                               "largest distance from which it hears other radios; 0: the same as `range`");
+      d.member<&Params::channel>("channel",
+                                 "name of its channel; a radio hears only radios on the same channel");
+      d.member<&Params::payload>(
+          "payload", within(1, 255),
+          "largest length of a message, bytes; longer ones are neither sent nor heard");
+      d.member<&Params::most_heard>("most_heard", within(1, 1000),
+                                    "largest number of messages heard in a tick; if more arrive, the nearest "
+                                    "are heard and the others count as `lost`");
       d.member<&Params::drop_rate>("drop_rate", within(0, 1),
-                                   "fraction of the messages to it that are dropped at random");
+                                   "probability that a message to this radio is dropped");
       d.member<&Params::walls>("walls",
-                               "effect on messages of static geometry between the radios, if rangers see it");
+                               "how static geometry between the radios, if rangers see it, affects a "
+                               "message: blocks it, weakens it or lets it pass");
       d.member<&Params::bodies>("bodies",
-                                "effect on messages of other bodies between the radios, if rangers see them");
+                                "how other bodies between the radios, if rangers see them, affect a message: "
+                                "block it or let it pass");
       d.member<&Params::law>("law",
-                             "how messages weaken with the distance, see docs/radio.md; `disc`: not at all");
+                             "law by which messages weaken with the distance, see docs/radio.md; with `disc` "
+                             "they do not weaken");
       d.member<&Params::power>("power_dBm", within(-k_most_power, k_most_power), "transmission power");
       d.member<&Params::sensitivity>("sensitivity_dBm", within(-k_most_power, k_most_power),
-                                     "weaker messages are not heard");
+                                     "messages that arrive weaker than this are not heard");
       d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000),
-                                   "carrier frequency, for every law but `disc`");
-      d.member<&Params::power_loss_coefficient>("power_loss_coefficient", within(0, 100),
-                                                "N of `itu_indoor`: dB for ten times the distance");
+                                   "carrier frequency; all laws but `disc` use it");
+      d.member<&Params::power_loss_coefficient>(
+          "power_loss_coefficient", within(0, 100),
+          "N of the law `itu_indoor`: loss in dB for each factor of ten in the distance");
       d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10),
-                                            "n of `log_distance`: 2 in free space");
+                                            "n of the law `log_distance`: 2 in free space");
       d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000),
-                                   "loss for each wall on the way, if `walls` is weaken");
+                                   "loss for each wall between the radios, if `walls` is `weaken`");
       d.member<&Params::beacon>(
-          "beacon", "sends an empty message in each tick until a controller sets another message");
+          "beacon", "true: sends an empty message in each tick until a controller sets another message");
     }
   };
 
@@ -799,8 +806,9 @@ Result<> Radio::bind_part(const engine::TypeSpec& type, std::uint32_t) {
 }  // namespace
 
 DeviceKind radio_kind() {
-  return engine::make_device_kind<Radio>(
-      "radio", "sends messages to radios in range, and receives theirs with range and bearing");
+  return engine::make_device_kind<Radio>("radio",
+                                         "sends messages to other radios in range, and receives their "
+                                         "messages with range and bearing of the sender");
 }
 
 }  // namespace troupe::sensors
