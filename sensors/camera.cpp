@@ -74,7 +74,8 @@ struct Lens {
   bool is_level() const { return tilt.sin == 0; }
 };
 
-/// A ray through a pixel: at depth t its point is origin + t * across, at height t * rise above the camera.
+/// A ray through a pixel. Its point at depth t is the camera's position + t * across, at height t * rise
+/// above the camera.
 struct PixelRay {
   Vec2 across;  ///< world frame
   double rise = 0;
@@ -93,8 +94,9 @@ struct Region {
 struct Crossing {
   std::uint32_t region = 0;
   double depth = 0;
-  bool is_change =
-      false;  ///< the ray passes between inside and outside here: true for one of the two edges at a corner
+  /// The ray passes from outside to inside here, or the other way. If it passes through a corner, this is
+  /// true for only one of the two edges.
+  bool is_change = false;
   friend auto operator<=>(const Crossing&, const Crossing&) = default;
 };
 
@@ -295,7 +297,7 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
                   .half_width = across.sin / across.cos,
                   .half_height = upright.sin / upright.cos,
                   .tilt = sincos(params.tilt)};
-  // The distance to the corners of the image at range_far. An upper bound for a tilted camera as well.
+  // The distance to the corners of the image at range_far. For a tilted camera this is an upper bound.
   const double farthest =
       params.range_far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
   const std::uint32_t pixels = params.width * params.height;

@@ -19,7 +19,7 @@ using engine::PartSpec;
 using engine::TypeSpec;
 using engine::World;
 
-constexpr double k_rounding = 1e-9;  // above the rounding of sines and cosines
+constexpr double k_rounding = 1e-9;  // above the rounding errors of sines and cosines
 
 struct Finder {
   struct Params {
@@ -95,7 +95,7 @@ class Search {
     found_.clear();
     lines_.clear();
     const std::size_t room =
-        std::min<std::size_t>(world.rows(), 1024);  // reserved up front for crowds of this size
+        std::min<std::size_t>(world.rows(), 1024);  // reserved for as many candidates as a dense crowd has
     found_.reserve(room);
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));
@@ -127,8 +127,8 @@ class Search {
   }
 
  private:
-  /// Adds a candidate if range and bearing allow. extent: bound on the distance of the target's surfaces from
-  /// its origin, m; 0: unknown
+  /// Adds a candidate if it is within range and field of view. extent: upper bound on the distance of the
+  /// target's surfaces from its origin, m; 0 if unknown
   void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
                 double extent) {
     if (spec.returns.fiducial_key != finder_->params.key) return;
@@ -235,7 +235,7 @@ std::uint64_t Finder::sense(const DeviceBatch& batch) const {
   thread_local const auto search = std::make_unique<Search>();
   const std::uint64_t rays_before = search->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    // The readings of a robot take a kilobyte: they are prefetched while it searches.
+    // The readings of a robot take about a kilobyte. They are prefetched while the finder searches.
     __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
     write(*search, *this, search->find(batch.world, *this, batch.rows[i], batch.mount(i)), batch.state,
           batch.slot(i));

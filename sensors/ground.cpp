@@ -22,8 +22,8 @@ using engine::PartSpec;
 using engine::World;
 using engine::WorldSpec;
 
-/// Whether the point is inside, by the even-odd rule. A point on the common edge of two regions is in exactly
-/// one.
+/// Whether the point is inside the contours, by the even-odd rule. A point on the common edge of two regions
+/// is in exactly one of them.
 bool holds(const std::vector<Ring>& contours, const Vec2& point) {
   bool inside = false;
   for (const Ring& ring : contours)
@@ -50,7 +50,7 @@ bool Ground::Zone::is_above(const Zone& other) const {
   return std::tuple(body, part) < std::tuple(other.body, other.part);
 }
 
-/// The flat parts of static bodies.
+/// The parts of static bodies that are ground.
 struct Ground::Fixed {
   struct Part {
     Zone zone;

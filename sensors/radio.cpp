@@ -26,10 +26,12 @@ using engine::RayOutline;
 using engine::World;
 using partition::BodyCircle;
 
-constexpr double k_slack = 1e-9;  // m, margin of culls: far above the rounding of doubles within a world
-constexpr double k_together_m =
-    12;  // links up to this length share the search for walls and bodies that hide them
-constexpr double k_stride_m = 4;  // longer links are searched in pieces of this length
+// Margin of culls, m: far above the rounding of doubles within a world.
+constexpr double k_slack = 1e-9;
+// If no link of a listener is longer than this, its links share one search for the walls and bodies that may
+// hide them. A longer link is searched along its line, in pieces of k_stride_m.
+constexpr double k_together_m = 12;
+constexpr double k_stride_m = 4;
 // Listeners within a square of this many times their reach search for speakers together.
 constexpr double k_group_reaches = 2.25;
 
@@ -181,8 +183,8 @@ struct Line {
   }
 };
 
-/// A crossing of a line and an edge. Long edges are in several pieces of an outline, so one may be found
-/// twice.
+/// A crossing of a line and an edge. The edge may be in several pieces of an outline if it is long, so a
+/// crossing may be found twice.
 struct Crossing {
   std::uint32_t solid;
   double at;    // position on the line, from 0 to 1
@@ -262,12 +264,12 @@ class Listener {
   std::vector<std::uint32_t> in_reach_;                    // indices in reaches_
   std::vector<Link> links_;                                // in the order of readings
   std::vector<std::pair<double, std::uint32_t>> nearest_;  // range and index of links
-  std::vector<Vec2> ways_;                                 // displacements to speakers, frame of the listener
-  std::vector<BodyCircle> blockers_;                       // those of bodies_ near it
-  std::vector<BodyCircle> walls_;                          // pieces of outlines near it
+  std::vector<Vec2> ways_;            // displacements to speakers, frame of the listener's radio, m
+  std::vector<BodyCircle> blockers_;  // those of bodies_ near it
+  std::vector<BodyCircle> walls_;     // pieces of outlines near it
   std::vector<Crossing> crossings_;
-  bool has_walls_ = false;  // walls may hide some of its links
-  bool together_ = false;   // walls_ contains all such walls
+  bool has_walls_ = false;  // whether walls may hide some of its links
+  bool together_ = false;   // whether walls_ contains all these walls
   std::uint32_t lost_ = 0;
   std::uint32_t dropped_ = 0;
   std::uint64_t lines_ = 0;
@@ -407,8 +409,8 @@ void Listener::listen(std::size_t i) {
   write(batch_->slot(i));
 }
 
-/// Finds the speakers in range. Whether a speaker is in range is unpredictable, so that the loops count
-/// instead of branching.
+/// Finds the speakers in range. The loops have no branch on whether a speaker is in range, because it would
+/// be unpredictable: they write every candidate and advance only past those in range.
 void Listener::find_links() {
   in_reach_.resize(reaches_.size());
   std::size_t near = 0;
@@ -440,8 +442,8 @@ void Listener::weaken_links() {
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
 
-/// Collects the static outlines that may hide a link. If some link is long, each link is searched by itself
-/// instead.
+/// Collects the static outlines that may hide a link. If some link is longer than k_together_m it collects
+/// nothing, and each link is searched by itself later.
 void Listener::find_walls() {
   has_walls_ = false;
   if (links_.empty() || world_->scene().edge_count() == 0) return;
@@ -464,7 +466,8 @@ void Listener::find_walls() {
   has_walls_ = !walls_.empty();
 }
 
-/// Collects the bodies that may hide a link, unless links may be long.
+/// Collects the bodies that may hide a link. If links may be longer than k_together_m it collects nothing,
+/// and each link is searched by itself later.
 void Listener::find_blockers() {
   blockers_.clear();
   if (links_.empty() || radio_->hears > k_together_m) return;
@@ -633,7 +636,7 @@ bool Listener::hides(const Line& line, Row row) const {
   });
 }
 
-/// Keeps the nearest `most_heard` links, at equal ranges those of the lower senders, in their order.
+/// Keeps the `most_heard` nearest links, in their order; at equal ranges those of senders with lower ids.
 void Listener::keep_nearest() {
   if (links_.size() <= radio_->params.most_heard) return;
   nearest_.clear();
@@ -647,9 +650,9 @@ void Listener::keep_nearest() {
   links_.resize(kept);
 }
 
-/// Computes the angles of directions, rad, accurate to 3e-9, because readings are floats; 0 for a zero
-/// vector. One division and no branch per angle, so that the compiler vectorises the loop. atan2() to the
-/// last bit would take a third of the time of a radio.
+/// Computes the angles of directions, rad; 0 for a zero vector. They are accurate to 3e-9, which is enough
+/// for readings in float. There is one division and no branch per angle, so that the compiler vectorises the
+/// loop. With atan2(), which is accurate to the last bit, a third of the time of a radio would go to angles.
 void to_bearings(std::span<const Vec2> ways, std::span<float> bearings) {
   constexpr double k_tan_22_5_deg = 0.41421356237309503;
   for (std::size_t i = 0; i < ways.size(); ++i) {
