@@ -153,7 +153,7 @@ std::string comma_list(std::span<const std::string_view> names) {
 }
 
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {
-  if (known.empty()) return fmt::format("unknown {} \"{}\"; there are none", what, name);
+  if (known.empty()) return fmt::format("unknown {} \"{}\"; no {} exists", what, name, what);
   const std::size_t listed = std::min(known.size(), k_names_listed);
   std::ranges::partial_sort(known, known.begin() + static_cast<std::ptrdiff_t>(listed));
   const std::string more =

@@ -13,7 +13,7 @@ namespace troupe {
 
 /// The 64-bit XXH3 hash of the bytes. It has the same value on every platform.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
-/// hash_bytes() of the characters with seed 0.
+/// Hashes a text: hash_bytes() of its characters with seed 0.
 std::uint64_t hash_text(std::string_view text);
 
 /// Returns the sum, modulo 2^64, of the hashes of rows, which does not depend on their order. The hash of a

@@ -15,7 +15,7 @@ struct Id {
   std::uint32_t value = std::numeric_limits<std::uint32_t>::max();  ///< the index; all ones is the invalid id
 
   constexpr Id() = default;
-  constexpr explicit Id(std::size_t v) : value(static_cast<std::uint32_t>(v)) {}  ///< v counts from 0
+  constexpr explicit Id(std::size_t v) : value(static_cast<std::uint32_t>(v)) {}  ///< v: the index, from 0
 
   /// False for a default-constructed id.
   constexpr bool valid() const { return value != std::numeric_limits<std::uint32_t>::max(); }

@@ -24,19 +24,21 @@ class Random {
   /// Starts at draw 0.
   Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity, std::uint32_t tick);
 
-  /// 32 uniform random bits; uses one draw.
+  /// Returns 32 uniform random bits; uses one draw.
   std::uint32_t bits();
-  /// Uniform in [0, 1), with 53 random bits; uses two draws.
+  /// Returns a uniformly distributed number in [0, 1) with 53 random bits; uses two draws.
   double uniform();
-  /// Uniform in [low, high); uses two draws.
+  /// Returns a uniformly distributed number in [low, high); uses two draws.
   double uniform(double low, double high);
-  /// A uniform integer from 0 to n - 1, without bias; n must be positive. Uses one draw, rarely more.
+  /// Returns a uniformly distributed integer from 0 to n - 1, without bias; n must be positive. Uses one
+  /// draw, rarely more.
   std::uint32_t below(std::uint32_t n);
-  /// Normal with mean 0 and standard deviation 1 (Box-Muller); uses four draws.
+  /// Returns a normally distributed number with mean 0 and standard deviation 1 (Box-Muller); uses four
+  /// draws.
   double normal();
-  /// Exponential with mean 1; uses two draws.
+  /// Returns an exponentially distributed number with mean 1; uses two draws.
   double exponential();
-  /// Permutes the items uniformly (Fisher-Yates).
+  /// Permutes the items; all permutations are equally likely (Fisher-Yates).
   template <class Sequence>
   void shuffle(Sequence& items) {
     for (std::uint32_t n = static_cast<std::uint32_t>(items.size()); n > 1; --n) {

@@ -1,5 +1,5 @@
-// Culls of the exact ray engine: kernels that discard, a vector of circles at a time, those that no beam can
-// reach. Compiled once for each instruction set that Highway supports.
+// Culls of the exact ray engine: kernels that process a vector of circles at a time and discard the circles
+// that no beam can reach. Compiled once for each instruction set that Highway supports.
 
 #include "partition/ranging.hpp"
 
@@ -34,7 +34,7 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
   return GetLane(MaxOfLanes(k_f, farthest));
 }
 
-/// The properties of a fan that a kernel is specialised for, see Fan.
+/// The properties of a fan (see Fan) for whose combinations there are specialised kernels.
 struct Shape {
   bool common_origin;
   bool mirrored;
@@ -119,8 +119,8 @@ std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, flo
   return kept;
 }
 
-/// Keeps the circles whose nearest point is from low to high away from the reference, with their margins:
-/// their coordinates become relative to the reference. Pads them with one vector of circles that nothing
+/// Keeps the circles whose nearest point is from `low` to `high` (m) away from the reference, with a margin,
+/// and makes their coordinates relative to the reference. Pads them with one vector of circles that no beam
 /// hits. `kept` needs room for two more vectors than there are circles.
 HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t begin, std::size_t end,
                                     const Vec2& reference, float low, float high, MetCircles& kept) {

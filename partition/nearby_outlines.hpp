@@ -13,8 +13,8 @@ namespace troupe::partition {
 
 /// Circles in one array per component, metres, world frame. The arrays never shrink.
 struct CircleArrays {
-  std::vector<float> x;            ///< centres
-  std::vector<float> y;            ///< centres
+  std::vector<float> x;            ///< x of the centres
+  std::vector<float> y;            ///< y of the centres
   std::vector<float> radius;       ///< minus infinity for padding, which no beam hits
   std::vector<std::uint32_t> row;  ///< row of a body, or number of a piece of the static scene
 
@@ -67,8 +67,8 @@ class NearbyOutlines {
   /// The range of a band in circles(). Bands are padded to a multiple of k_circle_padding with circles that
   /// no beam hits.
   struct Band {
-    std::size_t begin;  ///< its first circle
-    std::size_t end;    ///< one past its last circle
+    std::size_t begin;  ///< index of its first circle in circles()
+    std::size_t end;    ///< index one past its last circle
   };
   /// The range of a band, which must be below bands(). Gathers the band on first use.
   Band band(std::size_t band) {
@@ -77,9 +77,9 @@ class NearbyOutlines {
   }
   /// The circles of all bands gathered so far; grows when the next band is gathered.
   const CircleArrays& circles() const { return circles_; }
-  /// The distance within which to search the first band first, metres. About k_nearest_shell_circles circles
-  /// are within it on average. It is at most radius(0), or infinite if there are so few circles that a single
-  /// search is faster.
+  /// A distance from a sensor, metres: in the first band, the sensor should first search the circles within
+  /// this distance, which are about k_nearest_shell_circles on average, and then the others. It is at most
+  /// radius(0), or infinite if there are so few circles that a single search is faster.
   double nearest_shell_m() const { return nearest_shell_m_; }
   static constexpr double k_nearest_shell_circles = 20;  ///< see nearest_shell_m()
   /// nearest_shell_m() is infinite if the first band has at most this many circles.

@@ -10,7 +10,7 @@ namespace troupe::partition {
 /// A circle that encloses a piece, metres, in the frame of its shape.
 struct PieceCircle {
   Vec2 centre;    ///< centre of the piece's bounding box
-  double radius;  ///< distance to the farthest corner
+  double radius;  ///< distance from the centre to the piece's farthest corner
 };
 /// The circle that encloses an outline, about the centre of its bounding box. The outline must have at least
 /// one corner.

@@ -13,7 +13,7 @@ namespace troupe::partition {
 /// floating-point environment.
 class Parallel {
  public:
-  static constexpr unsigned k_most_threads = 1024;  ///< most threads of a loop
+  static constexpr unsigned k_most_threads = 1024;  ///< largest number of threads
 
   /// threads: number of threads; 0 means one per processor that the process may use
   /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads.
@@ -41,7 +41,7 @@ class Parallel {
   /// Calls task(i) once for each i from 0 to count - 1, in any order, on any worker thread, and returns when
   /// all calls are done. Tasks should be coarse (some tens of microseconds) and must write only data that no
   /// other task of the loop reads or writes. If tasks throw, the others still run; then the exception of the
-  /// lowest index is rethrown. If there are more threads than oneTBB allows by default, its process-wide
+  /// lowest index is rethrown. If there are more threads than oneTBB allows by default, oneTBB's process-wide
   /// limit is raised.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {

@@ -66,7 +66,7 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     tbb::parallel_for(
         std::size_t{0}, runners,
         [&](std::size_t own) {
-          // Not in a task_scheduler_observer, because oneTBB leaks those.
+          // Restored here and not in a task_scheduler_observer, because oneTBB leaks such observers.
           thread_local const bool ready = (restore_fp_environment(), true);
           static_cast<void>(ready);
           for (std::size_t p = 0; p < used; ++p) {

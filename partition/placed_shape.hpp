@@ -21,12 +21,12 @@ class PlacedRing {
   const Transform& transform_;
 };
 
-/// True if two convex counter-clockwise polygons share area.
+/// True if two convex counter-clockwise polygons share area; polygons that only touch do not.
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
 
-/// True if the segment enters the interior of a convex counter-clockwise polygon.
+/// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon);
-/// True if the segment enters the interior of a convex counter-clockwise polygon.
+/// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 
 /// A shape at a pose. Nearly all shapes have at most 128 vertices; these are transformed once, into an array

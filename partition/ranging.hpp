@@ -58,10 +58,10 @@ inline constexpr std::size_t k_most_beams = 32;
 /// direction (dx, dy); both have the orientation of the world frame. Each array has padded_beams(count)
 /// entries; those beyond count repeat the last beam.
 struct Fan {
-  const float* dx = nullptr;   ///< directions
-  const float* dy = nullptr;   ///< directions
-  const float* ox = nullptr;   ///< origins, m
-  const float* oy = nullptr;   ///< origins, m
+  const float* dx = nullptr;   ///< x of the directions
+  const float* dy = nullptr;   ///< y of the directions
+  const float* ox = nullptr;   ///< x of the origins, m
+  const float* oy = nullptr;   ///< y of the origins, m
   std::size_t count = 0;       ///< number of beams
   bool common_origin = false;  ///< all origins are 0
   bool mirrored = false;       ///< beam i + count / 2 has the opposite direction of beam i
@@ -72,14 +72,14 @@ struct Fan {
 
 /// An edge relative to the reference point, metres.
 struct RayEdge {
-  float ax;    ///< start
-  float ay;    ///< start
-  float bx;    ///< end
-  float by;    ///< end
-  float ex;    ///< b - a, rounded once
-  float ey;    ///< b - a, rounded once
+  float ax;    ///< x of the start a
+  float ay;    ///< y of the start a
+  float bx;    ///< x of the end b
+  float by;    ///< y of the end b
+  float ex;    ///< x of b - a, rounded once
+  float ey;    ///< y of b - a, rounded once
   float area;  ///< a x b, rounded once; exactly 0 if the edge's line passes through the reference point
-  float ranger_return;  ///< intensity that a beam reads
+  float ranger_return;  ///< intensity that a beam reads if it hits the edge
 };
 
 /// The margin of distance culls, as a fraction of the distance. Because of rounding, the range to an edge may
@@ -144,7 +144,7 @@ class EdgeBlock {
   void clear() { vertices_ = pieces_count_ = 0; }
   bool empty() const { return vertices_ == 0; }       ///< whether there are no vertices
   std::size_t vertices() const { return vertices_; }  ///< number of vertices of all chains
-  /// The most edges that the next chain may have.
+  /// The largest number of edges that the next chain may have.
   std::size_t room() const { return std::max(vertices_, k_capacity - 1) - vertices_; }
 
   /// Adds a chain of `edges` edges that have the same enclosing circle: from `first` to rest[0], from there
@@ -183,7 +183,8 @@ class EdgeBlock {
   std::size_t pieces_count_ = 0;
 };
 
-/// Rotates unit vectors (x, y) and rounds them once to float. All arrays have padded_beams(count) entries.
+/// Rotates unit vectors (x, y) and rounds the results once to float. All arrays have padded_beams(count)
+/// entries.
 void turn(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
           float* out_y);
 

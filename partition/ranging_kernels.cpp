@@ -50,7 +50,7 @@ template <bool kCommon>
 HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& out) {
   const auto rx = Set(k_d, reference.x());
   const auto ry = Set(k_d, reference.y());
-  // Kernels read all lanes of the last piece, and the vertices of all of them.
+  // Kernels read all k_piece lanes of the last piece, also those without an edge, and their vertices.
   const std::size_t end = edges.pieces().back().first + EdgeBlock::k_piece + 1;
   for (std::size_t i = 0; i < end; i += Lanes(k_d)) {
     Vec<Full<double>> from_x, from_y, to_x, to_y;
@@ -84,9 +84,9 @@ HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& 
   }
 }
 
-/// An edge and a beam per lane: the components of Relative; directions, and origins relative to the
-/// reference. Members are references because an SVE vector cannot be a member. Temporaries that initialise
-/// them in braces live as long as the struct.
+/// EdgeVector has an edge per lane, with the components of Relative. BeamVector has a beam per lane: its
+/// direction, and its origin relative to the reference. Members are references because an SVE vector cannot
+/// be a member. Temporaries that initialise them in braces live as long as the struct.
 template <class V>
 struct EdgeVector {
   const V &ax, &ay, &bx, &by, &ex, &ey, &area, &magnitude, &grazing;
@@ -164,7 +164,8 @@ HWY_NOINLINE void project_carefully(const RayEdge& edge, const Fan& fan, std::si
                inverse[i], returns == nullptr ? nullptr : returns + i);
 }
 
-/// For a piece of n edges, read from k_piece - n on: 0 for its edges, NaN for the lanes after them.
+/// A vector that is read from index k_piece - n on has 0 in the lanes of a piece of n edges, and NaN in the
+/// lanes after them.
 constexpr float k_no_edge = std::numeric_limits<float>::quiet_NaN();
 alignas(64) constexpr float k_edges_then_none[2 * EdgeBlock::k_piece] = {
     0,         0,         0,         0,         0,         0,         0,         0,
@@ -277,7 +278,8 @@ HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, floa
   StoreU(Max(before, candidate), k_few, inverse);
 }
 
-/// A step packs an edge and the first beam of a vector of beams of a scan into one integer.
+/// For scans, a step is an edge and the first beam of a vector of beams on which it is to be projected,
+/// packed into one integer.
 constexpr int k_edge_bits = 8;
 static_assert(Relative::k_size <= 1 << k_edge_bits);
 HWY_INLINE std::size_t edge_of(std::int32_t step) {
@@ -285,7 +287,7 @@ HWY_INLINE std::size_t edge_of(std::int32_t step) {
 }
 HWY_INLINE std::size_t beam_of(std::int32_t step) { return static_cast<std::size_t>(step) >> k_edge_bits; }
 
-/// Writes the steps of the lanes where the mask holds, and returns their number.
+/// Writes the steps for the lanes where the mask holds to `steps`, and returns their number.
 HWY_INLINE std::size_t append(const Vec<decltype(k_i)>& beams, const Vec<decltype(k_i)>& edges,
                               const Mask<decltype(k_i)>& where, std::int32_t* steps) {
   StoreU(compress(Or(ShiftLeft<k_edge_bits>(beams), edges), where), k_i, steps);

@@ -37,7 +37,7 @@ struct MovingOutline {
   std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()
   std::uint32_t count = 0;  ///< number of vertices, at least one
   ZInterval z;              ///< heights, body frame
-  float ranger_return = 1;  ///< intensity that a ray reads; negative: not drawn
+  float ranger_return = 1;  ///< intensity that a ray reads; negative: the outline is not drawn
 };
 
 /// A ray to cast.
@@ -52,7 +52,7 @@ struct GridRay {
 /// The result of a ray.
 struct GridHit {
   float range;              ///< m; exactly range_max if nothing was hit
-  float ranger_return = 0;  ///< intensity of the surface hit; the largest if there are several in the cell
+  float ranger_return = 0;  ///< largest intensity of the surfaces hit in the cell; 0 if none
 };
 
 /// The cells of one world, drawn and walked as described above.
@@ -96,7 +96,7 @@ class RayGrid {
   static constexpr std::uint32_t k_none = ~0u;
   static constexpr std::uint32_t k_shared = ~0u - 1;
 
-  /// The surface that a cell is marked with.
+  /// A surface in a cell.
   struct Surface {
     double z_min;
     double z_max;
@@ -116,7 +116,7 @@ class RayGrid {
     std::unique_ptr<Region> fixed;
     std::unique_ptr<Region> live;
     std::uint64_t redrawn = 0;    // blocks of the live region that differ from the fixed one
-    std::uint32_t runs = k_none;  // head of the list of runs drawn in it this tick
+    std::uint32_t runs = k_none;  // head of the list of runs that are drawn in it in this tick
   };
   /// Consecutive cells of one outline in one region.
   struct Run {

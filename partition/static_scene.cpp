@@ -8,7 +8,7 @@ namespace {
 constexpr double k_least_cover_m = 0.25;  // finer cells would classify few more points
 
 /// Visits the cells that an edge may cross: those of its box, except those farther from its line than half
-/// the diagonal of a cell. A few too many do no harm.
+/// the diagonal of a cell. A few cells too many do no harm.
 template <class Visit>
 void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visit) {
   const Cell low = grid.cell(edge.a.cwiseMin(edge.b));

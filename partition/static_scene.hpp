@@ -31,7 +31,8 @@ class EdgeGrid {
   /// Indexes the edges. The choice of the grid does not affect the results of queries.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
-  /// Calls visit(span of edges) for the runs of cells that the box touches; an edge may come more than once.
+  /// Calls visit(span of edges) for the edges in all cells that the box (metres, world frame) touches. An
+  /// edge may be visited more than once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     if (edges_.empty()) return;
@@ -78,7 +79,7 @@ class StaticScene {
   /// The distance from a point to the nearest edge of an obstacle, metres, or `most` if there is no edge
   /// within that distance. Heights are ignored.
   double clearance(const Vec2& point, double most) const;
-  /// True if the shape shares area with this obstacle solid at a common height.
+  /// True if the shape shares area with the obstacle solid solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
   /// True if the shape shares area with an obstacle at a common height: either an edge of the obstacle enters
   /// the shape, or the shape is wholly inside the obstacle.

@@ -26,7 +26,7 @@ struct Scene {
 struct Run {
   Scene scene;
   unsigned threads = 1;
-  bool frames = false;  ///< draw a picture every 0.1 s of wall time, as the paper's rows with graphics
+  bool frames = false;  ///< draw a picture every 0.1 s of wall time, as in the paper's runs with graphics
   Watch watch = Watch::nothing;
   std::string simd = {};  ///< instruction set of the kernels; empty: the default of the report
 };

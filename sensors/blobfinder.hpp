@@ -10,8 +10,8 @@ namespace troupe::sensors {
 /// last blob are 0. Columns and rows count from the upper left corner of the image.
 enum BlobField : std::size_t {
   k_blob_count,   ///< u32: number of blobs in sight, which may exceed `most_blobs`, the number of entries
-  k_blob_left,    ///< i32 per blob: first column
-  k_blob_right,   ///< i32 per blob: last column, inclusive
+  k_blob_left,    ///< i32 per blob: leftmost column
+  k_blob_right,   ///< i32 per blob: rightmost column, inclusive
   k_blob_top,     ///< i32 per blob: top row
   k_blob_bottom,  ///< i32 per blob: bottom row
   k_blob_range,   ///< f32 per blob, m: mean distance over its columns

@@ -9,7 +9,7 @@ namespace troupe::sensors {
 /// The fields of a bumper's readings, in order.
 enum BumperField : std::size_t {
   k_bumper_hit,   ///< u8 per strip: 1 if a body touches it
-  k_bumper_body,  ///< u32 per strip: BodyId of that body, 0 (the ground) if none touches it
+  k_bumper_body,  ///< u32 per strip: BodyId of the body that touches it; 0 (the ground) if none does
 };
 
 /// Returns the sensor kind `bumper`: contact strips. Each strip is a line segment perpendicular to the

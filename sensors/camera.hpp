@@ -18,7 +18,8 @@ enum CameraField : std::size_t {
 ///         floor at z = 0. There is no light or shadow: each body has its own colour. Surfaces nearer than
 ///         range_near are not drawn; beyond range_far the picture shows sky.
 /// pixels  The camera is a pinhole camera: each pixel shows the colour along one ray through its middle.
-/// ties    Of two surfaces at the same depth, the one of the lower (body, solid) is drawn.
+/// ties    Of two surfaces at the same depth, the one of the body with the lower id is drawn, and within one
+///         body the one of the solid with the lower number.
 /// limits  A top or an underside is not drawn if its whole outline is outside the field of view, as for a
 ///         plate straight below the camera.
 /// cost    A level camera tests an edge only for the columns that the edge spans, a tilted camera for every

@@ -7,16 +7,16 @@
 namespace troupe::sensors {
 
 /// The fields of a fiducial finder's readings, in order. The entries of arrays are the nearest targets
-/// (marked models), sorted by range, then body, then part; entries after the last target are 0.
+/// (marked models), sorted by range, then body id, then number of the part; entries after the last target are
+/// 0.
 enum FiducialField : std::size_t {
-  k_fiducial_count,    ///< u32: number of targets in sight, which may exceed `most_targets`, the number of
-                       ///< entries
+  k_fiducial_count,    ///< u32: number of targets in sight; may exceed the `most_targets` entries
   k_fiducial_id,       ///< i32 per target: its fiducial_return; 0 at range_max_id or farther
   k_fiducial_body,     ///< u32 per target: its BodyId
   k_fiducial_range,    ///< f32 per target, m: horizontal distance to its origin
   k_fiducial_bearing,  ///< f32 per target, rad: bearing of its origin, sensor frame
   k_fiducial_heading,  ///< f32 per target, rad: its heading, sensor frame
-  k_fiducial_size,     ///< f32 [x y z] per target, m: its declared size
+  k_fiducial_size,     ///< f32 [x y z] per target, m: its size as the world declares it
   k_fiducial_pose,     ///< f64 [x y z heading] per target, m and rad: its pose, world frame
 };
 

@@ -20,8 +20,9 @@ enum GroundField : std::size_t {
 
 /// Returns the sensor kind `ground`, which reads the colours of the ground below given points of its robot.
 /// The ground at a point is a part of another body that contains the point, seen from above, and whose top is
-/// not above `height`. Of several such parts it is the one with the highest top; at equal tops, the one of
-/// the lower (body, part). If there is no such part, the ground is the floor.
+/// not above `height`. Of several such parts it is the one with the highest top; at equal tops, the part of
+/// the body with the lower id, and within one body the part with the lower number. If there is no such part,
+/// the ground is the floor.
 ///
 /// zones  Coloured zones on the ground are models with `"obstacle": false`, `"ranger_return": -1` and a size
 ///        of some millimetres in z. A zone with an LED has the colour of the LED.
