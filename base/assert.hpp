@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// Aborts with file, line and condition if an internal invariant does not hold. Invalid input must be
-/// reported as an error instead. Enabled in the Debug and check builds (TROUPE_ASSERTIONS); compiles to
-/// nothing elsewhere.
+/// Prints file, line and condition and aborts if an internal invariant does not hold. Invalid input must be
+/// reported as an error instead. The check exists only in builds with TROUPE_ASSERTIONS, such as the Debug
+/// build; in all others the macro compiles to nothing.
 #ifdef TROUPE_ASSERTIONS
 #define TROUPE_ASSERT(condition)                                                             \
   do {                                                                                       \

@@ -57,13 +57,16 @@ struct Trapezoid {
   double top;
 };
 
-/// Limits the work. Every pair of sides may cross, and each crossing is a level at which all sides are cut: a
-/// few thousand corners, chosen maliciously, would take days. Realistic outlines need a thousandth of the
-/// limit.
+/// Limits the work of one cut. Every pair of sides may cross, and each crossing is a level at which all sides
+/// are cut: a few thousand maliciously chosen corners would take days. Realistic outlines need a thousandth
+/// of the limit.
 class Effort {
  public:
   void spend(std::size_t steps) {
-    if (steps > left_) throw std::length_error("the outline is too intricate to be cut into convex pieces");
+    if (steps > left_)
+      throw std::length_error(
+          "the outline is too intricate to be cut into convex pieces; use fewer corners or fewer crossing "
+          "edges");
     left_ -= steps;
   }
 
@@ -81,7 +84,7 @@ std::vector<double> levels_of(std::vector<double> heights, double tolerance) {
   return levels;
 }
 
-/// The level that a height was merged into.
+/// The level that stands for this height: the highest level that is not above it.
 double level_of(const std::vector<double>& levels, double y) {
   return *std::prev(std::upper_bound(levels.begin(), levels.end(), y));
 }
@@ -122,7 +125,7 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
   std::stable_sort(active.begin(), active.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(x_bottom(a), x_top(a)) < std::pair(x_bottom(b), x_top(b));
   });
-  // Each exchange of an insertion sort by the order at the top is a pair of sides that cross.
+  // Sorts the sides by their order at the top, by insertion. Each exchange is a pair of sides that cross.
   effort.spend(active.size());
   for (std::size_t i = 1; i < active.size(); ++i) {
     for (std::size_t j = i; j > 0 && x_top(active[j - 1]) > x_top(active[j]); --j) {
@@ -136,8 +139,9 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
   return heights;
 }
 
-/// Appends the even-odd region between two levels, where no sides cross, to `trapezoids`. A trapezoid between
-/// the same sides as one of the slab below (those in `open`) extends that one instead.
+/// Appends the even-odd region between two levels, between which no sides cross, to `trapezoids`. If a
+/// trapezoid has the same two sides as one of the slab below, it extends that trapezoid instead. open: the
+/// trapezoids of the slab below, replaced by those of this slab.
 void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom, double top,
               std::vector<Trapezoid>& trapezoids, std::vector<std::size_t>& open, Effort& effort) {
   effort.spend(4 * active.size());
@@ -208,8 +212,8 @@ bool continues(const Piece& piece, const Piece& above) {
          straight_or_in(piece.left, above.left, true) && straight_or_in(piece.right, above.right, false);
 }
 
-/// Joins each trapezoid to the piece that ends at its bottom if the union is convex. Greedy, from bottom to
-/// top; the number of pieces is not minimal.
+/// Joins each trapezoid to the piece that ends at its bottom if their union is convex. Works greedily from
+/// bottom to top, so the number of pieces is not minimal.
 std::vector<Piece> merged(const std::vector<Side>& sides, std::vector<Trapezoid> trapezoids,
                           double tolerance) {
   std::vector<Piece> pieces;
@@ -286,8 +290,8 @@ bool is_convex(const Ring& ring) {
   const Ring corners = distinct(ring);
   const std::size_t n = corners.size();
   if (n < 3 || !(signed_area(corners) > 0)) return false;
-  // A pentagram also turns left at every corner. The ring is convex if the turns add up to one full turn, not
-  // more.
+  // A pentagram also turns left at every corner. A convex ring turns by one full turn in total, a pentagram
+  // by two.
   double turned = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec2& corner = corners[(i + 1) % n];
@@ -304,7 +308,7 @@ double convex_width(const Ring& ring) {
   const Ring corners = distinct(ring);
   if (corners.size() < 3) return 0;
   double width = std::numeric_limits<double>::infinity();
-  // The minimum width of a convex polygon is attained with one of the two lines along an edge.
+  // The width of a convex polygon is least for two lines of which one runs along an edge.
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec2 edge = corners[(i + 1) % corners.size()] - corners[i];
     double farthest = 0;
@@ -322,8 +326,8 @@ bool contains(const Solid& solid, const Vec2& point) {
       const Vec2& b = contour[(i + 1) % contour.size()];
       const bool a_above = a.y() > point.y();
       if (a_above == (b.y() > point.y())) continue;
-      // The edge crosses the height of the point. It lies to the right of the point if the point is on the
-      // left of the upward edge.
+      // The edge passes the height of the point. It is to the right of the point if the point is to the left
+      // of the edge, seen in its upward direction.
       const double side = cross(b - a, point - a);
       inside ^= a_above ? side < 0 : side > 0;
     }

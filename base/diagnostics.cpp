@@ -10,7 +10,7 @@
 namespace troupe {
 namespace {
 
-/// More errors than this are counted, not listed.
+/// Errors beyond this number are only counted in the message, not listed.
 constexpr std::size_t k_errors_listed = 50;
 constexpr std::size_t k_names_listed = 50;
 constexpr std::size_t k_names_compared = 2000;
@@ -123,7 +123,7 @@ void Diagnostics::throw_if_errors() const {
   if (errors_ > listed) {
     const std::size_t more = errors_ - listed;
     message += fmt::format("\n... and {} more error{}{}", more, more == 1 ? "" : "s",
-                           errors_ == k_most_errors ? "; the rest was not read" : "");
+                           errors_ == k_most_errors ? "; the rest of the input was not read" : "");
   }
   throw InputError(message);
 }
@@ -153,7 +153,7 @@ std::string comma_list(std::span<const std::string_view> names) {
 }
 
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {
-  if (known.empty()) return fmt::format("unknown {} \"{}\"; there are none", what, name);
+  if (known.empty()) return fmt::format("unknown {} \"{}\"; no {} exists", what, name, what);
   const std::size_t listed = std::min(known.size(), k_names_listed);
   std::ranges::partial_sort(known, known.begin() + static_cast<std::ptrdiff_t>(listed));
   const std::string more =

@@ -12,7 +12,8 @@
 
 namespace troupe {
 
-/// The names of the files that a world was read from. Places (Where) refer to them by number.
+/// The names of the files that a world was read from. The place of a finding stores the number of its file
+/// (Where::file) instead of the name.
 class SourceFiles {
  public:
   /// Returns the number of a file. Adds it on first use; the same name always gives the same number.
@@ -40,53 +41,54 @@ enum class Severity {
   error,    ///< the load fails with InputError
 };
 
-/// An error, warning or note about an input.
+/// An error, a warning or a note about the input.
 struct Finding {
   Severity severity;    ///< only errors make a load fail
-  Where where;          ///< the place that the message is about
+  Where where;          ///< the place in the input that the message is about
   std::string message;  ///< one sentence, without the place and without a full stop
 };
 
-/// Thrown for invalid input. The message lists the errors, one per line, as `maze.world:41: error: ...`. Only
-/// the first 50 are listed; a last line counts the rest.
+/// Thrown for invalid input. The message lists the errors, one per line, as `maze.world:41: error: ...`. At
+/// most 50 errors are listed; a last line then says how many more there are.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Collects the errors and warnings of a load so that they are reported together. Messages are cut to 8000
-/// characters. Not thread-safe.
+/// Collects the errors and warnings of a load so that they are reported together. Messages longer than 8000
+/// characters are cut. Not thread-safe.
 class Diagnostics {
  public:
-  /// thorough: for lint. warning_once() then reports every place instead of the first one, and readers also
-  /// report what does not affect a run (unused definitions, ...).
+  /// thorough: set for `troupe lint`. warning_once() then reports every place and not only the first, and the
+  /// readers of input files also report problems that do not affect a run, such as unused definitions.
   explicit Diagnostics(bool thorough = false);
-  /// For places that refer to an existing table of files. `files` may be null: the table starts empty.
+  /// Not thorough. Refers to files by their numbers in an existing table; null means a new, empty table.
   explicit Diagnostics(std::shared_ptr<SourceFiles> files);
 
-  bool thorough() const { return thorough_; }  ///< true for lint, see the constructor
+  bool thorough() const { return thorough_; }  ///< whether to report every place, see the constructor
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error. Throws InputError, as throw_if_errors() does, at the k_most_errors-th: reading on would
-  /// only cost time and memory.
+  /// Adds an error. The k_most_errors-th error throws InputError with the errors so far, as throw_if_errors()
+  /// does, because to read on would only cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< limit per load, see error()
   /// Adds a warning.
   void warning(Where where, std::string message);
-  /// Adds a warning that is listed once for all places: later calls with the same message are only counted,
-  /// and warnings() appends ` (and 99 more)`. If thorough(), it is listed once for each place.
+  /// Adds a warning that is listed only for the first place where it occurs. Later calls with the same
+  /// message are only counted, and warnings() appends that count, as in ` (and 99 more)`. If thorough(), the
+  /// warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
   bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw
   /// All findings in the order they were added; valid until the next one is added.
   std::span<const Finding> findings() const { return findings_; }
-  /// A finding as `file:line: severity: message`. The line is omitted if it is 0, both are omitted if there
-  /// is no file.
+  /// A finding as `file:line: severity: message`. If the line is 0 it is omitted; if the finding has no file,
+  /// file and line are omitted.
   std::string text(const Finding& finding) const;
-  /// All warnings, one line each, with the count of repetitions (see warning_once()).
+  /// All warnings, one entry each, with the counts of repetitions that warning_once() describes.
   std::vector<std::string> warnings() const;
-  /// Throws InputError with the errors in the order they were added, if there are any.
+  /// If there are errors, throws InputError with their texts, in the order in which they were added.
   void throw_if_errors() const;
 
  private:
@@ -94,15 +96,17 @@ class Diagnostics {
   std::shared_ptr<SourceFiles> files_;
   std::vector<Finding> findings_;
   std::vector<std::size_t> repeats_;         // per finding: how often warning_once() repeated it
-  std::map<std::string, std::size_t> once_;  // text of a warning_once() -> its index in findings_
+  std::map<std::string, std::size_t> once_;  // text of a warning -> its index in findings_
   std::size_t errors_ = 0;
 };
 
-/// ` (did you mean "omni"?)` with the nearest known name, by edit distance; of equally near names the first.
-/// Empty if no name is within one edit per three letters.
+/// Returns a suggestion such as ` (did you mean "omni"?)`, with the known name at the least edit distance
+/// from `word`; of several such names, the first. Returns an empty text if even that name differs by more
+/// than one edit per three letters (of the shorter of the two words).
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// The message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean "diff"?)`.
-/// Lists the first 50 known names in alphabetical order; suggests none if there are more than 2000.
+/// what: what the name stands for, here `drive`. known: the allowed names, of which the first 50 in
+/// alphabetical order are listed. If there are more than 2000, the message suggests none.
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 /// The names joined as `a, b, c`.
 std::string comma_list(std::span<const std::string_view> names);

@@ -32,8 +32,8 @@ struct Box {
 
   /// True until the box is extended; a box around a single point is not empty.
   bool empty() const { return min.x() > max.x() || min.y() > max.y(); }
-  // Written per coordinate, here and below: with Eigen's expressions nearly every source would instantiate
-  // their templates.
+  // This function and those below compute each coordinate by itself. With Eigen's expressions nearly every
+  // source file would instantiate Eigen's templates, which makes compiling slow.
   /// Lengths along x and y; meaningless for an empty box.
   Vec2 size() const { return {max.x() - min.x(), max.y() - min.y()}; }
   /// The centre; NaN for an empty box.
@@ -43,7 +43,7 @@ struct Box {
     min = {std::min(min.x(), p.x()), std::min(min.y(), p.y())};
     max = {std::max(max.x(), p.x()), std::max(max.y(), p.y())};
   }
-  /// Grows the box to contain the other one; an empty one changes nothing.
+  /// Grows the box to contain the other one; an empty box b changes nothing.
   void extend(const Box& b) {
     min = {std::min(min.x(), b.min.x()), std::min(min.y(), b.min.y())};
     max = {std::max(max.x(), b.max.x()), std::max(max.y(), b.max.y())};
@@ -75,8 +75,9 @@ struct Box {
 /// A closed polygon, metres; the last vertex is joined to the first.
 using Ring = std::vector<Vec2>;
 
-/// A floor plan or a block: the even-odd region of its contours, extruded over a z interval.
-/// Rays hit the edges of every contour from both sides.
+/// A floor plan or a block: the region inside its contours, extruded over a z interval. A point is inside if
+/// a ray from it crosses the contours an odd number of times (the even-odd rule), so inner contours are
+/// holes. Rays of sensors hit the edges of every contour from both sides.
 struct Solid {
   std::vector<Ring> contours;  ///< outer and inner contours, in any order and direction
   ZInterval z;                 ///< the heights that the solid fills, in the frame of the contours
@@ -86,34 +87,37 @@ struct Solid {
 
 /// Number of vertices of all contours.
 std::size_t count_vertices(const std::vector<Solid>& solids);
-/// The solid of a body at this pose, in the world frame.
+/// Transforms a solid from the frame of a body to the world frame. pose_world_body: the pose of the body.
 Solid placed(Solid solid, const Pose& pose_world_body);
 
 /// A convex polygon, counter-clockwise, extruded over a z interval.
 struct ConvexPrism {
-  Ring outline;  ///< at least three corners, in the frame of the solid it was cut from
-  ZInterval z;   ///< the heights of that solid
+  Ring outline;  ///< at least three corners, in the frame of the solid that it was cut from
+  ZInterval z;   ///< the heights of the solid that it was cut from
 };
 
-/// The area in square metres: positive for a counter-clockwise ring, 0 for fewer than three vertices.
+/// The area of a ring, square metres: positive for a counter-clockwise ring, negative for a clockwise one, 0
+/// for fewer than three vertices.
 double signed_area(const Ring& ring);
 /// The smallest box that contains every vertex; empty for a ring without vertices.
 Box bounds(const Ring& ring);
-/// True if the ring winds once and turns left or goes straight on at every vertex (tolerance 1e-9 rad, for
-/// collinear corners that floating point moves off their line). False for a clockwise ring and for one
-/// without area.
+/// True if the ring winds once and turns left or goes straight on at every vertex. A right turn of up to 1e-9
+/// rad counts as straight on, because rounding moves collinear corners off their line. False for a clockwise
+/// ring and for a ring without area.
 bool is_convex(const Ring& ring);
-/// The smallest distance between two parallel lines that enclose the convex, counter-clockwise ring, metres;
-/// 0 for a ring without area.
+/// The smallest distance, metres, between two parallel lines that enclose the ring; 0 for a ring without
+/// area. The ring must be convex and counter-clockwise.
 double convex_width(const Ring& ring);
-/// True if the point is inside by the even-odd rule. For points on an edge the result may be either.
+/// True if the point is inside the solid by the even-odd rule; ignores heights. For a point on an edge the
+/// result may be either.
 bool contains(const Solid& solid, const Vec2& point);
 
-/// Cuts the even-odd region of a solid into convex pieces that do not overlap. A convex contour is returned
-/// whole; others are cut into trapezoids between horizontal lines, and these are merged where the union stays
-/// convex. Contours may cross, touch and coincide; corners move by at most 1e-12 of the largest coordinate.
-/// The result is ordered from bottom to top, then from left to right, and is empty if the region has no area.
-/// Throws std::length_error if the contours cross so often that the cut would take more than seconds.
+/// Cuts the even-odd region of a solid into convex pieces that do not overlap. A single convex contour is
+/// returned whole. Any other region is cut into trapezoids with horizontal top and bottom, and trapezoids are
+/// merged where their union stays convex. Contours may cross, touch and coincide. Cutting moves corners by at
+/// most 1e-12 of the largest coordinate. The pieces are ordered by their lowest y, then from left to right;
+/// there are none if the region has no area. Throws std::length_error if the contours cross so often that the
+/// cut would take longer than a few seconds.
 std::vector<ConvexPrism> convex_pieces(const Solid& solid);
 
 }  // namespace troupe

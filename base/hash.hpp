@@ -11,18 +11,19 @@
 
 namespace troupe {
 
-/// The 64-bit XXH3 hash: the same value on every platform.
+/// The 64-bit XXH3 hash of the bytes. It has the same value on every platform.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
-/// hash_bytes() of the characters with seed 0.
+/// Hashes a text: hash_bytes() of its characters with seed 0.
 std::uint64_t hash_text(std::string_view text);
 
-/// Returns the sum, modulo 2^64, of the hashes of rows. The hash of a row is hash_bytes() of its four-byte id
-/// followed by its bytes. Row i belongs to ids[i], starts at first + i * stride and has `bytes` bytes. Costs
-/// a few ns per row; row sizes that are a multiple of four up to 64 bytes have specialised code.
+/// Returns the sum, modulo 2^64, of the hashes of rows, which does not depend on their order. The hash of a
+/// row is hash_bytes(), with this seed, of its four-byte id followed by its bytes. Row i belongs to ids[i],
+/// starts at first + i * stride and has `bytes` bytes. Costs a few ns per row. There is faster code for rows
+/// of 1 byte, and of a multiple of four bytes up to 64.
 std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std::size_t stride,
                         std::size_t bytes, std::uint64_t seed);
 
-/// hash_bytes(), with seed 0, of bytes that arrive in pieces.
+/// The hash of bytes that arrive in pieces: equal to hash_bytes() of all of them with seed 0.
 class HashStream {
  public:
   HashStream();  ///< starts with no bytes
@@ -38,7 +39,7 @@ class HashStream {
   std::unique_ptr<State> state_;
 };
 
-/// The value as 16 lower-case hexadecimal digits.
+/// Formats a value as 16 lower-case hexadecimal digits.
 std::string hex(std::uint64_t value);
 
 }  // namespace troupe

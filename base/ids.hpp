@@ -8,13 +8,14 @@
 
 namespace troupe {
 
-/// A dense index that identifies one object of a kind. Ids of different kinds do not convert into each other.
+/// The index of an object among all objects of one category, such as the bodies of a world. Kind is a tag
+/// that names the category: ids with different tags do not convert into each other.
 template <class Kind>
 struct Id {
   std::uint32_t value = std::numeric_limits<std::uint32_t>::max();  ///< the index; all ones is the invalid id
 
   constexpr Id() = default;
-  constexpr explicit Id(std::size_t v) : value(static_cast<std::uint32_t>(v)) {}  ///< v counts from 0
+  constexpr explicit Id(std::size_t v) : value(static_cast<std::uint32_t>(v)) {}  ///< v: the index, from 0
 
   /// False for a default-constructed id.
   constexpr bool valid() const { return value != std::numeric_limits<std::uint32_t>::max(); }
@@ -23,18 +24,21 @@ struct Id {
   friend constexpr auto operator<=>(Id, Id) = default;
 };
 
-/// A top-level model with everything rigidly attached to it, numbered in the order of the world file.
-/// Ids are never reused and do not say where the data of the body are in memory.
+/// Identifies a body: a top-level model with everything attached to it. Bodies are numbered in the order of
+/// the world file. Ids are never reused, and they do not say where the data of the body are in memory (see
+/// Row).
 using BodyId = Id<struct BodyIdKind>;
-/// A body type: the data that identical bodies share.
+/// Identifies a body type, which holds the data that identical bodies share.
 using TypeId = Id<struct TypeIdKind>;
-/// A row of the state tables: the current place of a mobile body's data.
+/// Identifies a row of the state tables. A row holds the data of one mobile body; which body that is may
+/// change during a run.
 using Row = Id<struct RowKind>;
 
 }  // namespace troupe
 
 template <class Kind>
-/// For unordered containers. Never iterate over such a container in a step: its order is unspecified.
+/// Makes ids usable as keys of unordered containers. Do not iterate over such a container while a world is
+/// stepped: its order is unspecified.
 struct std::hash<troupe::Id<Kind>> {
   std::size_t operator()(troupe::Id<Kind> id) const noexcept { return id.value; }  ///< the index itself
 };

@@ -6,8 +6,8 @@
 
 namespace troupe {
 
-/// A point or a displacement in the plane, metres unless stated otherwise; x forward or east, y left or
-/// north.
+/// A point or a displacement in the plane, in metres unless stated otherwise. In the frame of a body x points
+/// forward and y to the left; in the world frame x points east and y north.
 using Vec2 = Eigen::Vector2d;
 
 /// Position and heading in 2.5 dimensions: z is a height, and rotation is about z only. Metres and radians;
@@ -16,8 +16,8 @@ using Vec2 = Eigen::Vector2d;
 struct Pose {
   double x = 0;        ///< metres
   double y = 0;        ///< metres
-  double z = 0;        ///< metres: the height of the frame's floor
-  double heading = 0;  ///< radians from the x axis of the parent frame; not wrapped
+  double z = 0;        ///< metres: height of the origin of the frame
+  double heading = 0;  ///< radians from the x axis of the parent frame; may be outside [-pi, pi]
 
   Vec2 position() const { return {x, y}; }  ///< x and y, without z
   friend bool operator==(const Pose&, const Pose&) = default;
@@ -38,7 +38,7 @@ struct Rotation {
 
 /// A pose in the plane with the sine and cosine of its heading, for use on many points.
 struct Transform {
-  /// The origin of the frame in its parent frame, metres; has no height.
+  /// The origin of the frame in its parent frame, metres; heights are not stored.
   Vec2 position{0, 0};
   Rotation rotation;  ///< the rotation of the frame in its parent frame
 
@@ -54,13 +54,13 @@ struct Transform {
   }
 };
 
-/// Returns pose_a_c from pose_a_b and pose_b_c; the heading is wrapped into [-pi, pi].
-/// transform_a_b: must equal Transform(pose_a_b); saves computing it again
+/// Combines two poses: returns pose_a_c from pose_a_b and pose_b_c. The heading is wrapped into [-pi, pi].
+/// transform_a_b: must equal Transform(pose_a_b), which callers that combine many poses compute only once
 inline Pose compose(const Pose& pose_a_b, const Transform& transform_a_b, const Pose& pose_b_c) {
   const Vec2 p = transform_a_b * pose_b_c.position();
   return {p.x(), p.y(), pose_a_b.z + pose_b_c.z, wrap_angle(pose_a_b.heading + pose_b_c.heading)};
 }
-/// Returns pose_a_c from pose_a_b and pose_b_c; the heading is wrapped into [-pi, pi].
+/// Combines two poses: returns pose_a_c from pose_a_b and pose_b_c. The heading is wrapped into [-pi, pi].
 inline Pose compose(const Pose& pose_a_b, const Pose& pose_b_c) {
   return compose(pose_a_b, Transform(pose_a_b), pose_b_c);
 }

@@ -6,34 +6,39 @@
 
 namespace troupe {
 
-/// Philox4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3; SC 2011).
-/// A pure function: the same counter and key give the same four random words on every machine.
+/// The random number generator Philox4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as
+/// 1, 2, 3; SC 2011). It is a pure function: the same counter and key give the same four random words on
+/// every machine.
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
-/// The number of a random stream: a hash of the names of a kind and of its instance. Adding a noisy sensor
-/// therefore does not change the random numbers of any other.
+/// Returns the number of a random stream: a hash of the name of a kind (such as the sensor kind `ranger`) and
+/// the name of its instance (such as `laser`). Every instance has its own stream, so adding a noisy sensor
+/// does not change the random numbers of any other sensor.
 std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 
-/// The random numbers of one entity, in one stream, at one tick. Draw k is a pure function of
-/// (seed, stream, entity, tick, k), so that no generator state is kept between ticks.
+/// A sequence of random numbers for one entity (usually a body, by its id), in one stream, at one tick. Draw
+/// k is a pure function of (seed, stream, entity, tick, k), so no generator state is kept between ticks.
 class Random {
  public:
-  Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity, std::uint32_t tick);  ///< at draw 0
+  /// Starts at draw 0.
+  Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity, std::uint32_t tick);
 
-  /// 32 uniform bits; uses one draw.
+  /// Returns 32 uniform random bits; uses one draw.
   std::uint32_t bits();
-  /// Uniform in [0, 1), 53 bits; uses two draws.
+  /// Returns a uniformly distributed number in [0, 1) with 53 random bits; uses two draws.
   double uniform();
-  /// Uniform in [low, high); uses two draws.
+  /// Returns a uniformly distributed number in [low, high); uses two draws.
   double uniform(double low, double high);
-  /// Uniform in 0 to n - 1, without bias; n must be positive. Uses one draw, rarely more.
+  /// Returns a uniformly distributed integer from 0 to n - 1, without bias; n must be positive. Uses one
+  /// draw, rarely more.
   std::uint32_t below(std::uint32_t n);
-  /// Normal with mean 0 and standard deviation 1 (Box-Muller); uses four draws.
+  /// Returns a normally distributed number with mean 0 and standard deviation 1 (Box-Muller); uses four
+  /// draws.
   double normal();
-  /// Exponential with mean 1; uses two draws.
+  /// Returns an exponentially distributed number with mean 1; uses two draws.
   double exponential();
-  /// Permutes the items uniformly (Fisher-Yates).
+  /// Permutes the items; all permutations are equally likely (Fisher-Yates).
   template <class Sequence>
   void shuffle(Sequence& items) {
     for (std::uint32_t n = static_cast<std::uint32_t>(items.size()); n > 1; --n) {
@@ -57,15 +62,15 @@ inline std::uint64_t scramble(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Adds a value to a mixture, see mix().
+/// Combines a hash with a further value, see mix().
 inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
   constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;  // 2^64 over the golden ratio, SplitMix64's increment
   return scramble(mixture + value + k_step);
 }
 
-/// A 64-bit hash of a seed and a tick, for priorities: every bit depends on every input bit.
+/// A 64-bit hash of a seed and a tick, for priorities of robots: every bit depends on every input bit.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
-/// A 64-bit hash of a seed, a tick and an id, for priorities: every bit depends on every input bit.
+/// A 64-bit hash of a seed, a tick and an id, for priorities of robots: every bit depends on every input bit.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
   return mix_in(mix(seed, tick), id);
 }

@@ -6,10 +6,10 @@
 namespace troupe::partition {
 namespace {
 
-constexpr std::size_t k_least_part = 512;  // rows
+constexpr std::size_t k_least_part = 512;  // least rows that a task counts
 constexpr std::size_t k_most_parts = 64;
-constexpr std::size_t k_sorted = 1024;    // least rows that a task sorts into cells
-constexpr std::size_t k_empty = 32;       // a tile costs as much as this many rows
+constexpr std::size_t k_sorted = 1024;    // rows that a task sorts into cells, at least
+constexpr std::size_t k_empty = 32;       // to sort an empty tile takes as long as this many rows
 constexpr std::size_t k_summed = 256;     // tiles that a task sums up
 constexpr std::size_t k_read_beyond = 3;  // circles that unpack() may read beyond the end
 
@@ -26,8 +26,8 @@ void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
       }
 }
 
-/// The number of entries of wide bodies varies slightly as they move: reserves a quarter more, so that it
-/// does not allocate again and again.
+/// Resizes a list of entries of wide bodies. Their number varies slightly as the bodies move, so a quarter
+/// more is reserved and not every tick allocates.
 template <typename T>
 void resize_with_room(std::vector<T>& list, std::size_t size) {
   if (size > list.capacity()) list.reserve(size + size / 4);
@@ -47,8 +47,8 @@ void BodyIndex::reserve(const Box& ground) {
   begins_.reserve(reserved_ * geometry_.cells_per_tile() + 1);
 }
 
-/// Calls visit(tile) for each tile that the row's body touches; only for the tile of its origin if the body
-/// is not wide.
+/// Calls visit(tile) for each tile that the row's body touches. If the body is not wide, calls it only for
+/// the tile of the body's origin.
 template <class Visit>
 void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
   if (!is_wide(row)) {
@@ -62,7 +62,8 @@ void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
     for (std::int32_t x = low.x; x <= high.x; ++x) visit(Cell{x, y});
 }
 
-/// Calls visit(cell in tile, whether it contains the origin) for each cell of the tile that the row is in.
+/// Calls visit(cell in tile, whether it contains the origin) for each cell of the tile in which the row is
+/// listed.
 template <class Visit>
 void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const {
   if (!is_wide(row)) {
@@ -90,7 +91,8 @@ void BodyIndex::count(Part& part) {
   part.has_wide = false;
   Cell last_tile;
   std::uint32_t last_slot = TileDirectory::k_none;
-  const auto slot_of = [&](Cell tile) {  // consecutive rows are often in one tile: skips the search
+  // Skips the search if the previous row was in the same tile, as it often is.
+  const auto slot_of = [&](Cell tile) {
     if (last_slot == TileDirectory::k_none || !(tile == last_tile)) {
       last_tile = tile;
       last_slot = directory_.find(tile);
@@ -118,8 +120,8 @@ void BodyIndex::count(Part& part) {
   }
 }
 
-/// Adds the tiles that bodies have newly entered. This is rare, so one thread adds them and the parts
-/// concerned count again.
+/// Adds the tiles that bodies have newly entered. This is rare, so one thread adds them, and the parts that
+/// found such tiles count their rows again.
 void BodyIndex::make_new_tiles(Parallel& parallel) {
   const auto has_new = [](const Part& part) { return !part.new_tiles.empty(); };
   if (std::ranges::none_of(parts_, has_new)) return;
@@ -233,8 +235,8 @@ void BodyIndex::place_tiles(Parallel& parallel) {
   });
 }
 
-/// Counts the circles and homes of a tile. With wide bodies it may have more circles than rows, and fewer
-/// homes.
+/// Counts the circles and the homes (rows whose origin is here) of a tile. With wide bodies a tile may have
+/// more circles than rows, and fewer homes than rows.
 void BodyIndex::weigh_tile(std::size_t slot) {
   const Cell tile = directory_.tile(static_cast<std::uint32_t>(slot));
   Tile& count = counts_[slot];

@@ -10,35 +10,38 @@
 
 namespace troupe::partition {
 
-/// A circle that encloses a body, metres, world frame, for queries. It contains the body's own circle (about
-/// the body's origin) in spite of rounding to float. Floats, so that four entries fill a cache line and
-/// kernels load them directly; the exact position is found by the row.
+/// A circle that encloses a body, metres, world frame: the entry of a spatial index. It is enlarged so that
+/// rounding to float cuts off no part of the body's own circle, which is centred on the body's origin. It
+/// consists of floats, so that four circles fill a cache line and kernels load them directly; the exact
+/// position of the body is found by its row.
 struct BodyCircle {
   float x;            ///< centre, east
   float y;            ///< centre, north
-  float radius;       ///< negative: absent; queries return no such circle
-  std::uint32_t row;  ///< row of the body, or number of the piece
+  float radius;       ///< negative if the body is absent; queries return no such circle
+  std::uint32_t row;  ///< row of the body; in FixedOutlines the number of a piece of an outline
 };
 
-/// The circle about a position, enlarged for rounding. Rounding moves a coordinate c by at most 2^-24 |c|
-/// (2^-150 below the normal numbers), and the centre by at most the sum of both. The radius grows by that
-/// sum, and by a factor of 1 + 2^-22 for its own rounding: 12 micrometres at 100 m from the origin, 12
-/// millimetres at 100 km.
+/// The circle about a position, enlarged for rounding. Rounding moves a coordinate c by at most 2^-24 |c| (by
+/// at most 2^-150 if c is smaller than the normal floats), and the centre by at most the sum of both
+/// coordinates' shifts. The radius grows by that sum, and by a factor of 1 + 2^-22 for its own rounding: in
+/// total 12 micrometres at 100 m from the origin, 12 millimetres at 100 km.
 inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uint32_t row) {
   const double shift = 0x1p-24 * (std::abs(position.x()) + std::abs(position.y())) + 0x1p-120;
   return {static_cast<float>(position.x()), static_cast<float>(position.y()),
           static_cast<float>((radius + shift) * (1 + 0x1p-22)), row};
 }
 
-/// The radius of an absent body.
+/// The radius that marks a body as absent.
 inline constexpr double k_not_there = -1;
 
-/// An index of the mobile bodies by grid cell: contiguous, in (cell, row) order. Each tick a parallel
-/// counting sort rebuilds it: first by tile, then by cell with one task per tile. Both sorts are stable, so
-/// that rows need not be compared and threads share no counter.
+/// A spatial index of the mobile bodies: their circles in one array, sorted by grid cell, and within a cell
+/// by row. A parallel counting sort rebuilds it in each tick, first by tile (a square of cells, see
+/// GridGeometry), then by cell with one task per tile. Both sorts are stable, so that rows need not be
+/// compared and threads share no counter.
 ///
-/// A body not wider than a cell is in the cell of its origin only, and queries are expanded by the largest
-/// such radius. A wider body is in every cell that it touches, so that one truck does not expand every query.
+/// A body not wider than a cell is listed only in the cell of its origin, and queries are expanded by the
+/// largest radius of such bodies. A wider body, called a wide body below, is listed in every cell that it
+/// touches, so that one truck does not expand every query.
 ///
 /// A row with a negative radius (k_not_there) is not in the index.
 class BodyIndex {
@@ -46,25 +49,27 @@ class BodyIndex {
   BodyIndex() = default;
   explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}  ///< an empty index
 
-  /// Reserves memory for bodies anywhere on this ground, for up to 2^14 tiles. Afterwards rebuild() allocates
-  /// only if there are more rows than ever before, or if bodies enter other tiles.
+  /// Reserves memory for bodies anywhere in the box `ground` (metres, world frame), but for at most 2^14
+  /// tiles. Afterwards rebuild() allocates only if there are more rows than in any earlier call, or if bodies
+  /// are in more tiles than were reserved.
   void reserve(const Box& ground);
 
-  /// Replaces the contents. places, radii: one entry per row, metres, world frame. Queries read both, so they
-  /// must stay valid and unchanged until the next rebuild().
+  /// Replaces the contents. places, radii: the pose of each row's body and the radius of the circle about its
+  /// origin, metres, world frame; a negative radius means that the body is absent. Queries read both arrays,
+  /// so these must stay valid and unchanged until the next rebuild().
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
-  /// Calls visit(span of circles) for runs of cells. The runs contain every body whose circle may touch the
-  /// box, and some that do not touch it. A wide body may come more than once, in one run or in several;
-  /// others come once.
+  /// Calls visit(span of circles) for runs: consecutive entries of the index, from neighbouring cells. The
+  /// runs contain every body whose circle may touch the box, and some that do not touch it. A wide body may
+  /// be visited several times, in one run or in several; every other body is visited once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
     for_each_run(geometry_.cell(reach.min), geometry_.cell(reach.max), visit);
   }
-  /// Calls visit(span of circles) for the bodies in the cells from low to high, both included. Bodies that
-  /// only reach into these cells are omitted: a body that is not wide reaches at most largest_small_radius()
-  /// beyond the cell of its origin.
+  /// Calls visit(span of circles) for the bodies in the cells from cell_low to cell_high, both included.
+  /// Bodies of other cells that only reach into these cells are omitted: a body that is not wide reaches at
+  /// most largest_small_radius() beyond the cell of its origin.
   template <class Visit>
   void for_each_run(Cell cell_low, Cell cell_high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, cell_low, cell_high,
@@ -95,26 +100,26 @@ class BodyIndex {
                             });
   }
 
-  /// All rows in the index, each once, in (tile, block, cell, row) order. Work in this order keeps neighbours
-  /// in the caches.
+  /// All rows in the index, each once, sorted by tile, then by block within the tile, then by cell, then by
+  /// row. Work in this order keeps neighbours in the caches.
   std::span<const std::uint32_t> order() const { return order_; }
-  /// A number that identifies the cell of the row's origin: equal for rows in one cell. Valid until the next
-  /// rebuild().
+  /// A number that identifies the cell of the row's origin: rows have equal numbers if they are in one cell.
+  /// Valid until the next rebuild().
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
   /// Number of known tiles: those that contain bodies, and some that recently did.
   std::size_t tiles() const { return directory_.size(); }
   const GridGeometry& geometry() const { return geometry_; }  ///< the grid
   /// The largest radius of the bodies that are not wide, metres.
   double largest_small_radius() const { return small_radius_; }
-  /// Whether there are wide bodies, which may come more than once in runs.
+  /// Whether there are wide bodies, which for_each_run() may visit several times.
   bool has_wide() const { return has_wide_; }
 
  private:
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
   Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
-  /// Whether entry i of a wide body is the one in the body's lowest cell within the query: only that one
-  /// counts.
+  /// Whether entry i of a wide body is the entry in the body's lowest cell within the query. for_each_near()
+  /// visits the body only for this entry, and thus once.
   bool first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                      std::size_t first, std::size_t last, std::uint32_t i) const;
 
@@ -125,7 +130,7 @@ class BodyIndex {
     double small_radius = 0;
     bool has_wide = false;
     std::vector<Cell> new_tiles;
-    std::vector<std::uint32_t> next;  // per slot: the number of the part's rows, then where the next one goes
+    std::vector<std::uint32_t> next;  // per slot: number of the part's rows, then where its next row goes
   };
   void count(Part& part);
   void make_new_tiles(Parallel& parallel);
@@ -146,9 +151,9 @@ class BodyIndex {
   std::size_t reserved_ = 0;  // tiles
   std::vector<Part> parts_;
   struct Tile {
-    std::uint32_t rows = 0;     // rows that touch it, in tile_rows_
+    std::uint32_t rows = 0;     // rows of bodies that touch the tile, in tile_rows_
     std::uint32_t circles = 0;  // entries in circles_
-    std::uint32_t homes = 0;    // rows whose origin is in it, in order_
+    std::uint32_t homes = 0;    // rows of bodies whose origin is in the tile, in order_
     Tile& operator+=(const Tile& other) {
       rows += other.rows;
       circles += other.circles;
@@ -157,11 +162,11 @@ class BodyIndex {
     }
   };
   std::vector<Tile> counts_;  // per slot
-  std::vector<Tile> tiles_;   // per slot, and one past the end: where it starts
+  std::vector<Tile> tiles_;   // per slot, and one past the end: where the tile starts in each array
   std::vector<Tile> sums_;
   std::vector<BodyCircle> tile_rows_;  // by tile
   std::vector<std::uint32_t> begins_;  // per slot and cell, and one past the end: index into circles_
-  std::vector<std::uint32_t> homes_;   // per row: slot * cells + cell of its origin
+  std::vector<std::uint32_t> homes_;   // per row: slot of its origin's tile * cells per tile + cell in it
   std::vector<BodyCircle> circles_;    // by tile and cell
   std::vector<std::uint32_t> order_;
 };

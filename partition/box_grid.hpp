@@ -9,16 +9,16 @@
 namespace troupe::partition {
 
 /// An index of static boxes by the grid cells that they touch, with about as many cells as boxes. A box that
-/// covers many cells is kept in a separate list, so that a floor plan among a thousand crates costs no more
-/// than a crate.
+/// covers many cells, such as that of a floor plan among a thousand crates, is kept in a separate list; it
+/// then costs no more than a crate.
 class BoxGrid {
  public:
   BoxGrid() = default;
-  /// Queries never return empty boxes.
+  /// Indexes the boxes; box i has index i. Queries never return empty boxes.
   explicit BoxGrid(std::span<const Box> boxes);
 
   /// Calls visit(index of a box), at least once for each box that may touch `box`, until a call returns true.
-  /// Returns whether one did.
+  /// Returns whether a call returned true.
   template <class Visit>
   bool any_near(const Box& box, Visit&& visit) const {
     for (const std::uint32_t i : wide_)

@@ -6,8 +6,9 @@
 
 namespace troupe::partition {
 
-/// For each mask of kLanes lanes, the permutation that moves the selected lanes to the front and keeps their
-/// order: the source of each lane, or of each of its bytes. The remaining lanes come from the first one.
+/// The permutations that compress a SIMD vector: for each mask of kLanes lanes, the one that moves the
+/// selected lanes to the front in their order. It lists the source of each lane (kBytes = 1), or of each of
+/// the kBytes bytes of each lane. The entries after those of the selected lanes are 0.
 template <std::size_t kLanes, std::size_t kBytes>
 constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table() {
   std::array<std::uint8_t, (kLanes * kBytes) << kLanes> table{};
@@ -20,10 +21,10 @@ constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table()
   return table;
 }
 
-/// Sources by lane, for eight lanes: 2 KiB. Four bits per lane would halve that but cost two more
-/// instructions.
+/// Sources of lanes, for vectors of eight lanes: 2 KiB. Four bits per lane would halve the size but cost two
+/// more instructions.
 alignas(64) inline constexpr auto k_compress_lanes = compress_table<8, 1>();
-/// Sources by byte, for four lanes of four bytes.
+/// Sources of bytes, for vectors of four lanes of four bytes.
 alignas(64) inline constexpr auto k_compress_bytes = compress_table<4, 4>();
 
 }  // namespace troupe::partition

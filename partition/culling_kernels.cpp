@@ -1,5 +1,5 @@
-// Culls of the exact ray engine: kernels that discard, a vector of circles at a time, those that no beam can
-// reach. Compiled once for each instruction set that Highway supports.
+// Culls of the exact ray engine: kernels that process a vector of circles at a time and discard the circles
+// that no beam can reach. Compiled once for each instruction set that Highway supports.
 
 #include "partition/ranging.hpp"
 
@@ -21,8 +21,8 @@ namespace {
 constexpr Rebind<std::uint32_t, Full<float>> k_u;
 
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits) {
-  // For an inverse of 0 the quotient is infinite and the limit is range_max. The bits of a limit do not
-  // matter.
+  // If the inverse range is 0, the quotient is infinite and the limit is range_max. Limits only cull, so
+  // their last bits do not matter.
   Floats farthest = Zero(k_f);
   for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
     const Floats range = Min(Div(Set(k_f, 1.0f), LoadU(k_f, inverse + i)), LoadU(k_f, range_max + i));
@@ -34,16 +34,16 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
   return GetLane(MaxOfLanes(k_f, farthest));
 }
 
-/// The properties of a fan that a kernel is specialised for, see Fan.
+/// The properties of a fan (see Fan) for whose combinations there are specialised kernels.
 struct Shape {
   bool common_origin;
   bool mirrored;
 };
 
-/// The segments of the beams up to their limits. A circle with centre p, relative to the reference, is
-/// |p x d - aside| away from the beam's line and |p . d - middle| - half beyond the ends of the segment.
-/// Segments also end at distance `high` from the reference, where culls end, so that rounding does not grow
-/// with the length of a beam.
+/// The segments of the beams up to their limits. The centre p of a circle, relative to the reference, is
+/// |p x d - aside| away from the line of a beam with direction d, and |p . d - middle| - half beyond the ends
+/// of its segment. Segments also end at distance `high` from the reference, the outer limit of this search,
+/// so that rounding errors do not grow with the length of a beam.
 struct Parts {
   alignas(64) float aside[k_most_beams];   // offset of the beam's line from the reference
   alignas(64) float middle[k_most_beams];  // middle of the segment, along the beam
@@ -64,7 +64,8 @@ struct Parts {
   }
 };
 
-/// For each of a vector of circles, relative to the reference: a bit per beam that may hit it.
+/// For each circle of a vector of circles (x, y relative to the reference): the set of beams that may hit it,
+/// one bit per beam.
 template <Shape kShape>
 HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, const Floats& radius,
                                               const Fan& fan, const Parts& parts) {
@@ -118,8 +119,8 @@ std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, flo
   return kept;
 }
 
-/// Keeps the circles whose nearest point is from low to high away from the reference, with their margins:
-/// their coordinates become relative to the reference. Pads them with one vector of circles that nothing
+/// Keeps the circles whose nearest point is from `low` to `high` (m) away from the reference, with a margin,
+/// and makes their coordinates relative to the reference. Pads them with one vector of circles that no beam
 /// hits. `kept` needs room for two more vectors than there are circles.
 HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t begin, std::size_t end,
                                     const Vec2& reference, float low, float high, MetCircles& kept) {
@@ -186,13 +187,14 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
   for (std::size_t i = 0; i < spanning; ++i) {
     const Floats from = Set(k_f, met.x[i]);
     const Floats to = Set(k_f, met.y[i]);
-    // Masks the other beams of the vector: some of them always see far.
+    // The limits of the other beams of the vector are masked: a beam that the circle does not span may see
+    // far.
     const auto limits_at = [&](std::int32_t at) {
       const Floats beam = Add(lane, Set(k_f, static_cast<float>(at)));
       return IfThenElseZero(And(Ge(beam, from), Le(beam, to)), LoadU(k_f, limits + at));
     };
     // Most circles span at most two vectors of beams, one from the first beam on and one up to the last.
-    // These are tested without a branch, which would be unpredictable.
+    // These two are tested without a branch, because a branch would be unpredictable.
     const auto first = std::min(static_cast<std::int32_t>(met.x[i]), highest);
     const auto end = static_cast<std::int32_t>(met.y[i]) + 1 - lanes;
     Floats farthest = Max(limits_at(first), limits_at(std::max(first, end)));

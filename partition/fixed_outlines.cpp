@@ -36,7 +36,8 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
       return;
     }
     const auto parts = static_cast<std::uint32_t>(std::clamp(length / (2 * most) + 1, 1.0, 1e6));
-    // At its ends an edge is hit or missed within float rounding, so that the end circles are enlarged by it.
+    // Whether a beam hits the very end of an edge is decided by rounding to float, so the circles are
+    // enlarged by that error.
     constexpr double k_ends = 8e-6;
     for (std::uint32_t i = 0; i < parts; ++i)
       circles.push_back(

@@ -9,29 +9,30 @@
 
 namespace troupe::partition {
 
-/// One edge of a fixed solid, world frame, metres.
+/// One edge of a static solid, world frame, metres.
 struct FixedEdge {
   Vec2 a;               ///< start
   Vec2 b;               ///< end
   std::uint32_t solid;  ///< index into StaticScene::solids()
 };
 
-/// The outlines of the static scene, for rangers. They are cut into pieces, short chains of a few edges, each
-/// with an enclosing circle; the circles are indexed by the cell of their centre. A ranger treats a piece
-/// like a body: it may skip the circle, else it projects the edges. An edge longer than a piece has several
-/// circles; it is not cut, because that would change the bits of readings.
+/// The outlines of the static scene, for rangers. They are cut into pieces: short chains of edges, each with
+/// an enclosing circle. The circles are indexed by the grid cell of their centre. A ranger treats a piece
+/// like a body: if its beams cannot reach the circle it skips the piece, otherwise it projects the edges. An
+/// edge longer than the width of a piece gets several circles. It is not cut, because that would change the
+/// bits of readings.
 class FixedOutlines {
  public:
   FixedOutlines() = default;
   /// edges: the edges of each outline must be consecutive. piece_m: largest width of a piece, metres; it
-  /// never changes a reading.
+  /// affects the speed, never a reading.
   FixedOutlines(std::span<const FixedEdge> edges, double piece_m);
 
   /// The grid of the circles' centres.
   const GridGeometry& geometry() const { return geometry_; }
 
-  /// Calls visit(span of circles) for the runs of cells from low to high, both included. The row of a circle
-  /// is the number of its piece.
+  /// Calls visit(span of circles) for runs of circles with centres in the cells from low to high, both
+  /// included. The member `row` of a circle is the number of its piece.
   template <class Visit>
   void for_each_run(Cell low, Cell high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, low, high,
@@ -42,7 +43,7 @@ class FixedOutlines {
                             });
   }
 
-  /// The vertices of a piece. Its edges, all of one solid, run from each vertex to the next.
+  /// The vertices of a piece. Its edges run from each vertex to the next, and all belong to one solid.
   std::span<const Vec2> chain(std::uint32_t piece) const {
     return {&vertices_[pieces_[piece].first], pieces_[piece].vertices};
   }

@@ -6,17 +6,17 @@
 
 namespace troupe::partition {
 
-/// A thread that runs jobs in the order in which they were added, while the adding thread continues: drawing,
-/// writing files. A step itself runs only on Parallel.
+/// A thread that runs jobs, such as drawing and writing files, in the order in which they were added, while
+/// the thread that adds them continues. The steps of a world do not use it: they run only on Parallel.
 ///
-/// After a job throws, no other job starts, and every call of rethrow(), add() and finish() throws its
-/// exception.
+/// After a job throws, no further job starts, and every call of rethrow(), add() and finish() throws the
+/// exception of that job.
 class JobThread {
  public:
-  /// most_waiting: limit on the jobs that have not started, at least 1. A job may hold a large copy of a
-  /// tick.
+  /// most_waiting: limit on the number of jobs that have not started, at least 1. It limits the memory,
+  /// because a job may hold a large copy of a tick.
   explicit JobThread(std::size_t most_waiting);
-  /// Drops the jobs that have not started and waits for the running one.
+  /// Drops the jobs that have not started and waits for the running job.
   ~JobThread();
   JobThread(const JobThread&) = delete;
   JobThread& operator=(const JobThread&) = delete;

@@ -31,7 +31,7 @@ void NearbyOutlines::begin(const BodyIndex& bodies, const FixedOutlines& fixed, 
   reach_ = reach;
   home_.reset();
   radii_.clear();
-  // Radii are chosen such that the bands of bodies end at cell borders.
+  // The radii are chosen such that the bands of bodies end at cell borders.
   for (double cells = 2;; cells *= 2) {
     const double radius = cells * geometry.cell_m - bodies.largest_small_radius();
     if (radius >= reach) break;
@@ -64,7 +64,7 @@ void NearbyOutlines::gather(std::size_t band) {
       runs_[runs++] = run;
       size += run.size();
     };
-    // Slightly less, so that a band that ends at a cell border does not touch the next cell.
+    // The radius is reduced slightly, so that a band that ends at a cell border does not touch the next cell.
     const auto around = [&](double radius) {
       const Box box = block.expanded((radius + largest_radius) * (1 - 1e-12));
       return std::pair(grid.geometry().cell(box.min), grid.geometry().cell(box.max));

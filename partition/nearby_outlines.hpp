@@ -13,12 +13,12 @@ namespace troupe::partition {
 
 /// Circles in one array per component, metres, world frame. The arrays never shrink.
 struct CircleArrays {
-  std::vector<float> x;            ///< centres
-  std::vector<float> y;            ///< centres
-  std::vector<float> radius;       ///< minus infinity: nothing hits the circle
+  std::vector<float> x;            ///< x of the centres
+  std::vector<float> y;            ///< y of the centres
+  std::vector<float> radius;       ///< minus infinity for padding, which no beam hits
   std::vector<std::uint32_t> row;  ///< row of a body, or number of a piece of the static scene
 
-  /// Ensures room for this many circles; keeps the contents.
+  /// Ensures that the arrays have room for this many circles; keeps the contents.
   void make_room(std::size_t size) {
     if (size <= x.size()) return;
     const std::size_t room = 2 * size;
@@ -27,7 +27,7 @@ struct CircleArrays {
     radius.resize(room);
     row.resize(room);
   }
-  /// Sets the i-th; there must be room.
+  /// Sets circle i. make_room() must have made room for it.
   void set(std::size_t i, const BodyCircle& circle) {
     x[i] = circle.x;
     y[i] = circle.y;
@@ -36,35 +36,39 @@ struct CircleArrays {
   }
 };
 
-/// Contiguous circles; three more must be readable beyond the end.
+/// Consecutive circles in memory. Three more must be readable beyond the end, because kernels load several at
+/// a time.
 using CircleRun = std::span<const BodyCircle>;
-/// Writes the circles of the runs to out[size], out[size + 1] and so on, with the bits of `mark` set in their
-/// rows. `out` needs room for three more.
+/// Writes the circles of all runs, one after another, to out[size], out[size + 1] and so on. Sets the bits of
+/// `mark` in their rows. `out` needs room for three more circles.
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
-/// The circles that sensors in one block of cells may hit: those of bodies and of pieces of fixed outlines,
-/// in bands from near to far. A band is gathered on first use and then serves all sensors in the block: in a
-/// crowd most sensors need only the first band.
+/// The circles that sensors in one block of cells (see GridGeometry) may hit: circles of bodies and of pieces
+/// of static outlines, in bands from near to far. A band is gathered on first use and then serves all sensors
+/// in the block: in a crowd most sensors need only the first band.
 class NearbyOutlines {
  public:
-  /// The row of a circle is that of the body, or the number of the fixed piece with this bit set.
+  /// In circles(), the row of a body is its row, and that of a piece of a static outline is its number with
+  /// this bit set.
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
-  /// Sets the indices to search; they must stay valid during the queries. reach: largest distance, metres
+  /// Sets the indices to search and their grid; they must stay valid during the queries. reach: largest
+  /// distance of a circle from a sensor, metres
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
-  /// Makes the block of this point (world frame) the current block.
+  /// Makes the block that contains this point (world frame) the current block.
   void set_block_of(const Vec2& point);
 
   /// Number of bands. Together they contain every circle within the reach of any point of the block, and
   /// more.
   std::size_t bands() const { return radii_.size(); }
-  /// Every circle closer than this to any point of the block is in this band or an earlier one, metres.
+  /// A distance in metres: every circle closer than this to any point of the block is in this band or an
+  /// earlier one.
   double radius(std::size_t band) const { return radii_[band]; }
-  /// The range of a band in circles(). Padded to a multiple of k_circle_padding with circles that nothing
-  /// hits.
+  /// The range of a band in circles(). Bands are padded to a multiple of k_circle_padding with circles that
+  /// no beam hits.
   struct Band {
-    std::size_t begin;  ///< its first circle
-    std::size_t end;    ///< one past its last circle
+    std::size_t begin;  ///< index of its first circle in circles()
+    std::size_t end;    ///< index one past its last circle
   };
   /// The range of a band, which must be below bands(). Gathers the band on first use.
   Band band(std::size_t band) {
@@ -73,9 +77,9 @@ class NearbyOutlines {
   }
   /// The circles of all bands gathered so far; grows when the next band is gathered.
   const CircleArrays& circles() const { return circles_; }
-  /// The distance to search first in the first band, metres: about k_nearest_shell_circles circles are within
-  /// it on average. At most radius(0), or infinite if there are so few circles that a single search is
-  /// faster.
+  /// A distance from a sensor, metres: in the first band, the sensor should first search the circles within
+  /// this distance, which are about k_nearest_shell_circles on average, and then the others. It is at most
+  /// radius(0), or infinite if there are so few circles that a single search is faster.
   double nearest_shell_m() const { return nearest_shell_m_; }
   static constexpr double k_nearest_shell_circles = 20;  ///< see nearest_shell_m()
   /// nearest_shell_m() is infinite if the first band has at most this many circles.

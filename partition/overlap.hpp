@@ -10,12 +10,13 @@ namespace troupe::partition {
 /// A circle that encloses a piece, metres, in the frame of its shape.
 struct PieceCircle {
   Vec2 centre;    ///< centre of the piece's bounding box
-  double radius;  ///< distance to the farthest corner
+  double radius;  ///< distance from the centre to the piece's farthest corner
 };
-/// The circle that encloses an outline, which must have at least one corner.
+/// The circle that encloses an outline, about the centre of its bounding box. The outline must have at least
+/// one corner.
 PieceCircle circle_about(const Ring& outline);
 
-/// A body as overlap() sees it: convex prisms in the body frame.
+/// The shape of a body for overlap(): convex prisms in the body frame.
 struct ObstacleShape {
   std::vector<ConvexPrism> pieces;   ///< in any order; their union is the body
   std::vector<PieceCircle> circles;  ///< one per piece
@@ -24,19 +25,20 @@ struct ObstacleShape {
   double thinnest = 0;  ///< smallest width of any piece, m
   ZInterval z;          ///< the interval that encloses the heights of all pieces
 
-  bool empty() const { return pieces.empty(); }  ///< whether it blocks nothing
+  bool empty() const { return pieces.empty(); }  ///< true if the body blocks nothing
 };
 
-/// The margin that culls add to bounds, metres, so that they keep every pair that overlap() would find. Far
-/// above the rounding of a corner's position, 1.5e-11 m at 100 km from the origin.
+/// A margin, metres. Culls, which quickly discard pairs that are far apart, add it to their bounds so that
+/// they keep every pair that overlap() would find. It is far above the rounding error of a corner's position,
+/// 1.5e-11 m at 100 km from the origin.
 inline constexpr double k_rounding_m = 1e-9;
 
 /// Makes a shape from the convex pieces of a body's obstacle solids.
 ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 
-/// True if the two bodies share area at a common height; bodies that only touch do not overlap. Polygon
-/// against polygon by separating axes, in double. The caller passes the body with the lower id first, so that
-/// the result does not depend on which body asks.
+/// True if the two bodies share area at a common height; bodies that only touch do not overlap. Tests polygon
+/// against polygon with separating axes, in double. The caller must pass the body with the lower id as `a`,
+/// so that the result is the same whichever of the two bodies moves.
 bool overlap(const ObstacleShape& a, const Pose& pose_world_a, const ObstacleShape& b,
              const Pose& pose_world_b);
 

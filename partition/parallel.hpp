@@ -8,11 +8,12 @@ namespace troupe::partition {
 
 /// Parallel loops. All parallel work of a step runs through this class.
 ///
-/// There are two equivalent backends: oneTBB, and plain std::thread (TROUPE_STD_THREADS), which the thread
-/// sanitizer understands. Each worker's floating-point environment is restored before its first task.
+/// There are two equivalent backends: oneTBB, and plain std::thread (CMake option TROUPE_STD_THREADS), which
+/// the thread sanitizer understands. Before its first task, each worker thread restores the default
+/// floating-point environment.
 class Parallel {
  public:
-  static constexpr unsigned k_most_threads = 1024;  ///< most threads of a loop
+  static constexpr unsigned k_most_threads = 1024;  ///< largest number of threads
 
   /// threads: number of threads; 0 means one per processor that the process may use
   /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads.
@@ -26,21 +27,22 @@ class Parallel {
 
   unsigned threads() const { return threads_; }  ///< number of threads, at least 1
 
-  /// Sets a callback for profiles: called as a task begins (true) and ends (false), with the task's index in
-  /// its loop. It runs on the task's worker, on several at once, so it must be thread-safe. Without one tasks
-  /// have no overhead. Call between loops only.
+  /// Sets a callback for profiles. It is called as a task begins (true) and ends (false), with the task's
+  /// index in its loop, on the thread that runs the task. Several threads may call it at once, so it must be
+  /// thread-safe. Without a callback tasks have no overhead. Call on_task() between loops only.
   void on_task(std::function<void(std::size_t task, bool begins)> callback) {
     on_task_ = std::move(callback);
   }
 
-  /// Sets a callback for timing: called on the caller's thread as each loop begins (true) and ends (false).
-  /// Call between loops only.
+  /// Sets a callback for timing. It is called as each loop begins (true) and ends (false), on the thread that
+  /// called for_each(). Call on_loop() between loops only.
   void on_loop(std::function<void(bool begins)> callback) { on_loop_ = std::move(callback); }
 
-  /// Calls task(i) once for each i from 0 to count - 1, in any order, on any worker, and returns when all are
-  /// done. Tasks should be coarse (some tens of microseconds) and must write only data that no other task of
-  /// the loop reads or writes. If tasks throw, the others still run; then the exception of the lowest index
-  /// is rethrown. If there are more threads than oneTBB allows by default, its process-wide limit is raised.
+  /// Calls task(i) once for each i from 0 to count - 1, in any order, on any worker thread, and returns when
+  /// all calls are done. Tasks should be coarse (some tens of microseconds) and must write only data that no
+  /// other task of the loop reads or writes. If tasks throw, the others still run; then the exception of the
+  /// lowest index is rethrown. If there are more threads than oneTBB allows by default, oneTBB's process-wide
+  /// limit is raised.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(

@@ -21,16 +21,17 @@ class PlacedRing {
   const Transform& transform_;
 };
 
-/// True if two convex counter-clockwise polygons share area.
+/// True if two convex counter-clockwise polygons share area; polygons that only touch do not.
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
 
-/// True if the segment enters the interior of a convex counter-clockwise polygon.
+/// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon);
-/// True if the segment enters the interior of a convex counter-clockwise polygon.
+/// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 
-/// A shape at a pose. Shapes of up to 128 vertices, nearly all, are transformed once, on the stack. The
-/// vertices of larger ones are transformed at each access, so that no shape needs the heap.
+/// A shape at a pose. Nearly all shapes have at most 128 vertices; these are transformed once, into an array
+/// on the stack. The vertices of larger shapes are transformed at each access, so that no shape needs the
+/// heap.
 class PlacedShape {
  public:
   /// The shape must outlive the object. z: height of its frame, metres, world frame.
@@ -46,8 +47,8 @@ class PlacedShape {
   const Vec2& position() const { return transform_.position; }  ///< origin of its frame, m, world frame
   double z() const { return z_; }                               ///< height of its frame, m, world frame
 
-  /// Calls visit(piece, polygon) for each piece until a call returns true; returns whether one did. The
-  /// polygon is that of the piece in the world frame: a span of vertices or a PlacedRing.
+  /// Calls visit(piece, polygon) for each piece until a call returns true; returns whether a call did.
+  /// `polygon` holds the vertices of the piece in the world frame: a span of vertices or a PlacedRing.
   template <class Visit>
   bool any_piece(Visit&& visit) const {
     const Vec2* vertices = vertices_.data();
@@ -72,13 +73,14 @@ class PlacedShape {
 /// True if the shapes share area at a common height, see overlap.hpp.
 bool overlap(const PlacedShape& a, const PlacedShape& b);
 
-/// A fast test: false only if no piece of one shape comes within `distance` (metres) of a piece of the other.
-/// Compares the circles about the pieces and ignores heights.
+/// A fast test: returns false only if no piece of one shape comes within `distance` (metres) of a piece of
+/// the other. Compares the circles about the pieces and ignores heights. at_a, at_b: from the frame of each
+/// shape to the world frame
 bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
                      const Transform& at_b, double distance);
 
-/// A fast test: false only if shapes of these radii at these positions do not overlap. overlap() calls it
-/// first.
+/// A fast test: returns false only if shapes with these radii (metres) at these positions cannot overlap.
+/// overlap() calls it first.
 inline bool in_reach(const Vec2& a, double radius_a, const Vec2& b, double radius_b) {
   const double reach = radius_a + radius_b + k_rounding_m;
   const double dx = b.x() - a.x();

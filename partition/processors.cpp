@@ -16,10 +16,12 @@ namespace troupe::partition {
 namespace fs = std::filesystem;
 namespace {
 
-/// The number of processors in the affinity mask; that of the machine if the system does not report the mask.
+/// The number of processors in the affinity mask, or of all processors of the machine if the system does not
+/// report the mask.
 unsigned affine_processors() {
   constexpr int k_most_processors = 1 << 20;
-  // The kernel rejects a mask that is smaller than its own, and does not say how large that one is.
+  // The kernel rejects a mask that is smaller than its own but does not report the size of its own, so larger
+  // masks are tried.
   for (int bits = CPU_SETSIZE; bits <= k_most_processors; bits *= 2) {
     const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> mask(CPU_ALLOC(bits),
                                                                 [](cpu_set_t* m) { CPU_FREE(m); });
@@ -50,7 +52,8 @@ std::optional<double> ratio(std::string_view quota, std::string_view period) {
   return q && p ? std::optional(*q / *p) : std::nullopt;
 }
 
-/// The quota of one group; its file holds `200000 100000`, or `max 100000`.
+/// The quota of one group. Its file contains for example `200000 100000` (quota and period), or `max 100000`
+/// if there is no quota.
 std::optional<double> quota_v2(const fs::path& group) {
   const std::string line = first_line(group / "cpu.max");
   const std::size_t space = std::min(line.find(' '), line.size());
@@ -65,8 +68,8 @@ std::optional<double> lesser(const std::optional<double>& a, const std::optional
   return a && b ? std::min(*a, *b) : a ? a : b;
 }
 
-/// The least quota of a group and its ancestors, up to the mount point. In a container the path is often that
-/// on the host, and only the mount point exists: a group that does not exist has no quota.
+/// The least quota of a group and its ancestors, up to the mount point. In a container the path is often the
+/// path on the host, and only the mount point exists; a group that does not exist has no quota.
 std::optional<double> least_quota(const fs::path& mount, std::string_view path,
                                   std::optional<double> (*quota)(const fs::path& group)) {
   std::optional<double> least = quota(mount);

@@ -11,9 +11,9 @@ namespace troupe::partition {
 unsigned processors_allowed();
 
 /// The processor time that Linux control groups grant this process, in processors: 1.5 means 150 ms of
-/// processor time per 100 ms. It is the least quota of the process's group and its ancestors, in cgroup
-/// versions 1 and 2. Empty if no quota is set or none can be read. root: the folder that contains
-/// proc/self/cgroup and sys/fs/cgroup
+/// processor time per 100 ms. It is the least quota of the group of the process and of that group's
+/// ancestors, in cgroup versions 1 and 2. Empty if no quota is set or none can be read. root: the folder that
+/// contains proc/self/cgroup and sys/fs/cgroup; tests pass another one
 std::optional<double> processor_quota(const std::filesystem::path& root = "/");
 
 }  // namespace troupe::partition

@@ -11,17 +11,19 @@ float magnitude(const RayEdge& e) {
   return std::abs(e.ax) + std::abs(e.ay) + std::abs(e.bx) + std::abs(e.by);
 }
 
-/// Whether rounding could decide on which side of the edge's line the origin is, or that the edge is behind.
+/// Whether rounding could decide on which side of the edge's line the origin is, or whether the edge is
+/// behind.
 bool is_tiny(float area, float m) { return std::abs(area) <= k_tiny * (m * m); }
 
 float grazing_limit(const RayEdge& e) { return k_grazing * (std::abs(e.ex) + std::abs(e.ey)); }
 
-/// The careful computation for grazing and tiny edges: sides in float as for all edges, the rest in double.
+/// The inverse range for grazing and tiny edges: the sides of the vertices are computed in float as for all
+/// edges, everything else in double.
 /// m: the sum of the magnitudes of the coordinates of edge and origin
 float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double oy, float ca, float cb,
                       float m) {
   constexpr float k_noise = 1.0f / (1 << 21);       // rounding error of a side, relative to m
-  constexpr double k_area_noise = 1.0 / (1 << 22);  // of the area, relative to the origin's part
+  constexpr double k_area_noise = 1.0 / (1 << 22);  // of the area, relative to the terms with the origin
   const bool falls = ca >= 0 && cb <= 0;
   const bool rises = ca <= 0 && cb >= 0;
   const bool runs_along = std::max(std::abs(ca), std::abs(cb)) <= k_noise * m;
@@ -38,12 +40,12 @@ float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double 
   if (!runs_along) {
     ahead = starts_on_line || (area > 0 ? falls : rises);
   } else if ((along_a > 0) == (along_b > 0)) {
-    // The sides are noise. An edge wholly ahead is hit if the noisy sides say that the beam crosses it,
-    // because its neighbour then relies on that. An edge wholly behind is never hit.
+    // The sides are rounding errors. An edge wholly ahead is hit if these sides say that the beam crosses it,
+    // because the edge next to it relies on them. An edge wholly behind is never hit.
     ahead = along_a > 0 && (falls || rises);
   } else {
-    // The sign of the area tells on which side the edge passes the origin. The edge crosses the beam if its
-    // end ahead is, by the noisy sides, on the other side.
+    // The sign of the area tells on which side the edge passes the origin. The edge crosses the beam if the
+    // side of its end ahead, although a rounding error, is the other side.
     const bool passes_right = (area > 0) == (along_b > 0);
     const float c_ahead = along_b > 0 ? cb : ca;
     ahead = starts_on_line || (passes_right ? c_ahead <= 0 : c_ahead >= 0);

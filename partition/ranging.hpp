@@ -18,79 +18,84 @@ namespace troupe::partition {
 /// Positions relative to the fan's reference point are computed in double and rounded once to float, so that
 /// two edges with a common vertex use the same value. For a beam with direction d and origin o, and a vertex
 /// v, the sign of c = (v - o) x d tells on which side of the beam v is. The beam hits edge (a, b) if c_a and
-/// c_b are on different sides; zero counts as both, so that no beam passes between two edges at their vertex.
-/// The inverse range is (d x e) / A, with the edge vector e = b - a and A = (a - o) x (b - o); it is negative
-/// if the edge is behind the origin.
+/// c_b are on different sides. Zero counts as both sides, so that no beam passes between two edges at their
+/// vertex. The inverse range is (d x e) / A, with the edge vector e = b - a and A = (a - o) x (b - o); it is
+/// negative if the edge is behind the origin.
 ///
-/// e and a x b are computed in double before they are rounded. c_a - c_b and the product of the rounded ends
-/// are equal in exact arithmetic, but lose all digits for an edge that is short for its distance (0.3 mm of
-/// error for an edge of 5 mm at 5 m).
+/// e and a x b are computed in double before they are rounded. In exact arithmetic c_a - c_b, and the cross
+/// product of the rounded ends, would give the same. In floats they lose all digits for an edge that is short
+/// compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
 ///
-/// Edges hit at a grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny, and edges that pass
-/// very near the origin (|A| <= 2^-20 m^2, where m is the sum of the magnitudes of all coordinates) would
-/// divide noise by noise. For these the sides are decided as above, so that no beam leaks through, and the
-/// range is computed in double and clamped to the distances that the edge can have. A beam that starts on an
-/// edge hits it, whatever its direction.
+/// For three sorts of edges this formula would divide rounding errors by rounding errors: edges hit at a
+/// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny, and edges that pass very near the
+/// origin (both: |A| <= 2^-20 m^2, where m is the sum of the magnitudes of all coordinates). For such an edge
+/// the sides are decided as above, so that no beam leaks through, and the range is computed in double and
+/// clamped to the distances that the edge can have. A beam that starts on an edge hits it, whatever its
+/// direction.
 ///
 /// units  metres; inverse ranges in 1/m
 
-/// Arrays of beams are padded to a multiple of this, the most beams that a kernel processes at a time.
+/// Arrays of beams are padded to a multiple of this number, which is the largest number of beams that a
+/// kernel processes at a time.
 inline constexpr std::size_t k_beam_padding = 16;
-/// The size of an array for this many beams.
+/// The size of an array for `count` beams, padding included.
 constexpr std::size_t padded_beams(std::size_t count) {
   return (count + k_beam_padding - 1) / k_beam_padding * k_beam_padding;
 }
 
-/// The beams of a scanner: one origin, equal angular steps, counter-clockwise. Usually there are many.
+/// The geometry of a fan with one origin and equal angular steps, counter-clockwise, as of a laser scanner.
+/// Such a fan may have more than k_most_beams beams.
 struct Scan {
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, world frame
   float fov = 0;                ///< angle between the first and the last beam, rad
   float step = 0;               ///< angle between neighbouring beams, rad
 };
 
-/// Most beams of a fan that is not a scan.
+/// The largest number of beams of a fan that is not a scan.
 inline constexpr std::size_t k_most_beams = 32;
 
 /// A fan of beams at one height. Beam i starts at (ox, oy), relative to the reference point, and has the unit
 /// direction (dx, dy); both have the orientation of the world frame. Each array has padded_beams(count)
 /// entries; those beyond count repeat the last beam.
 struct Fan {
-  const float* dx = nullptr;   ///< directions
-  const float* dy = nullptr;   ///< directions
-  const float* ox = nullptr;   ///< origins, m
-  const float* oy = nullptr;   ///< origins, m
+  const float* dx = nullptr;   ///< x of the directions
+  const float* dy = nullptr;   ///< y of the directions
+  const float* ox = nullptr;   ///< x of the origins, m
+  const float* oy = nullptr;   ///< y of the origins, m
   std::size_t count = 0;       ///< number of beams
   bool common_origin = false;  ///< all origins are 0
   bool mirrored = false;       ///< beam i + count / 2 has the opposite direction of beam i
-  const Scan* scan = nullptr;  ///< the scan that the beams are, or null
+  const Scan* scan = nullptr;  ///< not null if the beams form a scan
 
   std::size_t padded() const { return padded_beams(count); }  ///< size of each array
 };
 
 /// An edge relative to the reference point, metres.
 struct RayEdge {
-  float ax;    ///< start
-  float ay;    ///< start
-  float bx;    ///< end
-  float by;    ///< end
-  float ex;    ///< b - a, rounded once
-  float ey;    ///< b - a, rounded once
+  float ax;    ///< x of the start a
+  float ay;    ///< y of the start a
+  float bx;    ///< x of the end b
+  float by;    ///< y of the end b
+  float ex;    ///< x of b - a, rounded once
+  float ey;    ///< y of b - a, rounded once
   float area;  ///< a x b, rounded once; exactly 0 if the edge's line passes through the reference point
-  float ranger_return;  ///< intensity that a beam reads
+  float ranger_return;  ///< intensity that a beam reads if it hits the edge
 };
 
-/// The relative slack of culls by distance. Rounding lets an edge be hit before its nearest point: by at most
-/// 2^-14 of the distance at the smallest angle that is not grazing, and by 2^-14 of an origin's offset. The
-/// slack is twice the sum.
+/// The margin of distance culls, as a fraction of the distance. Because of rounding, the range to an edge may
+/// be less than the distance of its nearest point: by at most 2^-14 of the distance at the smallest angle
+/// that is not grazing, and by 2^-14 of the distance between the beam's origin and the reference. The margin
+/// is twice the sum of both.
 constexpr double k_range_slack = 1.0 / 4096;
 
-/// The absolute slack of culls, metres, for float rounding close to an origin.
+/// The margin of distance culls that does not depend on the distance, metres: for rounding to float close to
+/// an origin.
 constexpr float k_cull_slack = 1e-6f;
 
-/// An edge is hit at a grazing angle if |d x e| is less than this times |ex| + |ey|.
+/// An edge is hit at a grazing angle if |d x e| is less than this number times |ex| + |ey|.
 constexpr float k_grazing = 1.0f / 256;
-/// An edge looks tiny if |A| is at most this times m^2: rounding could then decide on which side of its line
-/// the origin is.
+/// An edge looks tiny if |A| is at most this number times m^2: rounding could then decide on which side of
+/// the edge's line the origin is.
 constexpr float k_tiny = 1.0f / (1 << 20);
 
 /// Converts an edge from the world frame to coordinates relative to the reference point.
@@ -113,21 +118,21 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
   return edge;
 }
 
-/// A set of beams of a fan, one bit per beam. Not used for scans, whose beams are found by their angles.
+/// A set of beams of a fan, one bit per beam. Scans do not use it: their beams are found by their angles.
 using BeamSet = std::uint32_t;
 /// The set of all beams of a fan; for a scan all bits.
 inline BeamSet all_beams(const Fan& fan) {
   return fan.scan != nullptr ? ~0u : ~0u >> (k_most_beams - fan.count);
 }
 
-/// A buffer of outlines to project on a fan, world frame, metres. Chains of vertices, so that the work per
-/// vertex is done once for both of its edges. Edge j runs from vertex j to vertex j + 1 if it belongs to a
-/// piece; between two chains there is no edge.
+/// A buffer of outlines to project on a fan, world frame, metres. It stores chains of vertices, so that the
+/// work per vertex is done once for both of its edges. Edge j runs from vertex j to vertex j + 1 and exists
+/// if it belongs to a piece; between two chains there is no edge.
 class EdgeBlock {
  public:
   static constexpr std::size_t k_capacity = 128;  ///< most vertices
   static constexpr std::size_t k_piece = 8;  ///< most edges of a piece: kernels process this many at a time
-  /// Consecutive edges of a chain that are in the same circle.
+  /// Consecutive edges of a chain that have the same enclosing circle.
   struct Piece {
     std::uint32_t first;  ///< first vertex of its first edge
     std::uint32_t edges;  ///< number of edges, at most k_piece
@@ -139,11 +144,12 @@ class EdgeBlock {
   void clear() { vertices_ = pieces_count_ = 0; }
   bool empty() const { return vertices_ == 0; }       ///< whether there are no vertices
   std::size_t vertices() const { return vertices_; }  ///< number of vertices of all chains
-  /// The most edges that the next chain may have.
+  /// The largest number of edges that the next chain may have.
   std::size_t room() const { return std::max(vertices_, k_capacity - 1) - vertices_; }
 
-  /// Adds a chain of `edges` edges that are in the same circle: from `first` to rest[0], to rest[1] ...
-  /// rest: copied in whole pieces, so that k_piece - 1 vertices beyond the chain must be readable
+  /// Adds a chain of `edges` edges that have the same enclosing circle: from `first` to rest[0], from there
+  /// to rest[1], and so on. met_by: the beams that may hit one of the edges
+  /// rest: is copied in whole pieces, so that k_piece - 1 vertices beyond the chain must be readable
   void add(const Vec2& first, const Vec2* rest, std::size_t edges, float ranger_return, BeamSet met_by) {
     double* out = &xy_[2 * vertices_];
     out[0] = first.x();
@@ -164,7 +170,7 @@ class EdgeBlock {
   const double* xy() const { return xy_.data(); }  ///< x and y of each vertex, aligned to 64 bytes
   /// The pieces in the order in which they were added.
   std::span<const Piece> pieces() const { return {pieces_.data(), pieces_count_}; }
-  /// Edge j relative to the reference point; it must belong to a piece, which has this ranger_return.
+  /// Edge j relative to the reference point. The edge must belong to a piece, whose ranger_return is passed.
   RayEdge relative(std::size_t j, const Vec2& reference, float ranger_return) const {
     const double* e = &xy_[2 * j];
     return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, ranger_return);
@@ -177,25 +183,28 @@ class EdgeBlock {
   std::size_t pieces_count_ = 0;
 };
 
-/// Rotates unit vectors (x, y) and rounds them once to float. All arrays have padded_beams(count) entries.
+/// Rotates unit vectors (x, y) and rounds the results once to float. All arrays have padded_beams(count)
+/// entries.
 void turn(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
           float* out_y);
 
-/// Raises inverse[i] to the largest inverse range at which beam i hits one of the edges, if that is larger.
+/// Projects the edges on all beams of a fan: raises inverse[i] to the largest inverse range at which beam i
+/// hits one of the edges, if that is larger than inverse[i].
 /// inverse  fan.padded() entries
 /// returns  fan.padded() entries, or null: set to the ranger_return of the edge that is hit; of two edges at
 ///          one range, to the larger
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
 
-/// Computes the distance that each beam can still reach, metres: the smaller of its range so far and
-/// range_max, plus the slack of culls. Returns the largest.
-/// inverse, range_max, limits  fan.padded() entries
+/// Computes the distance up to which each beam can still hit an edge, metres: the smaller of its range so far
+/// and its range_max, plus the margin of culls. Returns the largest of these distances.
+/// inverse, range_max, limits  arrays of fan.padded() entries
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits);
 
-/// Computes the readings: range_of() for each beam. ranges: fan.count entries; the other arrays fan.padded()
+/// Computes the readings, in metres: range_of() for each beam. ranges: fan.count entries; the other arrays:
+/// fan.padded() entries
 void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
-/// Circles that were not culled, and the beams that may hit them.
+/// Circles that were not culled, and for each of them the beams that may hit it.
 struct MetCircles : CircleArrays {
   std::vector<BeamSet> beams;  ///< per circle: the beams that may hit it
 
@@ -208,18 +217,21 @@ struct MetCircles : CircleArrays {
 
 /// may_meet() requires CircleArrays that are padded to a multiple of this many circles.
 inline constexpr std::size_t k_circle_padding = 16;
-/// Culls circles. Of the circles [begin, end) it writes to `met` the rows and beams of those that some beam
-/// may hit before its limit and whose nearest point is from `low` to `high` away from the reference, metres.
-/// Returns their number. Margins far above rounding ensure that no circle that matters is culled.
+/// Culls circles. Writes to `met` the rows of those circles of [begin, end) that some beam may hit before its
+/// limit and whose nearest point is from `low` to `high` away from the reference, metres, and the beams that
+/// may hit them. Returns the number of these circles. Margins far above rounding ensure that no circle that
+/// matters is culled.
 /// begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never hit
+/// limits      as limits_of() computes them
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 
 /// The inverse range of one beam and one edge, by the scalar formula: 0 if the beam misses the edge, infinity
-/// if it starts on the edge.
+/// if it starts on the edge. dx, dy: direction of the beam; ox, oy: its origin, relative to the reference
 float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy);
 
-/// The range for an inverse range, metres: exactly range_max unless inverse > 1 / range_max.
+/// Converts an inverse range to a range, metres. The result is exactly range_max unless inverse > 1 /
+/// range_max.
 inline float range_of(float inverse, float range_max) {
   if (!(inverse > 1.0f / range_max)) return range_max;
   const float range = 1.0f / inverse;

@@ -1,7 +1,7 @@
 // The vector kernels of the exact ray engine, compiled once for each instruction set that Highway supports
 // and chosen when the program starts. For a fan they process a few edges at a time on one beam after another;
-// for a scan one edge at a time on a few of the beams that it spans. On every target an inverse range has the
-// bits of inverse_range().
+// for a scan one edge at a time on a few of the beams that it spans. On every instruction set the results
+// have the bits of inverse_range().
 
 #include "partition/ranging.hpp"
 
@@ -38,18 +38,19 @@ struct Relative {
 };
 
 /// Computes the edges relative to the reference; entries between chains are meaningless. For a common origin
-/// `area` becomes its inverse, and edges that look tiny from there get a NaN, which makes the fast path miss
-/// them.
+/// `area` becomes its inverse, and edges that look tiny from there get a NaN, so that they miss every beam
+/// here and are left to project_carefully().
 ///
-/// relative_edge() sets an area to exactly 0 if it is only noise, 2^-50 of its two terms. This is omitted
-/// here: such an area is tiny for every beam, whether it is 0 or noise, and the careful path computes it
-/// again. (Let the origin be at o from the reference, and t = o x e. If |t| is so small that noise could
-/// change A - t, both are below k_tiny. If |t| is larger, the noise is less than half a float step of A - t.)
+/// relative_edge() sets an area to exactly 0 if it is only rounding noise, at most 2^-50 of its two terms.
+/// This function does not: such an area is tiny for every beam, whether it is 0 or noise, and
+/// project_carefully() computes it again. (Proof: let the origin be at o from the reference, and t = o x e.
+/// If |t| is so small that noise could change A - t, both are below k_tiny. If |t| is larger, the noise is
+/// less than half a float step of A - t.)
 template <bool kCommon>
 HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& out) {
   const auto rx = Set(k_d, reference.x());
   const auto ry = Set(k_d, reference.y());
-  // Kernels read all lanes of the last piece, and the vertices of all of them.
+  // Kernels read all k_piece lanes of the last piece, also those without an edge, and their vertices.
   const std::size_t end = edges.pieces().back().first + EdgeBlock::k_piece + 1;
   for (std::size_t i = 0; i < end; i += Lanes(k_d)) {
     Vec<Full<double>> from_x, from_y, to_x, to_y;
@@ -83,9 +84,9 @@ HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& 
   }
 }
 
-/// An edge and a beam per lane: the components of Relative; directions, and origins relative to the
-/// reference. Members are references because an SVE vector cannot be a member. Temporaries that initialise
-/// them in braces live as long as the struct.
+/// EdgeVector has an edge per lane, with the components of Relative. BeamVector has a beam per lane: its
+/// direction, and its origin relative to the reference. Members are references because an SVE vector cannot
+/// be a member. Temporaries that initialise them in braces live as long as the struct.
 template <class V>
 struct EdgeVector {
   const V &ax, &ay, &bx, &by, &ex, &ey, &area, &magnitude, &grazing;
@@ -95,8 +96,9 @@ struct BeamVector {
   const V &dx, &dy, &ox, &oy, &offset;  // offset: |ox| + |oy|
 };
 
-/// inverse_range() per lane, for beams from the reference. Differs in that it is negative if the edge is
-/// behind, and 0 if the edge needs the careful path: such lanes are added to `unsure`.
+/// inverse_range() per lane, for beams that start at the reference. There are two differences: the result is
+/// negative if the edge is behind, and 0 if the edge needs project_carefully(); such lanes are added to
+/// `unsure`.
 template <class Tag>
 HWY_INLINE Vec<Tag> inverse_common(Tag tag, const EdgeVector<Vec<Tag>>& e, const BeamVector<Vec<Tag>>& beam,
                                    Mask<Tag>& unsure) {
@@ -110,7 +112,7 @@ HWY_INLINE Vec<Tag> inverse_common(Tag tag, const EdgeVector<Vec<Tag>>& e, const
   return IfThenElseZero(met, Mul(across, e.area));
 }
 
-/// inverse_common() for beams with different origins.
+/// The same as inverse_common(), for beams with different origins.
 template <class Tag>
 HWY_INLINE Vec<Tag> inverse_apart(Tag tag, const EdgeVector<Vec<Tag>>& e, const BeamVector<Vec<Tag>>& beam,
                                   Mask<Tag>& unsure) {
@@ -142,7 +144,8 @@ HWY_INLINE Vec<Few> on_beam(const EdgeVector<Vec<Few>>& edges, const Fan& fan, c
       k_few, edges, {dx, dy, Set(k_few, fan.ox[i]), Set(k_few, fan.oy[i]), Set(k_few, offsets[i])}, unsure);
 }
 
-/// Raises the inverse range of one beam to `value`, and updates what it returns.
+/// Raises the inverse range of one beam to `value` if that is larger, and updates the ranger_return that the
+/// beam reads.
 HWY_INLINE void raise_beam(float value, float ranger_return, float& inverse, float* returns) {
   if (returns != nullptr) {
     if (value > inverse)
@@ -161,7 +164,8 @@ HWY_NOINLINE void project_carefully(const RayEdge& edge, const Fan& fan, std::si
                inverse[i], returns == nullptr ? nullptr : returns + i);
 }
 
-/// For a piece of n edges, read from k_piece - n on: 0 for its edges, NaN for the lanes after them.
+/// A vector that is read from index k_piece - n on has 0 in the lanes of a piece of n edges, and NaN in the
+/// lanes after them.
 constexpr float k_no_edge = std::numeric_limits<float>::quiet_NaN();
 alignas(64) constexpr float k_edges_then_none[2 * EdgeBlock::k_piece] = {
     0,         0,         0,         0,         0,         0,         0,         0,
@@ -260,7 +264,8 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
   std::fill(inverse + fan.count, inverse + fan.padded(), inverse[fan.count - 1]);
 }
 
-/// Raises the inverse ranges of a vector of beams to those of `candidate`, and updates what they return.
+/// Raises the inverse ranges of a vector of beams to those of `candidate` where these are larger, and updates
+/// the ranger_return that each beam reads.
 template <bool kReturns>
 HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, float* inverse, float* returns) {
   const auto before = LoadU(k_few, inverse);
@@ -273,7 +278,8 @@ HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, floa
   StoreU(Max(before, candidate), k_few, inverse);
 }
 
-/// A step packs an edge and the first beam of a vector of beams of a scan into one integer.
+/// For scans, a step is an edge and the first beam of a vector of beams on which it is to be projected,
+/// packed into one integer.
 constexpr int k_edge_bits = 8;
 static_assert(Relative::k_size <= 1 << k_edge_bits);
 HWY_INLINE std::size_t edge_of(std::int32_t step) {
@@ -281,7 +287,7 @@ HWY_INLINE std::size_t edge_of(std::int32_t step) {
 }
 HWY_INLINE std::size_t beam_of(std::int32_t step) { return static_cast<std::size_t>(step) >> k_edge_bits; }
 
-/// Writes the steps of the lanes where the mask holds, and returns their number.
+/// Writes the steps for the lanes where the mask holds to `steps`, and returns their number.
 HWY_INLINE std::size_t append(const Vec<decltype(k_i)>& beams, const Vec<decltype(k_i)>& edges,
                               const Mask<decltype(k_i)>& where, std::int32_t* steps) {
   StoreU(compress(Or(ShiftLeft<k_edge_bits>(beams), edges), where), k_i, steps);

@@ -17,18 +17,18 @@ namespace {
 constexpr unsigned k_region_bits = 6;  // 64 cells per edge
 constexpr std::int32_t k_region = 1 << k_region_bits;
 constexpr std::int32_t k_block = 8;
-constexpr std::uint32_t k_link = 1u << 31;  // a mark that is a link to several surfaces
+constexpr std::uint32_t k_link = 1u << 31;  // set in a mark that is the number of a Link
 constexpr std::uint32_t k_unmarked = ~0u;
 constexpr std::uint32_t k_share = 128;        // outlines per task
 constexpr std::size_t k_batch = 8;            // regions per task
-constexpr std::int64_t k_farthest = 1 << 29;  // cells: twice that still fits in 32 bits
+constexpr std::int64_t k_farthest = 1 << 29;  // cells: twice this number still fits in 32 bits
 
 std::uint32_t take(std::uint32_t& counter, std::uint32_t n) {
   return std::atomic_ref(counter).fetch_add(n, std::memory_order_relaxed);
 }
 
-/// The number of set bits. Not std::popcount, which is a function call unless the compiler may use the
-/// instruction, and not every x86-64 has that.
+/// The number of set bits. std::popcount would be a function call: the compiler may not use the instruction
+/// for it, because not every x86-64 processor has that instruction.
 std::uint32_t count(std::uint64_t word) {
   word -= word >> 1 & 0x5555555555555555;
   word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
@@ -45,13 +45,13 @@ void for_each_bit(std::uint64_t word, Visit&& visit) {
   for (; word != 0; word &= word - 1) visit(static_cast<std::uint32_t>(std::countr_zero(word)));
 }
 
-/// The most cells that an edge of this length can draw, at any angle.
+/// The largest number of cells that an edge of this length can draw, at any angle.
 double most_cells(const Vec2& a, const Vec2& b, double resolution) {
   return 1.41422 * (b - a).norm() / resolution + 3;
 }
 
 std::string too_fine(double resolution, double bytes, double most_bytes) {
-  // Only outlines are drawn, so that cells of twice the size take half the memory.
+  // Only outlines are drawn, so cells of twice the size take half the memory. The suggestion adds 10 %.
   return fmt::format(
       "cells of {:g} m would take {:.3g} GB, more than the limit of {:.3g} GB; use {:.2g} m or more",
       resolution, bytes / 1e9, most_bytes / 1e9, 1.1 * resolution * bytes / most_bytes);
@@ -140,9 +140,10 @@ class RayGrid::Line {
         across(units(direction.x())),
         up(units(direction.y())) {}
 
-  /// Negative if border i along x comes before border j along y.
+  /// Negative if the ray crosses border i along x before border j along y.
   std::int64_t order(std::int64_t i, std::int64_t j) const { return up * (2 * i - 1) - across * (2 * j - 1); }
-  /// y_steps: the borders along y that are crossed before border i along x. x_steps: the converse.
+  /// y_steps: the number of borders along y that are crossed before border i along x. x_steps: the number of
+  /// borders along x that are crossed before border j along y.
   std::int64_t y_steps(std::int64_t i) const { return (up * (2 * i - 1) + across) / (2 * across); }
   std::int64_t x_steps(std::int64_t j) const { return (across * (2 * j - 1) + up - 1) / (2 * up); }
 
@@ -216,7 +217,8 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
       runs += std::min(most, most / k_region + 2);
       if (const double away = ring[i].cwiseAbs().maxCoeff(); !(away <= limit)) {
         constexpr auto k_text =
-            "cells of {:g} m reach {:g} m from the origin, but the static scene reaches {:g} m";
+            "cells of {:g} m reach {:g} m from the origin, but the static scene reaches {:g} m; use larger "
+            "cells";
         throw std::length_error(fmt::format(k_text, cells_.cell_m, limit, away));
       }
     }

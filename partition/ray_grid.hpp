@@ -27,8 +27,9 @@ namespace troupe::partition {
 /// outline within one cell draws that cell. Outlines are hollow.
 ///
 /// A ray walks the same staircase from the middle of its first cell and returns the first surface in a cell
-/// that it passes, the first cell included. It skips empty regions and blocks whole; the line is computed in
-/// integers, so this changes no cell. docs/sensing.md gives the errors of readings.
+/// that it passes, the first cell included. It skips empty regions and empty blocks as a whole. This does not
+/// change which cells it passes, because the line is computed in integers. docs/sensing.md gives the errors
+/// of readings.
 
 /// An outline of a mobile body.
 struct MovingOutline {
@@ -36,7 +37,7 @@ struct MovingOutline {
   std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()
   std::uint32_t count = 0;  ///< number of vertices, at least one
   ZInterval z;              ///< heights, body frame
-  float ranger_return = 1;  ///< intensity that a ray reads; negative: not drawn
+  float ranger_return = 1;  ///< intensity that a ray reads; negative: the outline is not drawn
 };
 
 /// A ray to cast.
@@ -51,40 +52,42 @@ struct GridRay {
 /// The result of a ray.
 struct GridHit {
   float range;              ///< m; exactly range_max if nothing was hit
-  float ranger_return = 0;  ///< intensity of the surface hit; the largest if there are several in the cell
+  float ranger_return = 0;  ///< largest intensity of the surfaces hit in the cell; 0 if none
 };
 
-/// The grid of one world, drawn and walked as described above.
+/// The cells of one world, drawn and walked as described above.
 class RayGrid {
  public:
   /// Draws the static scene. outlines: those of the mobile bodies, grouped by body; outlines with a negative
-  /// ranger_return are ignored. vertices: as for redraw(). Throws std::length_error if the cells would take
-  /// more than k_most_bytes, or if a solid is too far from the origin; the first text suggests a resolution
-  /// that fits.
+  /// ranger_return are ignored. vertices: of all outlines, as for redraw(). Throws std::length_error if the
+  /// cells would take more than k_most_bytes (the message suggests a resolution that fits), or if a solid is
+  /// too far from the origin.
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
           std::span<const Vec2> vertices, double resolution_m);
   static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< limit on the memory of the cells
 
-  /// Optional data for redraw(): bodies with moving parts, bodies that move as one, absent bodies.
+  /// Optional data for redraw(): for bodies with moving parts, bodies that move together, and absent bodies.
   struct Linked {
-    std::span<const double> lifts;          ///< per outline: how far it is raised, m; empty: none is
-    std::span<const std::uint32_t> groups;  ///< per body: its group, which its rays ignore; empty: each body
-                                            ///< is its own group. Must stay valid until the next redraw
-    std::span<const std::uint8_t> absent;   ///< per body: not 0 if it is not drawn; empty: all are drawn
+    std::span<const double> lifts;  ///< per outline: how far its z is raised, m; empty: no outline is
+    /// Per body: the number of its group; rays of the body ignore the whole group. Empty: each body is its
+    /// own group. Must stay valid until the next redraw().
+    std::span<const std::uint32_t> groups;
+    std::span<const std::uint8_t> absent;  ///< per body: not 0 if it is not drawn; empty: all are drawn
   };
-  /// Redraws the mobile bodies. vertices: of all outlines, world frame, metres. poses: of each body; only z
-  /// is used. Sizes must be those that the grid was made for. The result depends on neither threads nor
-  /// order.
+  /// Draws the mobile bodies again, at their present poses. vertices: of all outlines, world frame, metres.
+  /// poses: of each body; only z is used. There must be as many vertices and poses as when the grid was made.
+  /// The result depends neither on the number of threads nor on the order in which they draw.
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
 
-  /// The first surface along a ray. May be called from several threads between redraws.
+  /// Returns the first surface along a ray. Several threads may call it at once, but not during redraw().
   GridHit cast(const GridRay& ray) const;
 
   double resolution_m() const { return cells_.cell_m; }  ///< edge of a cell, metres
   /// True if something is drawn in the cell of this point.
   bool is_drawn(const Vec2& point) const;
-  /// Number of known regions: those with static geometry, and some that bodies are in or recently were in.
+  /// Number of known regions: those with static geometry, those that contain bodies, and some that bodies
+  /// have recently left.
   std::size_t regions() const { return slots_.size(); }
   /// Memory of the cells of the static scene, bytes.
   std::size_t fixed_bytes() const;
@@ -93,7 +96,7 @@ class RayGrid {
   static constexpr std::uint32_t k_none = ~0u;
   static constexpr std::uint32_t k_shared = ~0u - 1;
 
-  /// The surface that a cell is marked with.
+  /// A surface in a cell.
   struct Surface {
     double z_min;
     double z_max;
@@ -113,7 +116,7 @@ class RayGrid {
     std::unique_ptr<Region> fixed;
     std::unique_ptr<Region> live;
     std::uint64_t redrawn = 0;    // blocks of the live region that differ from the fixed one
-    std::uint32_t runs = k_none;  // head of the list of runs drawn in it this tick
+    std::uint32_t runs = k_none;  // head of the list of runs that are drawn in it in this tick
   };
   /// Consecutive cells of one outline in one region.
   struct Run {
@@ -122,15 +125,16 @@ class RayGrid {
     std::uint32_t count;
     std::uint32_t surface;
   };
-  /// Cells, each as 6 bits of block and 6 bits of place in the block, and the runs that they form.
+  /// The cells that were drawn, each as 6 bits for its block and 6 bits for its place in the block, and the
+  /// runs that they form.
   struct Drawing {
     std::unique_ptr<std::uint16_t[]> cells;
     std::unique_ptr<Run[]> runs;
   };
-  /// Another surface in a cell.
+  /// An entry of the list of surfaces of a cell that has several.
   struct Link {
     std::uint32_t surface;
-    std::uint32_t next;  // a mark
+    std::uint32_t next;  // the next entry, or the last surface: a mark
   };
   /// Where a task starts: its first outline, cell and run.
   struct Share {
@@ -171,8 +175,8 @@ class RayGrid {
   Cell low_{std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::max()};
   Cell high_{std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::min()};
 
-  // A mark is a surface, or a link to several. Surfaces are numbered: first the static ones, then the
-  // outlines.
+  // The mark of a cell is the number of a surface, or of a Link if several surfaces are in the cell. Surfaces
+  // are numbered: first the static ones, then the outlines of the mobile bodies.
   std::vector<Surface> surfaces_;
   std::vector<MovingOutline> outlines_;
   std::vector<Own> own_;         // per body

@@ -36,8 +36,8 @@ HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
   return CopySign(angle, y);
 }
 
-/// Angles relative to the middle of a scan, and the beams between them with a margin above the error of
-/// angle_of().
+/// Angles relative to the middle of a scan, and the beams between two such angles, with a margin above the
+/// error of angle_of().
 class ScanAngles {
  public:
   ScanAngles(const Scan& scan, std::size_t count)
@@ -53,7 +53,7 @@ class ScanAngles {
     return angle_of(Add(Mul(x, mx), Mul(y, my)), Sub(Mul(y, mx), Mul(x, my)));
   }
   /// Computes the first and the last beam between two angles, as floats; first > last if there is none. Gives
-  /// all beams where `all` holds, or where the angles come close to +-pi, where they jump.
+  /// all beams where `all` holds, and where an angle comes close to +-pi, because angles jump there.
   template <class Mask>
   HWY_INLINE void beams(const Floats& from, const Floats& to, const Mask& all, Floats& first,
                         Floats& last) const {

@@ -6,12 +6,13 @@ namespace troupe::partition {
 namespace {
 
 struct Way {
-  Vec2 out = Vec2::Zero();  // a unit
+  Vec2 out = Vec2::Zero();  // unit vector
   double depth = std::numeric_limits<double>::infinity();
 };
 
-/// Searches the outward normals of `polygon` for a shorter displacement that moves `other` out of it. Skips
-/// edges that are too short to have a direction. sign: -1 if it is `polygon` that moves.
+/// Searches the outward normals of `polygon` for a displacement, shorter than `way`, that moves `other` out
+/// of it. Skips edges that are too short to have a direction. sign: 1 if `other` is the shape that moves, -1
+/// if `polygon` is
 template <class P, class Q>
 void shorten(const P& polygon, const Q& other, double sign, Way& way) {
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {

@@ -31,7 +31,8 @@ namespace {
 
 HWY_EXPORT(compiled_for);
 
-/// Highway calls AVX-512 AVX3. Its two portable targets share a name: a program has only one of them.
+/// The name of a target. Highway's own name for AVX-512 is AVX3. Its two portable targets get the same name
+/// here, because a program contains only one of them.
 std::string name_of(std::int64_t target) {
   if (target == HWY_SCALAR || target == HWY_EMU128) return "scalar";
   std::string name = hwy::TargetName(target);
@@ -40,7 +41,7 @@ std::string name_of(std::int64_t target) {
   return name.starts_with("avx3") ? "avx512" + name.substr(4) : name;
 }
 
-/// The targets of a set of bits, the lowest bit first: the best target.
+/// The targets whose bits are set, from the lowest bit on: the lowest one is the best target.
 std::vector<std::int64_t> each_of(std::int64_t targets) {
   std::vector<std::int64_t> list;
   for (; targets != 0; targets &= targets - 1) list.push_back(targets & -targets);

@@ -56,7 +56,8 @@ struct GridGeometry {
   }
 };
 
-/// Maps tiles to slots: a hash table with open addressing. Tiles that are not in it take no memory.
+/// Gives known tiles consecutive numbers, called slots: a hash table with open addressing. Other tiles take
+/// no memory.
 class TileDirectory {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no slot
@@ -115,7 +116,8 @@ class TileDirectory {
 };
 
 /// Visits the cells from low to high, both included, in runs: one run per row of cells of each tile in the
-/// directory. Calls visit(slot, index of the first cell in the tile, one past the last, first cell).
+/// directory. Calls visit(slot of the tile, index of the first cell in the tile, index one past the last
+/// cell, first cell).
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell low, Cell high,
                   Visit&& visit) {
@@ -147,7 +149,7 @@ void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell
   }
 }
 
-/// Visits the cells that a box touches, in runs.
+/// Visits the cells that a box (metres, world frame) touches, in runs, as the function above.
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
   for_each_run(grid, directory, grid.cell(box.min), grid.cell(box.max), visit);

@@ -8,7 +8,7 @@ namespace {
 constexpr double k_least_cover_m = 0.25;  // finer cells would classify few more points
 
 /// Visits the cells that an edge may cross: those of its box, except those farther from its line than half
-/// the diagonal of a cell. A few too many do no harm.
+/// the diagonal of a cell. A few cells too many do no harm.
 template <class Visit>
 void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visit) {
   const Cell low = grid.cell(edge.a.cwiseMin(edge.b));
@@ -63,8 +63,8 @@ EdgeGrid::EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometr
   }
 }
 
-/// Classifies the cells of a solid's box as inside or outside. This holds for all points of a cell that no
-/// edge crosses, and is the same for two such cells side by side.
+/// Classifies the cells of a solid's box as inside or outside. If no edge crosses a cell, all its points are
+/// on the same side, and two such cells next to each other are on the same side as well.
 void StaticScene::cover_cells(const Solid& solid, Strips& strips) const {
   constexpr double k_most_cells = 1 << 20;
   const Cell low = cover_grid_.cell(strips.box.min);

@@ -23,15 +23,16 @@ struct FixedSolid {
   std::uint32_t part = 0;   ///< the part of the body it belongs to
 };
 
-/// An index of edges by the cells that they cross. Each of its cells lists the whole edge: clipping would
-/// change bits, and visiting an edge twice is harmless.
+/// An index of edges by the cells that they cross. Each of these cells lists the whole edge: clipping an edge
+/// to its cells would change bits, and visiting an edge twice is harmless.
 class EdgeGrid {
  public:
   EdgeGrid() = default;
-  /// The grid does not affect the results of queries.
+  /// Indexes the edges. The choice of the grid does not affect the results of queries.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
-  /// Calls visit(span of edges) for the runs of cells that the box touches; an edge may come more than once.
+  /// Calls visit(span of edges) for the edges in all cells that the box (metres, world frame) touches. An
+  /// edge may be visited more than once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     if (edges_.empty()) return;
@@ -55,7 +56,8 @@ class EdgeGrid {
 class StaticScene {
  public:
   StaticScene() = default;
-  /// solids: in the world frame. cell_m: edge of the cells of the indices, metres; does not affect results
+  /// solids: in the world frame. cell_m: edge length of the cells of the indices, metres; it affects the
+  /// speed only
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given
@@ -68,25 +70,28 @@ class StaticScene {
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
   bool has_obstacles() const { return has_obstacles_; }  ///< whether any solid blocks motions
 
-  /// The index of the first obstacle solid with an edge that enters the shape, or -1. Solids for which
-  /// ignored(index) is true are skipped. A shape wholly inside a solid crosses no edge: see blocked().
+  /// Returns the index of the first obstacle solid that is found with an edge that enters the shape, or -1 if
+  /// there is none. Solids for which ignored(index) is true are skipped. A shape wholly inside a solid
+  /// crosses no edge of it and is not found: see blocked().
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
 
-  /// The distance from a point to the nearest edge of an obstacle, metres, at most `most`. Heights are
-  /// ignored.
+  /// The distance from a point to the nearest edge of an obstacle, metres, or `most` if there is no edge
+  /// within that distance. Heights are ignored.
   double clearance(const Vec2& point, double most) const;
-  /// True if the shape shares area with this obstacle solid at a common height.
+  /// True if the shape shares area with the obstacle solid solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
-  /// True if the shape shares area with an obstacle at a common height: an edge enters it, or it is wholly
-  /// inside.
+  /// True if the shape shares area with an obstacle at a common height: either an edge of the obstacle enters
+  /// the shape, or the shape is wholly inside the obstacle.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
-  /// The bodies whose obstacle solids overlap the shape at this pose, ascending, without repeats.
+  /// The bodies whose obstacle solids overlap the shape at this pose, in ascending order of their ids, each
+  /// once.
   std::vector<BodyId> overlapping(const ObstacleShape& shape, const Pose& pose_world_body) const;
 
  private:
-  /// The edges of one solid by horizontal strips, to count the crossings of a ray towards -x. Also a grid of
-  /// cells known to be inside or outside, so that crossings are counted for few points.
+  /// The edges of one solid, sorted into horizontal strips, so that the edges to the left of a point are
+  /// quickly counted (even-odd rule). Also a grid of cells known to be inside or outside the solid, so that
+  /// edges are counted for few points only.
   struct Strips {
     enum Cover : std::uint8_t { unknown, outside, inside };  // unknown: an edge may cross the cell
 
@@ -102,17 +107,18 @@ class StaticScene {
   bool inside(std::size_t solid, const Vec2& point) const;
   bool count_crossings(const Strips& strips, const Vec2& point) const;
   void cover_cells(const Solid& solid, Strips& strips) const;
-  /// Whether one of the pieces is wholly inside the solid. Requires that no edge of the solid crosses the
-  /// shape.
+  /// Whether one of the shape's pieces is wholly inside the solid. Requires that no edge of the solid crosses
+  /// the shape.
   bool swallows(std::size_t solid, const PlacedShape& shape) const;
-  /// Calls visit(solid) for those that swallow a piece of the shape, perhaps more than once, until it returns
-  /// true.
+  /// Calls visit(solid) for each solid that contains a whole piece of the shape, some solids more than once,
+  /// until a call returns true. Returns whether a call did.
   template <class Visit>
   bool find_swallowing(const PlacedShape& shape, Visit&& visit) const {
     return boxes_.any_near(Box::around(shape.position(), shape.shape().radius),
                            [&](std::uint32_t solid) { return swallows(solid, shape) && visit(solid); });
   }
-  /// Calls visit(edge) for obstacle edges that enter the shape until it returns true. Returns whether it did.
+  /// Calls visit(edge) for obstacle edges that enter the shape until a call returns true. Returns whether a
+  /// call did.
   template <class Visit>
   bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 

@@ -1,6 +1,7 @@
-// Reproduces the paper's tables (Vaughan, Massively multi-robot simulation in Stage, 2008), and also measures
-// clusters, a million robots, threads, loading and memory. Each row also checks the result: it ends with the
-// hash of its state, and a wrong hash fails the run.
+// Reproduces the tables of the paper on Stage (Vaughan, Massively multi-robot simulation in Stage, 2008), and
+// also measures clusters, a million robots, threads, loading and memory. Each row of a table checks the
+// result as well: the hash of its final state is compared with a recorded one, and a wrong hash fails the
+// run.
 //   build/release/bin/perf_paper --help
 
 #include "base/diagnostics.hpp"
@@ -36,12 +37,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_footer = R"(
-A full run of five repetitions takes about an hour on two cores of 2023, a quick run a few seconds. Memory:
-about 2 GB. Run nothing else meanwhile; other load shows as a difference between min and max.
+A full run of five repetitions takes about an hour on two cores of 2023, a run with --quick a few seconds. It
+needs about 2 GB of memory. Run nothing else on the machine meanwhile: other load increases the difference
+between the columns min and max.
 
---list prints the names of the rows: --only '^3/' runs table 3, --only 'loading' the loading of worlds.
+--list prints the names of the rows. For example, --only '^3/' measures only table 3, and --only 'loading'
+only the loading of worlds.
 
-Exit codes: 0 measured; 1 a hash is wrong or unknown, or a measurement failed; 2 wrong usage.)";
+Exit codes: 0: all selected rows were measured; 1: a hash is wrong or unknown, or a measurement failed;
+2: wrong usage.)";
 
 struct Options {
   bool quick = false;
@@ -50,7 +54,7 @@ struct Options {
   std::size_t repeat = 0;  // 0: not given
   std::string only;
   std::vector<unsigned> threads;
-  std::vector<std::string> simd;  // all rows use the first, except the comparison of instruction sets
+  std::vector<std::string> simd;  // rows run on the first; the comparison of instruction sets runs on all
   fs::path out;
   fs::path markdown;
   fs::path hashes = fs::path(TROUPE_SOURCE_DIR) / "perf/paper_hashes.txt";
@@ -63,7 +67,7 @@ std::string row_name(const Child& child) {
   return "loading/" + child.scene.name + (child.as_text ? "/text" : "");
 }
 
-/// Prints the current row, only on a terminal.
+/// Prints the row that is being measured, if standard error is a terminal.
 class Progress {
  public:
   ~Progress() { wipe(); }
@@ -86,8 +90,8 @@ class Progress {
   bool visible_ = isatty(STDERR_FILENO) != 0;
 };
 
-/// Removes rows from the plan that --only does not select and rows that cannot run here; adds the reasons for
-/// the latter to `skipped`.
+/// Removes the rows that --only does not select from the plan, and the rows that cannot run here. Adds the
+/// reasons why rows cannot run to `skipped`.
 void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipped) {
   const std::regex wanted(only);
   std::erase_if(plan.cases, [&](const Case& one) { return !std::regex_search(row_name(one), wanted); });
@@ -111,7 +115,7 @@ void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipp
   std::erase_if(plan.cases, [](const Case& one) { return one.runs.empty(); });
 }
 
-/// Keeps one run per scene, with this number of threads: enough for recording hashes.
+/// Keeps one run per scene, with this number of threads. That is enough to record hashes.
 void keep_one_run(Plan& plan, unsigned threads) {
   std::set<std::string> seen;
   for (Case& one : plan.cases) {
@@ -171,7 +175,7 @@ void write_file(const fs::path& file, const std::string& text) {
   if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
 }
 
-/// The error for the name of an instruction set; empty if kernels can run on it.
+/// Makes the kernels run on an instruction set. Returns the error text if they cannot; empty if they can.
 std::string simd_fault(const std::string& name) {
   try {
     partition::use_simd_target(name);
@@ -254,28 +258,32 @@ int paper_main(int argc, char** argv) {
   app.footer(k_footer);
   Options options;
   app.add_flag("--quick", options.quick,
-               "Few robots and short times, to test that rows run and hashes are correct");
+               "Use few robots and short times, to test that the rows run and their hashes are correct");
   app.add_option("--repeat", options.repeat,
                  "Repetitions of each row (default: 5; 1 with --quick and --write-hashes)")
       ->check(CLI::Range(1, 1000));
-  app.add_option("--only", options.only, "Only rows whose name matches this regular expression");
+  app.add_option("--only", options.only, "Measure only rows whose name matches this regular expression");
   app.add_flag("--list", options.list, "Print the names of the rows and measure nothing");
   app.add_option("--threads", options.threads,
-                 "Numbers of threads, as in 1,2,4 (default: 1 and one per core)")
+                 "Numbers of threads, as in 1,2,4; rows are measured with each number (default: 1, and one "
+                 "thread per core)")
       ->delimiter(',')
       ->check(CLI::Range(1, 1024));
   app.add_option(
          "--simd", options.simd,
-         "Instruction sets, as in avx2,sse4: all rows use the first, the comparison of instruction sets "
-         "each of them (default: all of this processor, the best first)")
+         "Instruction sets, as in avx2,sse4. Rows run on the first one; the comparison of instruction sets "
+         "runs on each (default: all that this processor has, the best first)")
       ->delimiter(',')
       ->check(simd_fault, "");
-  app.add_option("--out", options.out, "Write all measurements as JSON");
-  app.add_option("--markdown", options.markdown,
-                 "Write the tables into this file, between its marks if it has them");
+  app.add_option("--out", options.out, "Write all measurements to this file, as JSON");
+  app.add_option(
+      "--markdown", options.markdown,
+      "Write the tables to this file, as Markdown: between its lines `<!-- perf_paper: begin -->` and "
+      "`<!-- perf_paper: end -->`, or in place of the whole file if it has no such lines");
   app.add_flag("--write-hashes", options.write_hashes,
-               "Record the hashes instead of checking them; each scene runs once");
-  app.add_option("--hashes", options.hashes, "File of expected hashes")->capture_default_str();
+               "Record the hashes in the file of --hashes instead of checking them; each scene runs once");
+  app.add_option("--hashes", options.hashes, "File with the expected hashes of the rows")
+      ->capture_default_str();
   app.add_option("--child", options.child)->group("");
   app.add_option("--child-world", options.child_world)->group("");
   try {

@@ -11,7 +11,7 @@
 namespace troupe::perf {
 namespace {
 
-/// Collects the rows. A goal without a value gets no row.
+/// Collects the rows of the table. A goal without a measured value gets no row.
 class Aims {
  public:
   explicit Aims(const Report& report) : report_(report) {}
@@ -23,7 +23,8 @@ class Aims {
     add(what, fmt::format("at least {:.4g} {}", limit, unit), unit, value, value && *value >= limit);
   }
 
-  /// The largest `value` over the rows of a scene without pictures.
+  /// The largest `value` over the rows of a scene that were measured without pictures, without an observer
+  /// and on the default instruction set; empty if there are none.
   std::optional<double> most(
       const std::string& scene,
       const std::function<std::optional<double>(const CaseTiming&, const Timing&)>& value) const {
@@ -56,7 +57,10 @@ class Aims {
   }
 
   const Report& report_;
-  Sheet sheet_{"Aims", "Medians of the rows below.", {"what", "aim", "measured", "met"}, {}};
+  Sheet sheet_{"Aims",
+               "The column `measured` shows the medians of the rows in the tables below.",
+               {"what", "aim", "measured", "met"},
+               {}};
 };
 
 const ChildTiming* child(const Report& report, const std::string& scene, bool as_text) {

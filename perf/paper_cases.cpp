@@ -22,9 +22,9 @@ const std::map<std::string, double, std::less<>> k_times_s = {
     {"1", 600},
     {"2", 600},
     {"3", 60},
-    // Portable kernels take about ten times as long as the best ones.
+    // Kernels without vector instructions take about ten times as long as the best ones.
     {"simd", 60},
-    // Clusters are timed after k_cluster_skip_s, when they are dense, in pieces of 2 s.
+    // Clusters are measured after k_cluster_skip_s, when they are dense, in pieces of 2 s.
     {"clusters", 2},
     // A million robots for 60 s are 600 million robot ticks: minutes for each repetition. 5 s show the rate.
     {"campus", 5},
@@ -33,13 +33,13 @@ const std::map<std::string, double, std::less<>> k_times_s = {
     {"devices", 60},
     {"memory", k_memory_s},
 };
-// Factor of the times with --quick. Clusters and campus have their own times.
+// With --quick, times are multiplied by this factor. Clusters and campus have their own times instead.
 constexpr double k_quick = 0.01;
 constexpr double k_quick_cluster_skip_s = 1;
 constexpr double k_quick_cluster_s = 0.2;
 constexpr double k_quick_campus_s = 0.2;
 
-/// A world with this number of robots.
+/// The scene of an entry of worlds/scenes.json with this number of robots. for_s: simulated time, s
 Scene scene_of(const scenes::Benchmark& row, std::size_t robots, double for_s) {
   Scene scene{.name = fmt::format("{}/{}", fs::path(row.world).stem().string(), robots),
               .world = fs::path(TROUPE_SOURCE_DIR) / "worlds" / row.world,
@@ -57,7 +57,7 @@ Scene variant_of(Scene scene, const scenes::Variant& variant) {
   return scene;
 }
 
-/// The dispersed scene, and the clustered one that is compared with it.
+/// Returns two scenes: the given one, in which robots disperse, and one in which they form clusters.
 std::vector<Scene> dispersed_and_clustered(Scene scene, double skip_s, double for_s) {
   scene.skip_s = skip_s;
   scene.for_s = for_s;
@@ -74,7 +74,7 @@ fs::path stage_worlds() { return fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-
 
 std::string missing(const Scene& scene) {
   if (std::error_code ignored; !fs::exists(scene.world, ignored))
-    return fmt::format("there is no {}", scene.world.lexically_normal().string());
+    return fmt::format("the world file {} does not exist", scene.world.lexically_normal().string());
   return {};
 }
 
@@ -82,30 +82,31 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
   Plan plan;
   plan.tables = {
       {"1", "Table 1: Pioneers in the cave",
-       "16 sonars of 5 m each; `laser` adds 180 beams of 8 m. Simple: one octagon per body; complex: seven "
-       "prisms, and four of the laser."},
-      {"2", "Table 2: minibots of 0.2 m in the hospital", "12 infrared beams of 2 m each."},
+       "Each robot has 16 sonars of 5 m; with `laser`, also a scanner of 180 beams of 8 m. A simple body is "
+       "one octagon; a complex body consists of seven prisms, and the laser of four more."},
+      {"2", "Table 2: minibots of 0.2 m in the hospital", "Each robot has 12 infrared beams of 2 m."},
       {"3", "Table 3: minibots of 0.1 m in the hospital",
        "`stage` is Stage's own `hospital.world` with its 1,000 robots."},
       {"simd", "Comparison of instruction sets",
-       "ns per robot and tick on one thread; the sets of a row are run in turn and end with the same hash. "
-       "docs/determinism.md describes how to select an instruction set."},
+       "Wall time in ns per robot and tick, on one thread. The runs of a row take turns, and all end with "
+       "the same hash. docs/determinism.md describes how to select an instruction set."},
       {"clusters", "Clusters",
-       "With `invert` robots gather. Both behaviours are timed after dispersal has finished, as consecutive "
-       "pieces of one run."},
+       "Robots of `dispersed` keep away from one another; those of `clustered`, with the parameter `invert`, "
+       "gather. Both are measured when the robots have dispersed or gathered; the repetitions are "
+       "consecutive pieces of one run."},
       {"campus", "A million minibots in sixteen hospitals", ""},
       {"watching", "Cost of observers",
-       "In every tick of 0.1 s: hashes as for --hash-log; poses as for --record; all measures of "
-       "docs/measures.md. Relative to the same run without observers: the median over the repetitions."},
+       "In every tick of 0.1 s an observer computes hashes (as for --hash-log), records poses (as for "
+       "--record), or computes all measures of docs/measures.md. The cost is the additional time relative to "
+       "the same run without observer, the median over the repetitions."},
       {"grid", "The paper's ray tracer and the exact engine", ""},
       {"devices", "Robots with other devices",
-       "`foragers`: a scanner of 19 beams, a fiducial finder, a gripper and a power pack each; they grip "
-       "pucks and carry them to mills. `harvesters`: 9 beams, a finder and a gripper each; they carry pucks "
-       "home. `pushers`: 9 beams each; they push 20,000 pucks. `finders`: 9 beams and a finder each, with "
-       "about 16 robots in its range; `finders-off`: the same without finders. Beams include those of "
-       "finders. "
-       "`radios`: a ring of 12 infrared rangers and a radio each, with 20 robots in its range; `radios-off` "
-       "has only the rangers, `rangers-off` only the radios."},
+       "Devices of each robot: `foragers` have a scanner of 19 beams, a fiducial finder, a gripper and a "
+       "power pack, and carry pucks to mills. `harvesters` have 9 beams, a finder and a gripper, and carry "
+       "pucks home. `pushers` have 9 beams and push 20,000 pucks. `finders` have 9 beams and a finder with "
+       "about 16 robots in its range; `finders-off` is the same without finders. The rays of finders count "
+       "as beams. `radios` have a ring of 12 infrared rangers and a radio with 20 robots in its range; "
+       "`radios-off` has only the rangers, `rangers-off` only the radios."},
   };
   const scenes::Manifest manifest = scenes::read_manifest(fs::path(TROUPE_SOURCE_DIR) / "worlds/scenes.json");
   const auto with_threads = [&](const Scene& scene) {
@@ -124,10 +125,10 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
   };
   for (const scenes::Benchmark& row : manifest.perf)
     if (!k_times_s.contains(row.table))
-      throw std::runtime_error(
-          fmt::format("worlds/scenes.json: error: {}: perf has no table \"{}\"; known: 1, 2, 3, "
-                      "campus, clusters, devices, grid, memory, simd, watching",
-                      row.world, row.table));
+      throw std::runtime_error(fmt::format(
+          "worlds/scenes.json: error: \"perf\": the entry of {} has the unknown table \"{}\"; known: "
+          "1, 2, 3, campus, clusters, devices, grid, memory, simd, watching",
+          row.world, row.table));
 
   // As in the paper: without and with pictures.
   for (const char* table : {"1", "2", "3"})
@@ -177,7 +178,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
     plan.cases.push_back({"grid", {{exact, threads.front(), false}, {grid, threads.front(), false}}});
   });
 
-  // A world and variants of it without a sensor: the difference is the cost of the sensor.
+  // A world, and variants of it that lack a sensor: the difference is the cost of that sensor.
   for_rows("devices", [&](const Scene& scene, const scenes::Benchmark& row) {
     std::vector<Run> runs =
         row.beside.empty() ? with_threads(scene) : std::vector<Run>{{scene, threads.front()}};

@@ -11,37 +11,38 @@
 
 namespace troupe::perf {
 
-/// A world to simulate, and for how long.
+/// A world to simulate, with its settings and the time to simulate.
 struct Scene {
-  std::string name;  ///< "hospital/2000"; key of the checked-in hash and the paper's figure
+  std::string name;  ///< such as "hospital/2000"; key of its recorded hash and of the paper's figure
   std::filesystem::path world;
   worldio::LoadOptions load;
   std::size_t robots = 0;
-  double skip_s = 0;  ///< simulated time before timing starts, s
-  double for_s = 60;  ///< simulated time that is timed, s
-  bool grid = false;  ///< the paper's ray tracer instead of the exact engine
+  double skip_s = 0;  ///< simulated time before the measurement starts, s
+  double for_s = 60;  ///< simulated time whose wall time is measured, s
+  bool grid = false;  ///< use the paper's ray tracer (the grid engine) instead of the exact engine
 };
 
-/// One row of a table: a scene, and how it is run.
+/// One row of a table: a scene, and the way in which it is run.
 struct Run {
   Scene scene;
   unsigned threads = 1;
-  bool frames = false;  ///< draw a picture every 0.1 s of wall time: the paper's "graphics"
+  bool frames = false;  ///< draw a picture every 0.1 s of wall time, as in the paper's runs with graphics
   Watch watch = Watch::nothing;
-  std::string simd = {};  ///< instruction set of the kernels; empty: that of the whole report
+  std::string simd = {};  ///< instruction set of the kernels; empty: the default of the report
 };
 
-/// Runs that are timed in turn (A B A B ...), so that other load on the machine affects them equally.
+/// Runs that are repeated in turn (A B A B ...), so that other load on the machine affects all of them
+/// equally.
 struct Case {
-  std::string table;  ///< id of their table
+  std::string table;  ///< id of the table with the rows of these runs
   std::vector<Run> runs;
 };
 
 /// A world whose loading time and memory are measured in a child process.
 struct Child {
   Scene scene;
-  bool as_text = false;  ///< load the same robots from .world text
-  bool empty = false;    ///< the base for the memory of the others
+  bool as_text = false;  ///< load the robots of the scene from .world text instead of JSON
+  bool empty = false;    ///< the world without robots, with which the memory of the others is compared
 };
 
 struct Table {
@@ -57,15 +58,16 @@ struct Plan {
   std::vector<Child> children;
 };
 
-/// `quick`: the same kinds of rows with few robots and short times.
-/// `threads`: the numbers of threads for rows without pictures; rows with pictures use the first.
-/// `simd`: the instruction sets to compare, named as in partition::simd_targets().
+/// Plans all measurements. Throws std::runtime_error if worlds/scenes.json names an unknown table.
+/// quick: plan rows of the same kinds, but with few robots and short times
+/// threads: the numbers of threads for rows without pictures; rows with pictures use the first of them
+/// simd: the instruction sets to compare, named as in partition::simd_targets()
 Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd);
 
 /// The folder with Stage's own worlds, next to the source tree.
 std::filesystem::path stage_worlds();
 
-/// The reason why a scene cannot run here; empty if it can.
+/// Returns the reason why a scene cannot run here (its world file is missing); empty if it can.
 std::string missing(const Scene& scene);
 
 }  // namespace troupe::perf

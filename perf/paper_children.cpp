@@ -24,7 +24,8 @@ double status_bytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
     if (line.starts_with(name + ":")) return 1024 * std::stod(line.substr(name.size() + 1));
-  throw std::runtime_error(fmt::format("/proc/self/status has no {}", name));
+  throw std::runtime_error(
+      fmt::format("the memory of the process is unknown: /proc/self/status has no {}", name));
 }
 
 /// Runs this program with other arguments and returns its output.
@@ -53,7 +54,8 @@ std::string run_self(std::vector<std::string> arguments) {
   int status = 0;
   waitpid(process, &status, 0);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw std::runtime_error("a child process that measures loading and memory failed");
+    throw std::runtime_error(
+        "a child process that measures loading and memory failed; its own error, if any, is printed above");
   return text;
 }
 

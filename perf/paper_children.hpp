@@ -10,11 +10,11 @@
 
 namespace troupe::perf {
 
-/// Measurements of a process that loads one world and runs it for some ticks.
+/// Measurements of a child process that loads one world and runs it for some ticks.
 struct ChildReport {
   std::size_t robots = 0;
-  double read_s = 0;       ///< time to read the file
-  double build_s = 0;      ///< time to build the world from its description
+  double read_s = 0;       ///< wall time to read the file, s
+  double build_s = 0;      ///< wall time to build the world from its description, s
   double rss_bytes = 0;    ///< resident memory after the last tick
   double peak_bytes = 0;   ///< peak resident memory
   std::uint64_t tick = 0;  ///< the last tick
@@ -26,15 +26,15 @@ struct ChildTiming {
   std::vector<ChildReport> reports;  ///< one per repetition
 };
 
-/// For the child: loads and runs `scene`, and prints the report on standard output.
+/// Called in the child process: loads and runs `scene`, and prints the report on standard output.
 void report_child(const Scene& scene, const engine::Registry& registry);
 
-/// For the parent: starts this program `repeat` times with `arguments`, which include `--child INDEX`, and
-/// reads the reports. Throws std::runtime_error if a child fails.
+/// Called in the parent process: starts this program `repeat` times with `arguments`, which include
+/// `--child INDEX`, and reads the reports of the children. Throws std::runtime_error if a child fails.
 ChildTiming time_child(const Child& child, const std::vector<std::string>& arguments, std::size_t repeat);
 
-/// Writes the robots of a JSON world as .world text, one line per model. Throws the errors of loading, and
-/// std::runtime_error if writing fails.
+/// Writes the robots of a JSON world to `file` as .world text, one line per model. Throws InputError if the
+/// JSON world cannot be loaded, and std::runtime_error if the file cannot be written.
 void write_as_text(const Scene& scene, const std::filesystem::path& file, const engine::Registry& registry);
 
 }  // namespace troupe::perf

@@ -9,18 +9,21 @@
 
 namespace troupe::perf {
 
-/// The checked-in state hashes: scene and tick -> hash, one per line.
+/// The recorded state hashes that results are compared with. The file has one line per hash: scene, tick,
+/// hash.
 class HashBook {
  public:
-  /// Reads the file; a missing file is an empty book. Throws std::runtime_error, with the line, for an
-  /// invalid line.
+  /// Reads the file. If it does not exist, there are no hashes. Throws std::runtime_error, with file and
+  /// line, if a line is invalid.
   explicit HashBook(std::filesystem::path file);
 
+  /// The recorded hash of a scene at a tick; empty if there is none.
   std::optional<std::uint64_t> find(const std::string& scene, std::uint64_t tick) const;
+  /// Sets the hash of a scene at a tick; save() writes it.
   void record(const std::string& scene, std::uint64_t tick, std::uint64_t hash) {
     hashes_[{scene, tick}] = hash;
   }
-  /// Writes the file, sorted. Throws std::runtime_error.
+  /// Writes the file, sorted by scene and tick. Throws std::runtime_error if it cannot be written.
   void save() const;
 
   const std::filesystem::path& file() const { return file_; }

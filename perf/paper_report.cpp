@@ -151,11 +151,12 @@ Sheet simd_sheet(const Report& report, const Table& table) {
 }
 
 Sheet scaling_sheet(const Report& report) {
-  Sheet sheet{"Threads",
-              "`probe`: the speed-up of the same number of threads that share nothing, timed between the "
-              "repetitions; it is the machine's limit.",
-              {"world", "robots", "threads", "speed-up", "probe", "speed-up / probe"},
-              {}};
+  Sheet sheet{
+      "Threads",
+      "`probe`: the speed-up of as many threads that share no data, measured between the repetitions. It is "
+      "the limit of the machine.",
+      {"world", "robots", "threads", "speed-up", "probe", "speed-up / probe"},
+      {}};
   for (const Scaling& s : scalings(report)) {
     sheet.rows.push_back({s.timing->run.scene.name.substr(0, s.timing->run.scene.name.rfind('/')),
                           grouped(static_cast<double>(s.timing->robots)),
@@ -178,13 +179,13 @@ std::string child_name(const ChildTiming& timing) {
 }
 
 Sheet loading_sheet(const Report& report) {
-  Sheet sheet{
-      "Loading and memory",
-      "Each world in a process of its own, with one thread per core. Memory is resident memory after the "
-      "first ticks; bytes per robot are relative to the empty world.",
-      {"world", "robots", "load s", "min", "max", "reading s", "resident MB", "peak MB", "bytes per robot",
-       "state hash"},
-      {}};
+  Sheet sheet{"Loading and memory",
+              "Each world is loaded in a process of its own, with one thread per core. Memory is resident "
+              "memory after the first ticks; bytes per robot are the additional memory relative to the empty "
+              "world, divided by the number of robots.",
+              {"world", "robots", "load s", "min", "max", "reading s", "resident MB", "peak MB",
+               "bytes per robot", "state hash"},
+              {}};
   double empty = 0;
   for (const ChildTiming& timing : report.children) {
     const double rss = median_of(timing, [](const ChildReport& r) { return r.rss_bytes; });
@@ -192,7 +193,7 @@ Sheet loading_sheet(const Report& report) {
     if (timing.child.empty) empty = rss;
     std::vector<double> loads;
     for (const ChildReport& r : timing.reports) loads.push_back(r.read_s + r.build_s);
-    // Only worlds with the walls of the empty hospital are comparable; a campus has others.
+    // Only worlds with the walls of the empty hospital are comparable with it; the campus has other walls.
     const bool comparable = empty > 0 && robots > 0 && timing.child.scene.name.starts_with("hospital-10cm");
     sheet.rows.push_back(
         {child_name(timing), grouped(static_cast<double>(robots)), fmt::format("{:.3f}", median(loads)),
@@ -385,7 +386,7 @@ void write_between_marks(const std::filesystem::path& file, const std::string& t
 
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record) {
   std::vector<std::string> faults;
-  std::set<std::string> seen;  // recorded scenes; further rows of them must agree
+  std::set<std::string> seen;  // scenes that were recorded in this run; further rows of them must agree
   const auto check = [&](const std::string& scene, std::uint64_t tick, std::uint64_t hash,
                          const std::string& run) {
     const auto expected = book.find(scene, tick);
@@ -394,8 +395,9 @@ std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool
       return;
     }
     if (!expected)
-      faults.push_back(fmt::format("{} at tick {}: {} holds no hash of it; --write-hashes records {}", scene,
-                                   tick, book.file().filename().string(), hash_text(hash)));
+      faults.push_back(
+          fmt::format("{} at tick {}: {} has no hash of this scene and tick; --write-hashes records {}",
+                      scene, tick, book.file().filename().string(), hash_text(hash)));
     else if (*expected != hash)
       faults.push_back(fmt::format("{} at tick {}{}: WRONG HASH {}, expected {}", scene, tick, run,
                                    hash_text(hash), hash_text(*expected)));

@@ -12,11 +12,12 @@
 
 namespace troupe::perf {
 
-/// The machine of a report: processor, cores, memory; unknown values are omitted. Does not contain host
-/// names.
+/// Describes the machine of a report as pairs of name and value: processor, cores, memory and so on. Unknown
+/// values are omitted, and host names are never included.
 std::vector<std::pair<std::string, std::string>> describe_machine();
 
-/// Figures of other simulators from perf/paper_reference.json: column -> scene -> times real time.
+/// Figures of other simulators, from perf/paper_reference.json: column of the tables -> scene -> times real
+/// time.
 using Reference = std::map<std::string, std::map<std::string, double>>;
 Reference read_reference(const std::filesystem::path& file);
 
@@ -31,7 +32,7 @@ struct Report {
   std::vector<std::string> skipped;
 };
 
-/// A table as text.
+/// A table of a report, as text cells.
 struct Sheet {
   std::string title;
   std::string note;
@@ -39,26 +40,31 @@ struct Sheet {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// The speed-up of several threads in one row.
+/// The speed-up of a row on several threads.
 struct Scaling {
   const Timing* timing;
-  double speedup;  ///< relative to the same row on one thread
-  double probe;    ///< speed-up of the same number of threads that share nothing, in the same run
+  double speedup;  ///< wall time on one thread divided by wall time on several
+  double probe;    ///< the machine's limit: speed-up of as many threads that share nothing
 };
+/// The speed-ups of all rows that were measured on one thread and on several.
 std::vector<Scaling> scalings(const Report& report);
 
+/// All tables of a report that have rows.
 std::vector<Sheet> sheets(const Report& report, const Reference& reference);
 
+/// A table as text with aligned columns.
 std::string plain_text(const Sheet& sheet);
-/// All sheets, with the description of the machine and the skipped rows.
+/// The text of all sheets in Markdown, with the description of the machine and the skipped rows.
 std::string markdown(const Report& report, const std::vector<Sheet>& sheets);
 std::string json(const Report& report);
 
 /// Replaces the text between the lines `<!-- perf_paper: begin -->` and `<!-- perf_paper: end -->` of a file,
-/// or the whole file if it has no such lines. Throws std::runtime_error.
+/// or the whole file if it has no such lines. Throws std::runtime_error if the file cannot be written.
 void write_between_marks(const std::filesystem::path& file, const std::string& text);
 
-/// Compares hashes with the book, or records them there. Returns a line for each wrong or unknown hash.
+/// Compares the hashes of a report with the book or, if `record`, writes them to the book. Returns one line
+/// of text for each wrong or unknown hash; with `record`, only for hashes that differ between rows or
+/// repetitions of one scene.
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record);
 
 }  // namespace troupe::perf

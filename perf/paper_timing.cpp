@@ -27,14 +27,16 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds k_frame_period{100};
-// Timing the phases reads the clock five times per tick, about 0.2 microseconds: too much for small worlds,
-// in which a tick takes 2 microseconds.
+// To measure the phases the clock is read five times per tick, which takes about 0.2 microseconds: too much
+// for small worlds, in which a tick takes 2 microseconds. They are measured in worlds with this many robots
+// or more.
 constexpr std::size_t k_least_robots_with_phases = 100;
 
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
-/// Draws a frame whenever 0.1 s of wall time has passed since the start of the last one. If drawing takes
-/// longer than 0.05 s, waits as long as it took, so that the simulation gets at least half of the time.
+/// Draws a frame whenever 0.1 s of wall time has passed since the start of the previous frame. If drawing
+/// took longer than 0.05 s, it waits at least as long as that afterwards, so that the simulation gets at
+/// least half of the time.
 class Camera {
  public:
 #ifdef TROUPE_HAS_RENDER
@@ -170,7 +172,7 @@ double Timing::ns(double s) const {
 double Timing::times_real_time(double s) const { return static_cast<double>(ticks) * tick_s / s; }
 
 double probe_s(unsigned threads) {
-  // Long enough that the start of a thread (about 50 microseconds) is negligible.
+  // The computation takes long enough that the start of a thread (about 50 microseconds) is negligible.
   static const std::uint64_t rounds = [] {
     std::uint64_t n = 1 << 20;
     while (probe_rounds_s(1, n) < 0.1) n *= 2;

@@ -13,51 +13,56 @@
 
 namespace troupe::perf {
 
-/// Measurements of a run.
+/// Measurements of a run (a row of a table).
 struct Timing {
   Run run;
   std::size_t robots = 0;
   double tick_s = 0;
-  std::uint64_t ticks = 0;      ///< timed ticks in each repetition
-  std::uint64_t hash_tick = 0;  ///< tick of `hash`, the end of the first repetition
+  std::uint64_t ticks = 0;      ///< measured ticks in each repetition
+  std::uint64_t hash_tick = 0;  ///< the tick of `hash`, at the end of the first repetition
   std::uint64_t hash = 0;       ///< hash of the whole state, ranges included
   bool repeatable = true;       ///< every repetition ended with the same hash
-  std::vector<double> wall_s;   ///< wall time of each repetition
+  std::vector<double> wall_s;   ///< wall time of each repetition, s
   double beams_per_tick = 0;
-  double rounds_per_tick = 0;  ///< rounds of conflict resolution
+  double rounds_per_tick = 0;  ///< rounds of conflict resolution, mean
   double stalled_share = 0;    ///< fraction of robots stalled in the last tick
-  double move_share = 0;       ///< fraction of the time of all phases; 0 if phases are not timed
+  double move_share = 0;       ///< fraction of the time that the phase `move` takes; 0 if not measured
   std::size_t frames = 0;      ///< frames drawn in the last repetition
 
-  /// Wall time per robot and tick, ns, for a repetition of `seconds`.
+  /// Wall time per robot and tick, ns, for a repetition that took `seconds` of wall time.
   double ns(double seconds) const;
-  /// Simulated time divided by wall time, for a repetition of `seconds`.
+  /// Simulated time divided by wall time, for a repetition that took `seconds` of wall time.
   double times_real_time(double seconds) const;
 };
 
-/// Seconds that this number of threads needs, in parallel, for one piece of computing each that uses only
-/// registers. Shows how the machine itself scales: ideally n threads do n times the work in the time of one.
+/// Returns the wall time, s, in which this number of threads run in parallel, each of them a fixed
+/// computation that uses only registers. Shows how the machine itself scales: ideally n threads need the time
+/// of one.
 double probe_s(unsigned threads);
 
 struct CaseTiming {
   std::string table;
   std::vector<Timing> timings;
-  std::map<unsigned, std::vector<double>> probe_s;  ///< by number of threads, for each repetition
+  /// Results of probe_s(): number of threads -> one value per repetition.
+  std::map<unsigned, std::vector<double>> probe_s;
 };
 
-/// Runs a case `repeat` times. A scene with `skip_s` is repeated as consecutive pieces of one run, others
-/// from the start. Throws the errors of loading and drawing.
+/// Measures a case `repeat` times. The repetitions of a scene with `skip_s` are consecutive pieces of one
+/// simulation; those of other scenes each start at tick 0. progress: called with a text that says what is
+/// measured next. Throws InputError if a world cannot be loaded, and std::runtime_error if pictures cannot be
+/// drawn.
 CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
                      const std::function<void(const std::string&)>& progress);
 
-/// The special feature of a run for messages: `, frames`, `, hashes`, `, avx2`; empty if it has none.
+/// What distinguishes a run from the plain run of its scene, as text for messages: `, frames`, `, hashes` or
+/// `, avx2`; empty for a plain run.
 std::string with_text(const Run& run);
 
-/// Additional time of an observed run relative to the run without observer: the median over the repetitions.
-/// Nothing for a run without observer.
+/// Additional wall time of a run with an observer, as a fraction of that of the same run without observer:
+/// the median over the repetitions. Empty if `watched` has no observer.
 std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched);
 
-/// The reason why no pictures can be drawn here; empty if they can.
+/// Returns the reason why pictures cannot be drawn here; empty if they can.
 std::string missing_frames();
 
 double minimum(const std::vector<double>& values);

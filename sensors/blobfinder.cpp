@@ -32,19 +32,22 @@ struct Finder {
       using enum engine::Unit;
       constexpr double k_most_pixels = 10000;  // per edge
       d.member<&Params::image_width>("image_width", within(1, k_most_pixels),
-                                     "columns of the image, one ray each");
-      d.member<&Params::image_height>("image_height", within(1, k_most_pixels),
-                                      "rows of the image, in which the heights of blobs are reported");
+                                     "columns of the image; each is seen by one ray");
+      d.member<&Params::image_height>(
+          "image_height", within(1, k_most_pixels),
+          "rows of the image, in which the top and the bottom of a blob are reported");
       d.member<&Params::range>("range", meters, above(0), at_most(10000), "length of the rays");
       d.member<&Params::fov>("fov", radians, above(0), at_most(2 * k_pi),
                              "angle between the first column and the last");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "pan angle to the left of its heading");
+                             "angle of the middle of the image to the left of the sensor's heading");
       d.member<&Params::colors>("colors", "only blobs of these colours are reported; []: all blobs");
       d.member<&Params::use_blob_return>(
-          "use_blob_return", "models whose blob_return is false are not blobs, but hide what is behind them");
-      d.member<&Params::most_blobs>("most_blobs", within(1, 1000),
-                                    "entries of the readings, from right to left; `count` counts all blobs");
+          "use_blob_return",
+          "true: models whose blob_return is false are not reported, but hide what is behind them");
+      d.member<&Params::most_blobs>(
+          "most_blobs", within(1, 1000),
+          "number of blobs that the readings list, from right to left; `count` counts all blobs");
     }
   };
 
@@ -71,7 +74,8 @@ bool is_same(const Color& a, const Color& b) {
   return std::abs(a.r - b.r) < k_near && std::abs(a.g - b.g) < k_near && std::abs(a.b - b.b) < k_near;
 }
 
-/// Computes the rows of a blob. As in Stage, all bodies have the same height, and a pixel is fov / rows high.
+/// Computes the first and the last image row of a blob. As in Stage, all bodies count as equally tall, and a
+/// pixel is fov / rows high.
 void write_rows(const Finder::Params& params, double range, std::int32_t& top, std::int32_t& bottom) {
   constexpr double k_half_height = 0.3;  // m
   const std::int32_t height = params.image_height;
@@ -125,7 +129,8 @@ class Writer {
   std::size_t count_ = 0;
 };
 
-/// Finds the blobs of one row. body: the frame in which the finder's pose is given
+/// Finds the blobs that the finder of one row sees. body: from the frame in which the finder's pose is given
+/// to the world frame
 void find_blobs(const World& world, const Finder& finder, Row own, const Transform& body, Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();
   std::optional<Blob> blob;
@@ -206,8 +211,8 @@ void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind blobfinder_kind() {
-  return engine::make_device_kind<Finder>("blobfinder",
-                                          "finds blobs: stretches of one colour in its field of view");
+  return engine::make_device_kind<Finder>(
+      "blobfinder", "reports blobs: runs of neighbouring image columns that show the same colour");
 }
 
 }  // namespace troupe::sensors

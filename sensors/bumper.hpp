@@ -6,17 +6,19 @@
 
 namespace troupe::sensors {
 
-/// The fields of a bumper's percepts, in order.
+/// The fields of a bumper's readings, in order.
 enum BumperField : std::size_t {
   k_bumper_hit,   ///< u8 per strip: 1 if a body touches it
-  k_bumper_body,  ///< u32 per strip: BodyId of that body, 0 (the ground) if none touches it
+  k_bumper_body,  ///< u32 per strip: BodyId of the body that touches it; 0 (the ground) if none does
 };
 
-/// Contact strips. Each is a line segment across the heading of its pose. It detects any body of another
-/// robot or of the scene whose outline comes within the thickness, whatever the heights.
-/// ties    of several bodies the nearest is reported, then the lower id
-/// source  Stage's bumper model, whose strips are as thick as its cells, 0.02 m: a strip without thickness
-///         would not cross a wall that it touches in parallel
+/// Returns the sensor kind `bumper`: contact strips. Each strip is a line segment perpendicular to the
+/// heading of its pose and centred on it. It detects any body that is not part of its own robot and whose
+/// outline comes within `thickness` of the segment, whatever the heights of both.
+/// ties    If several bodies touch a strip, the nearest is reported; at equal distances, the one with the
+///         lower id.
+/// source  Stage's bumper model, whose strips are as thick as its cells, 0.02 m. A strip without thickness
+///         would not detect a wall that it touches in parallel.
 engine::DeviceKind bumper_kind();
 
 }  // namespace troupe::sensors

@@ -40,19 +40,21 @@ struct Lens {
       constexpr double k_most_pixels = 4096;  // per edge
       constexpr double k_farthest = 1000;     // m
       constexpr double k_widest = troupe::radians(170);
-      d.member<&Params::width>("width", within(1, k_most_pixels), "pixels");
-      d.member<&Params::height>("height", within(1, k_most_pixels), "pixels");
+      d.member<&Params::width>("width", within(1, k_most_pixels), "width of the image, pixels");
+      d.member<&Params::height>("height", within(1, k_most_pixels), "height of the image, pixels");
       d.member<&Params::range_near>("range_near", meters, above(0), at_most(k_farthest),
-                                    "nearer surfaces are not drawn");
-      d.member<&Params::range_far>("range_far", meters, above(0), at_most(k_farthest),
-                                   "farther surfaces are drawn as sky; must be above range_near");
+                                    "surfaces nearer than this are not drawn");
+      d.member<&Params::range_far>(
+          "range_far", meters, above(0), at_most(k_farthest),
+          "surfaces farther than this are drawn as sky; must be greater than range_near");
       d.member<&Params::fov_horizontal>("fov_horizontal", radians, above(0), at_most(k_widest),
                                         "angle from the left to the right edge of the picture");
       d.member<&Params::fov_vertical>("fov_vertical", radians, above(0), at_most(k_widest),
                                       "angle from the lower to the upper edge of the picture");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "pan angle to the right of its heading");
-      d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2), "tilt angle upwards");
+                             "angle of the axis of view to the right of the camera's heading");
+      d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2),
+                              "angle of the axis of view above the horizontal; negative: downwards");
     }
   };
 
@@ -72,7 +74,8 @@ struct Lens {
   bool is_level() const { return tilt.sin == 0; }
 };
 
-/// A ray through a pixel: at depth t its point is origin + t * across, at height t * rise above the camera.
+/// A ray through a pixel. Its point at depth t is the camera's position + t * across, at height t * rise
+/// above the camera.
 struct PixelRay {
   Vec2 across;  ///< world frame
   double rise = 0;
@@ -91,8 +94,9 @@ struct Region {
 struct Crossing {
   std::uint32_t region = 0;
   double depth = 0;
-  bool is_change =
-      false;  ///< the ray passes between inside and outside here: true for one of the two edges at a corner
+  /// The ray passes from outside to inside here, or the other way. If it passes through a corner, this is
+  /// true for only one of the two edges.
+  bool is_change = false;
   friend auto operator<=>(const Crossing&, const Crossing&) = default;
 };
 
@@ -293,7 +297,7 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
                   .half_width = across.sin / across.cos,
                   .half_height = upright.sin / upright.cos,
                   .tilt = sincos(params.tilt)};
-  // The distance to the corners of the image at range_far. An upper bound for a tilted camera as well.
+  // The distance to the corners of the image at range_far. For a tilted camera this is an upper bound.
   const double farthest =
       params.range_far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
   const std::uint32_t pixels = params.width * params.height;
@@ -326,7 +330,7 @@ std::uint64_t Lens::sense(const DeviceBatch& batch) const {
 }  // namespace
 
 DeviceKind camera_kind() {
-  return engine::make_device_kind<Lens>("camera", "colour and depth images of its field of view");
+  return engine::make_device_kind<Lens>("camera", "renders colour and depth images of its field of view");
 }
 
 }  // namespace troupe::sensors

@@ -6,21 +6,25 @@
 
 namespace troupe::sensors {
 
-/// The fields of a camera's percepts, in order. Pixels are stored row by row from the upper left corner.
+/// The fields of a camera's readings, in order. Pixels are stored row by row from the upper left corner.
 enum CameraField : std::size_t {
   k_camera_color,  ///< u8 [red green blue opacity] per pixel
-  k_camera_depth,  ///< f32 per pixel, m along the axis of view: range_far if nothing is seen
+  k_camera_depth,  ///< f32 per pixel, m along the axis of view; range_far if the pixel shows sky
 };
 
-/// A camera: renders colour and depth of its field of view without a graphics library.
-/// sees    Bodies of other robots and of the scene as extruded blocks, with their tops and undersides, and
-///         the floor at z = 0; unlit, each in its own colour. Surfaces nearer than range_near are not drawn,
-///         those farther than range_far are drawn as sky.
-/// pixels  of a pinhole camera: each shows the colour along one ray through its middle
-/// ties    of two surfaces at one depth the lower (body, solid) is drawn
-/// edges   a plate below the camera is not seen if its whole outline is outside the field of view
-/// cost    an edge is tested for the columns that it spans; with a tilted camera for every pixel
-/// source  Stage's camera model, which needs a window; its pitch is called `tilt` here
+/// Returns the sensor kind `camera`, which renders colour and depth of its field of view without a graphics
+/// library.
+/// sees    Bodies that are not part of its own robot, as extruded blocks with tops and undersides, and the
+///         floor at z = 0. There is no light or shadow: each body has its own colour. Surfaces nearer than
+///         range_near are not drawn; beyond range_far the picture shows sky.
+/// pixels  The camera is a pinhole camera: each pixel shows the colour along one ray through its middle.
+/// ties    Of two surfaces at the same depth, the one of the body with the lower id is drawn, and within one
+///         body the one of the solid with the lower number.
+/// limits  A top or an underside is not drawn if its whole outline is outside the field of view, as for a
+///         plate straight below the camera.
+/// cost    A level camera tests an edge only for the columns that the edge spans, a tilted camera for every
+///         pixel.
+/// source  Stage's camera model, which needs a window; its `pitch` is called `tilt` here.
 engine::DeviceKind camera_kind();
 
 }  // namespace troupe::sensors

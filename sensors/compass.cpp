@@ -25,9 +25,9 @@ struct Compass {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::noise_stddev>("noise_stddev", radians, within(0, k_pi),
-                                      "standard deviation of a normal error of each reading");
+                                      "standard deviation of the normally distributed error of each reading");
       d.member<&Params::declination>("declination", radians, within(-k_pi, k_pi),
-                                     "constant error of each reading, counter-clockwise");
+                                     "constant error of each reading, positive counter-clockwise");
     }
   };
   struct State {
@@ -60,7 +60,7 @@ struct Compass {
 }  // namespace
 
 DeviceKind compass_kind() {
-  return engine::make_device_kind<Compass>("compass", "reads its heading in the world frame");
+  return engine::make_device_kind<Compass>("compass", "reads its own heading in the world frame");
 }
 
 }  // namespace troupe::sensors

@@ -6,18 +6,19 @@
 
 namespace troupe::sensors {
 
-/// The fields of a compass's percepts, in order.
+/// The fields of a compass's readings, in order.
 enum CompassField : std::size_t {
   k_compass_heading,  ///< f64: heading of the compass's x axis, rad, world frame, in (-pi, pi]
 };
 
-/// A compass: reads the heading of its own x axis in the world frame, 0 along the world's x axis,
-/// counter-clockwise positive.
+/// Returns the sensor kind `compass`, which reads the heading of its own x axis in the world frame: 0 along
+/// the world's x axis, counter-clockwise positive.
 ///
 /// reads  heading of the compass + declination + noise_stddev * n, wrapped into (-pi, pi]; n is standard
 ///        normal, independent for each body and tick. A compass with a heading in its pose, or on a joint,
 ///        reads its own heading, not that of its robot
-/// draws  one normal per body and tick from the sensor's stream; none if noise_stddev is 0
+/// draws  one normal random number per body and tick from the sensor's random stream; none if noise_stddev is
+///        0
 engine::DeviceKind compass_kind();
 
 }  // namespace troupe::sensors

@@ -19,7 +19,7 @@ using engine::PartSpec;
 using engine::TypeSpec;
 using engine::World;
 
-constexpr double k_rounding = 1e-9;  // above the rounding of sines and cosines
+constexpr double k_rounding = 1e-9;  // above the rounding errors of sines and cosines
 
 struct Finder {
   struct Params {
@@ -36,19 +36,25 @@ struct Finder {
       using namespace engine::facts;
       using enum engine::Unit;
       constexpr double k_farthest = 10000;  // m
-      d.member<&Params::range_min>("range_min", meters, within(0, k_farthest),
-                                   "no effect unless apply_range_min is true");
-      d.member<&Params::apply_range_min>("apply_range_min", "targets nearer than range_min are not found");
+      d.member<&Params::range_min>(
+          "range_min", meters, within(0, k_farthest),
+          "if apply_range_min is true, targets with an origin nearer than this are not found");
+      d.member<&Params::apply_range_min>("apply_range_min",
+                                         "true: targets nearer than range_min are not found");
       d.member<&Params::range_max>("range_max", meters, above(0), at_most(k_farthest),
-                                   "targets with an origin nearer than this are found");
-      d.member<&Params::range_max_id>("range_max_id", meters, within(0, k_farthest),
-                                      "ids of targets nearer than this are read, those of others are 0");
-      d.member<&Params::fov>("fov", radians, within(0, 2 * k_pi), "field of view, half of it to each side");
-      d.member<&Params::key>("key", "only targets of this fiducial_key are found");
-      d.member<&Params::ignore_zloc>("ignore_zloc",
-                                     "also find targets above or below the height of the finder");
-      d.member<&Params::most_targets>("most_targets", within(1, 1000),
-                                      "entries of the readings, for the nearest targets; `count` counts all");
+                                   "only targets with an origin nearer than this are found");
+      d.member<&Params::range_max_id>(
+          "range_max_id", meters, within(0, k_farthest),
+          "at this distance or farther a target is found, but its `id` is reported as 0");
+      d.member<&Params::fov>(
+          "fov", radians, within(0, 2 * k_pi),
+          "field of view: half of it is to the left and half to the right of the finder's heading");
+      d.member<&Params::key>("key", "only models with this `fiducial_key` are found");
+      d.member<&Params::ignore_zloc>(
+          "ignore_zloc", "true: also find targets that are wholly above or below the finder's height");
+      d.member<&Params::most_targets>(
+          "most_targets", within(1, 1000),
+          "number of targets that the readings list, the nearest first; `count` counts all targets in sight");
     }
   };
 
@@ -89,7 +95,7 @@ class Search {
     found_.clear();
     lines_.clear();
     const std::size_t room =
-        std::min<std::size_t>(world.rows(), 1024);  // reserved up front for crowds of this size
+        std::min<std::size_t>(world.rows(), 1024);  // reserved for as many candidates as a dense crowd has
     found_.reserve(room);
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));
@@ -121,8 +127,8 @@ class Search {
   }
 
  private:
-  /// Adds a candidate if range and bearing allow. extent: bound on the distance of the target's surfaces from
-  /// its origin, m; 0: unknown
+  /// Adds a candidate if it is within range and field of view. extent: upper bound on the distance of the
+  /// target's surfaces from its origin, m; 0 if unknown
   void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
                 double extent) {
     if (spec.returns.fiducial_key != finder_->params.key) return;
@@ -229,7 +235,7 @@ std::uint64_t Finder::sense(const DeviceBatch& batch) const {
   thread_local const auto search = std::make_unique<Search>();
   const std::uint64_t rays_before = search->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    // The readings of a robot take a kilobyte: they are prefetched while it searches.
+    // The readings of a robot take about a kilobyte. They are prefetched while the finder searches.
     __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
     write(*search, *this, search->find(batch.world, *this, batch.rows[i], batch.mount(i)), batch.state,
           batch.slot(i));
@@ -248,7 +254,8 @@ void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind fiducial_kind() {
-  return engine::make_device_kind<Finder>("fiducial", "finds marked models in sight: their ids and poses");
+  return engine::make_device_kind<Finder>(
+      "fiducial", "finds models in sight that have a `fiducial_return`, and reads their ids and poses");
 }
 
 }  // namespace troupe::sensors

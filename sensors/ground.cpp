@@ -22,8 +22,8 @@ using engine::PartSpec;
 using engine::World;
 using engine::WorldSpec;
 
-/// Whether the point is inside, by the even-odd rule. A point on the common edge of two regions is in exactly
-/// one.
+/// Whether the point is inside the contours, by the even-odd rule. A point on the common edge of two regions
+/// is in exactly one of them.
 bool holds(const std::vector<Ring>& contours, const Vec2& point) {
   bool inside = false;
   for (const Ring& ring : contours)
@@ -50,7 +50,7 @@ bool Ground::Zone::is_above(const Zone& other) const {
   return std::tuple(body, part) < std::tuple(other.body, other.part);
 }
 
-/// The flat parts of static bodies.
+/// The parts of static bodies that are ground.
 struct Ground::Fixed {
   struct Part {
     Zone zone;
@@ -125,7 +125,8 @@ struct GroundSensor {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::points>("points", engine::Unit::meters, within(-100, 100),
-                                "points below which it reads, sensor frame: x, y of each, one after another");
+                                "points below which it reads the colour, in the sensor frame: x and y of the "
+                                "first point, then of the next");
       d.part<&Params::ground>();
       d.member<&Params::floor>("floor", within(0, 1), "colour of the bare floor: red, green, blue");
     }

@@ -12,59 +12,65 @@
 
 namespace troupe::sensors {
 
-/// The fields of a ground sensor's percepts, in order.
+/// The fields of a ground sensor's readings, in order.
 enum GroundField : std::size_t {
   k_ground_color,  ///< f32 [red green blue] per point, from 0 to 1
   k_ground_body,   ///< u32 per point: BodyId of the body with this colour; 0: the floor
 };
 
-/// A ground sensor: reads the colours below given points of its robot. The ground at a point is the part of
-/// another body that contains the point and has the highest top not above `height`; of several such parts the
-/// lower (body, part). If there is none, it is the floor.
+/// Returns the sensor kind `ground`, which reads the colours of the ground below given points of its robot.
+/// The ground at a point is a part of another body that contains the point, seen from above, and whose top is
+/// not above `height`. Of several such parts it is the one with the highest top; at equal tops, the part of
+/// the body with the lower id, and within one body the part with the lower number. If there is no such part,
+/// the ground is the floor.
 ///
-/// zones  are models of the world, with `"obstacle": false` and `"ranger_return": -1` and a size of some
-///        millimetres in z; a zone with an LED has the colour of the LED
-/// edges  a point on the common border of two zones is in exactly one of them
+/// zones  Coloured zones on the ground are models with `"obstacle": false`, `"ranger_return": -1` and a size
+///        of some millimetres in z. A zone with an LED has the colour of the LED.
+/// edges  A point on the common border of two zones is in exactly one of them.
 engine::DeviceKind ground_kind();
 
-/// The parameter that defines the ground: a part of the parameters of devices that read it or change it.
+/// The parameter that says which parts of bodies are ground. Devices that read or change the ground include
+/// it in their own parameters.
 struct GroundParams {
   double height = 0.05;
 
   static constexpr void describe(engine::Description<GroundParams>& d) {
     using namespace engine::facts;
-    d.member<&GroundParams::height>("height", engine::Unit::meters, within(0, 10),
-                                    "parts with a higher top are not ground");
+    d.member<&GroundParams::height>(
+        "height", engine::Unit::meters, within(0, 10),
+        "parts of bodies with a top higher than this above the floor are not ground");
   }
 };
 
 /// The ground of a world, for devices that read it or change it.
 class Ground {
  public:
-  /// The part of a body, or the floor, at a point.
+  /// The ground at a point: a part of a body, or the floor.
   struct Zone {
     double top = 0;          ///< top, m above the floor
     BodyId body;             ///< the body; not valid for the floor
     std::uint32_t part = 0;  ///< the part of the body
     Color color;             ///< the colour of the part
 
-    /// Whether it hides the other one.
+    /// Whether this zone hides the other one.
     bool is_above(const Zone& other) const;
   };
 
-  /// floor: the colour of the bare floor
+  /// floor: the colour of the floor where no part of a body covers it
   explicit Ground(const GroundParams& params, const Color& floor = {})
       : height_(params.height), floor_(floor) {}
 
-  /// Collects the flat static parts. Call it once, from DeviceKind::bind_world, before below().
+  /// Collects the parts of static bodies that are ground. Must be called once, in DeviceKind::bind_world,
+  /// before the first call of below().
   void collect(const engine::WorldSpec& world);
-  /// The ground at a point (world frame, m) for a device of the row `own`; ignores all bodies of its tree. On
-  /// the bare floor the body is not valid and the colour that of the floor. with_shown_colors: use the
-  /// colours that devices show; only allowed in the sense phase, because they change in other phases
+  /// Returns the ground at a point (world frame, m) for a device of the row `own`. The body of this row, and
+  /// all bodies that it carries or that carry it, are ignored. On the floor the body of the result is not
+  /// valid and the colour is that of the floor. with_shown_colors: use the colours that devices such as LEDs
+  /// show; only allowed in the sense phase of a tick, because these colours change in other phases
   Zone below(const engine::World& world, Row own, const Vec2& point, bool with_shown_colors) const;
 
  private:
-  struct Fixed;  // the flat parts of static bodies
+  struct Fixed;  // the parts of static bodies that are ground
 
   double height_;
   Color floor_;

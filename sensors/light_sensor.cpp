@@ -29,12 +29,12 @@ struct LightSensor {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::directions>(
-          "directions", within(1, 360),
-          "number of readings: the first looks ahead, the others follow counter-clockwise at equal angles");
+      d.member<&Params::directions>("directions", within(1, 360),
+                                    "number of directions: the first is straight ahead, the others follow "
+                                    "counter-clockwise at equal angles");
       d.member<&Params::range_max>("range_max", engine::Unit::meters, above(0), at_most(10000),
-                                   "lights farther away are not seen");
-      d.member<&Params::occlusion>("occlusion", "lights behind walls and bodies are not seen");
+                                   "lights farther away than this are not seen");
+      d.member<&Params::occlusion>("occlusion", "true: lights behind walls and bodies are not seen");
     }
   };
 
@@ -139,7 +139,8 @@ std::uint64_t LightSensor::sense(const DeviceBatch& batch) const {
 }  // namespace
 
 DeviceKind light_sensor_kind() {
-  return engine::make_device_kind<LightSensor>("light_sensor", "reads brightness by direction");
+  return engine::make_device_kind<LightSensor>(
+      "light_sensor", "a ring of light sensors: reads the brightness in several directions");
 }
 
 }  // namespace troupe::sensors

@@ -6,22 +6,24 @@
 
 namespace troupe::sensors {
 
-/// The fields of a light sensor's percepts, in order.
+/// The fields of a light sensor's readings, in order.
 enum LightSensorField : std::size_t {
-  k_light_brightness,  ///< f32 per direction
+  k_light_brightness,  ///< f32 per direction: sum over the lights in sight, see light_sensor_kind()
   k_light_sources,     ///< u32: number of lights in sight
 };
 
-/// A ring of light sensors: reads brightness by direction.
+/// Returns the sensor kind `light_sensor`: a ring of light sensors that reads the brightness in several
+/// directions.
 ///
-/// reads  Direction k looks along heading 2 pi k / directions in the sensor frame. It reads the sum over all
-///        lights in sight of intensity * max(0, cos a) / d^2, where d (m) is the distance, including height,
-///        and a the angle between the direction and the line to the light
-/// sight  Lit lights (`blinkenlight`, `lightindicator`, sensors/light_source.hpp) of other bodies within
-///        range_max on the ground; with `occlusion` only those that no body hides at the height of the
-///        sensor. A light's own body never hides it
-/// order  sums are computed in the order of (body, device), in double
-/// edges  a light straight above, or at the same place, adds nothing to any direction
+/// reads  Direction k has the heading 2 pi k / directions in the sensor frame. Its reading is the sum over
+///        all lights in sight of intensity * max(0, cos a) / d^2, where d (m) is the distance to the light,
+///        including height, and a the angle between the direction and the line to the light.
+/// sight  A light is in sight if it is lit, is on a body that the sensor's own body neither carries nor is
+///        carried by, and is at a horizontal distance of at most range_max. With `occlusion`, in addition no
+///        body may hide it at the height of the sensor; the body that carries the light never hides it.
+///        Lights are the devices `blinkenlight` and `lightindicator` (sensors/light_source.hpp).
+/// order  Sums are computed in the order of (body, device), in double.
+/// edges  A light straight above the sensor, or at the same place, adds nothing to any direction.
 engine::DeviceKind light_sensor_kind();
 
 }  // namespace troupe::sensors

@@ -9,7 +9,7 @@
 
 namespace troupe::sensors {
 
-/// The state of a light: of a device whose prepared data is a LightSource.
+/// The state of a light. A device is a light if its prepared data is a LightSource.
 struct LightState {
   std::uint8_t lit = 0;  ///< 1 if the light is lit in this tick
 
@@ -18,17 +18,17 @@ struct LightState {
   }
 };
 
-/// The prepared data (engine::DeviceKind::Prepared::data) of a light. Light sensors recognise lights by it.
+/// The prepared data (engine::DeviceKind::Prepared::data) of a light. Light sensors find lights by this type.
 struct LightSource {
   /// Pose in the frame of its body or joint. Its heading has no effect: lights shine in all directions.
   Pose pose_body_light;
-  double intensity = 1;  ///< reading of a sensor that faces the lit light from 1 m
+  double intensity = 1;  ///< reading of a light sensor that faces the lit light from 1 m
   double period_s = 0;   ///< time from one flash to the next; 0: always lit
   double dutycycle = 0;  ///< fraction of each period for which it is lit
-  bool enabled = false;  ///< whether it blinks before a controller switches it
+  bool enabled = false;  ///< whether it blinks until a controller switches it on or off
 };
 
-/// The light of a device; null if the device is not a light.
+/// The light that a device is; null if the device is not a light.
 inline const LightSource* light_source(const engine::DeviceKind::Prepared& device) {
   return std::any_cast<LightSource>(&device.data);
 }

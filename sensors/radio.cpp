@@ -26,10 +26,12 @@ using engine::RayOutline;
 using engine::World;
 using partition::BodyCircle;
 
-constexpr double k_slack = 1e-9;  // m, margin of culls: far above the rounding of doubles within a world
-constexpr double k_together_m =
-    12;  // links up to this length share the search for walls and bodies that hide them
-constexpr double k_stride_m = 4;  // longer links are searched in pieces of this length
+// Margin of culls, m: far above the rounding of doubles within a world.
+constexpr double k_slack = 1e-9;
+// If no link of a listener is longer than this, its links share one search for the walls and bodies that may
+// hide them. A longer link is searched along its line, in pieces of k_stride_m.
+constexpr double k_together_m = 12;
+constexpr double k_stride_m = 4;
 // Listeners within a square of this many times their reach search for speakers together.
 constexpr double k_group_reaches = 2.25;
 
@@ -67,35 +69,42 @@ struct Radio {
       constexpr double k_farthest = 10000;  // m
       constexpr double k_most_power = 200;  // dBm
       d.member<&Params::range>("range", meters, above(0), at_most(k_farthest),
-                               "largest distance at which it is heard, with every law");
+                               "largest distance at which other radios hear it, whatever the `law`");
       d.member<&Params::hears>("hears", meters, within(0, k_farthest),
-                               "largest distance from which it hears; 0: equal to `range`");
-      d.member<&Params::channel>("channel", "radios hear only radios of their own channel");
-      d.member<&Params::payload>("payload", within(1, 255), "bytes of a message, at most");
-      d.member<&Params::most_heard>(
-          "most_heard", within(1, 1000),
-          "most messages per tick: of more the nearest are heard, the others count as lost");
+                               "largest distance from which it hears other radios; 0: the same as `range`");
+      d.member<&Params::channel>("channel",
+                                 "name of its channel; a radio hears only radios on the same channel");
+      d.member<&Params::payload>(
+          "payload", within(1, 255),
+          "largest length of a message, bytes; longer ones are neither sent nor heard");
+      d.member<&Params::most_heard>("most_heard", within(1, 1000),
+                                    "largest number of messages heard in a tick; if more arrive, the nearest "
+                                    "are heard and the others count as `lost`");
       d.member<&Params::drop_rate>("drop_rate", within(0, 1),
-                                   "fraction of the messages to it that are dropped at random");
+                                   "probability that a message to this radio is dropped");
       d.member<&Params::walls>("walls",
-                               "effect on messages of static geometry between the radios, if rangers see it");
+                               "how static geometry between the radios, if rangers see it, affects a "
+                               "message: blocks it, weakens it or lets it pass");
       d.member<&Params::bodies>("bodies",
-                                "effect on messages of other bodies between the radios, if rangers see them");
+                                "how other bodies between the radios, if rangers see them, affect a message: "
+                                "block it or let it pass");
       d.member<&Params::law>("law",
-                             "how messages weaken with the distance, see docs/radio.md; `disc`: not at all");
+                             "law by which messages weaken with the distance, see docs/radio.md; with `disc` "
+                             "they do not weaken");
       d.member<&Params::power>("power_dBm", within(-k_most_power, k_most_power), "transmission power");
       d.member<&Params::sensitivity>("sensitivity_dBm", within(-k_most_power, k_most_power),
-                                     "weaker messages are not heard");
+                                     "messages that arrive weaker than this are not heard");
       d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000),
-                                   "carrier frequency, for every law but `disc`");
-      d.member<&Params::power_loss_coefficient>("power_loss_coefficient", within(0, 100),
-                                                "N of `itu_indoor`: dB for ten times the distance");
+                                   "carrier frequency; all laws but `disc` use it");
+      d.member<&Params::power_loss_coefficient>(
+          "power_loss_coefficient", within(0, 100),
+          "N of the law `itu_indoor`: loss in dB for each factor of ten in the distance");
       d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10),
-                                            "n of `log_distance`: 2 in free space");
+                                            "n of the law `log_distance`: 2 in free space");
       d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000),
-                                   "loss for each wall on the way, if `walls` is weaken");
+                                   "loss for each wall between the radios, if `walls` is `weaken`");
       d.member<&Params::beacon>(
-          "beacon", "sends an empty message in each tick until a controller sets another message");
+          "beacon", "true: sends an empty message in each tick until a controller sets another message");
     }
   };
 
@@ -174,8 +183,8 @@ struct Line {
   }
 };
 
-/// A crossing of a line and an edge. Long edges are in several pieces of an outline, so one may be found
-/// twice.
+/// A crossing of a line and an edge. The edge may be in several pieces of an outline if it is long, so a
+/// crossing may be found twice.
 struct Crossing {
   std::uint32_t solid;
   double at;    // position on the line, from 0 to 1
@@ -255,12 +264,12 @@ class Listener {
   std::vector<std::uint32_t> in_reach_;                    // indices in reaches_
   std::vector<Link> links_;                                // in the order of readings
   std::vector<std::pair<double, std::uint32_t>> nearest_;  // range and index of links
-  std::vector<Vec2> ways_;                                 // displacements to speakers, frame of the listener
-  std::vector<BodyCircle> blockers_;                       // those of bodies_ near it
-  std::vector<BodyCircle> walls_;                          // pieces of outlines near it
+  std::vector<Vec2> ways_;            // displacements to speakers, frame of the listener's radio, m
+  std::vector<BodyCircle> blockers_;  // those of bodies_ near it
+  std::vector<BodyCircle> walls_;     // pieces of outlines near it
   std::vector<Crossing> crossings_;
-  bool has_walls_ = false;  // walls may hide some of its links
-  bool together_ = false;   // walls_ contains all such walls
+  bool has_walls_ = false;  // whether walls may hide some of its links
+  bool together_ = false;   // whether walls_ contains all these walls
   std::uint32_t lost_ = 0;
   std::uint32_t dropped_ = 0;
   std::uint64_t lines_ = 0;
@@ -400,8 +409,8 @@ void Listener::listen(std::size_t i) {
   write(batch_->slot(i));
 }
 
-/// Finds the speakers in range. Whether a speaker is in range is unpredictable, so that the loops count
-/// instead of branching.
+/// Finds the speakers in range. The loops have no branch on whether a speaker is in range, because it would
+/// be unpredictable: they write every candidate and advance only past those in range.
 void Listener::find_links() {
   in_reach_.resize(reaches_.size());
   std::size_t near = 0;
@@ -433,8 +442,8 @@ void Listener::weaken_links() {
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
 
-/// Collects the static outlines that may hide a link. If some link is long, each link is searched by itself
-/// instead.
+/// Collects the static outlines that may hide a link. If some link is longer than k_together_m it collects
+/// nothing, and each link is searched by itself later.
 void Listener::find_walls() {
   has_walls_ = false;
   if (links_.empty() || world_->scene().edge_count() == 0) return;
@@ -457,7 +466,8 @@ void Listener::find_walls() {
   has_walls_ = !walls_.empty();
 }
 
-/// Collects the bodies that may hide a link, unless links may be long.
+/// Collects the bodies that may hide a link. If links may be longer than k_together_m it collects nothing,
+/// and each link is searched by itself later.
 void Listener::find_blockers() {
   blockers_.clear();
   if (links_.empty() || radio_->hears > k_together_m) return;
@@ -626,7 +636,7 @@ bool Listener::hides(const Line& line, Row row) const {
   });
 }
 
-/// Keeps the nearest `most_heard` links, at equal ranges those of the lower senders, in their order.
+/// Keeps the `most_heard` nearest links, in their order; at equal ranges those of senders with lower ids.
 void Listener::keep_nearest() {
   if (links_.size() <= radio_->params.most_heard) return;
   nearest_.clear();
@@ -640,9 +650,9 @@ void Listener::keep_nearest() {
   links_.resize(kept);
 }
 
-/// Computes the angles of directions, rad, accurate to 3e-9, because readings are floats; 0 for a zero
-/// vector. One division and no branch per angle, so that the compiler vectorises the loop. atan2() to the
-/// last bit would take a third of the time of a radio.
+/// Computes the angles of directions, rad; 0 for a zero vector. They are accurate to 3e-9, which is enough
+/// for readings in float. There is one division and no branch per angle, so that the compiler vectorises the
+/// loop. With atan2(), which is accurate to the last bit, a third of the time of a radio would go to angles.
 void to_bearings(std::span<const Vec2> ways, std::span<float> bearings) {
   constexpr double k_tan_22_5_deg = 0.41421356237309503;
   for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -799,8 +809,9 @@ Result<> Radio::bind_part(const engine::TypeSpec& type, std::uint32_t) {
 }  // namespace
 
 DeviceKind radio_kind() {
-  return engine::make_device_kind<Radio>(
-      "radio", "sends messages to radios in range, and receives theirs with range and bearing");
+  return engine::make_device_kind<Radio>("radio",
+                                         "sends messages to other radios in range, and receives their "
+                                         "messages with range and bearing of the sender");
 }
 
 }  // namespace troupe::sensors

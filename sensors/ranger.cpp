@@ -96,7 +96,8 @@ void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams&
     ranger.extras.push_back(std::move(extras));
 }
 
-/// Prepares what is the same in every cast: padding, limits, and whether the group is mirrored.
+/// Completes a group with data that do not change between casts: the padding, the limits, and whether the
+/// group is mirrored.
 void finish(BeamGroup& group) {
   if (std::ranges::all_of(group.angular_noise, [](double noise) { return noise == 0; })) {
     group.headings.clear();

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double k_slack = 1e-6;  // m: margin of the box about a cone, above all rounding
 
-/// A box that contains the cone up to `length`: spanned by its tip, the ends of its two sides, and two
-/// corners of a tangent polygon of its arc.
+/// A box that contains the cone up to `length` (m): it spans the tip of the cone, the ends of its two sides,
+/// and two corners of a polygon that is tangent to its arc from outside.
 Box box_about(const Vec2& tip, double heading, double half_width, double length) {
   Box box;
   box.extend(tip);

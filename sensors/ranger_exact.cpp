@@ -99,14 +99,15 @@ class Caster {
             group.mirrored, group.scan ? &scan_ : nullptr};
   }
 
-  /// Updates the limits of the beams, and the distance from the reference up to which one may still hit
-  /// something.
+  /// Updates the limits of the beams, and the distance from the reference up to which any beam may still hit
+  /// a surface.
   void limit() {
     farthest_ = partition::limits_of(fan_, inverse_.data(), range_max_, limits_.data()) + slack_spread_;
     limits_now_ = limits_.data();
   }
 
-  /// Projects the outlines of a band that are from low to high away and that a beam may hit.
+  /// Projects the outlines of a band that a beam may hit and whose distance from the reference is from low to
+  /// high (m).
   void search(NearbyOutlines::Band band, float low, float high) {
     if (linked_)
       search_outlines<true>(band, low, high);
@@ -214,8 +215,8 @@ class Caster {
   const float* range_max_ = nullptr;
   const float* limits_now_ = nullptr;                                  // current limits of the beams
   std::vector<float> dx_, dy_, ox_, oy_, limits_, inverse_, returns_;  // per beam, padded
-  // The outlines of a type at the height of the beams, cached for one type, z of the pose and height: most
-  // bodies with many outlines are alike.
+  // A cache: the outlines of one body type that are at the height of the beams, for one z of the body and one
+  // height. Most bodies with many outlines have the same type and z.
   std::vector<const engine::RayOutline*> layer_;
   const engine::BodyType* layer_type_ = nullptr;
   double layer_base_ = 0;

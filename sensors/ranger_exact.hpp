@@ -5,7 +5,7 @@
 
 namespace troupe::sensors {
 
-/// Writes the readings of a batch with the exact ray engine.
+/// Casts the beams of a ranger with the exact ray engine and writes the readings of a batch.
 void cast_exact(const engine::DeviceBatch& batch, const RangerBeams& ranger);
 
 }  // namespace troupe::sensors

@@ -11,7 +11,8 @@ namespace {
 void add_noise(const TransducerExtras& extras, Random& random, std::span<float> ranges) {
   const auto range_max = static_cast<float>(extras.range_max);
   for (float& range : ranges) {
-    // Drawn even if nothing is hit, so that a hit of one beam does not change the noise of another.
+    // The numbers are drawn even if the beam hits nothing, so that a hit of one beam does not change the
+    // noise of the next.
     const double share = extras.noise_proportional > 0 ? random.uniform(-1, 1) : 0;
     const double normal = extras.noise_stddev > 0 ? random.normal() : 0;
     const double relative = extras.noise_relative > 0 ? random.normal() : 0;

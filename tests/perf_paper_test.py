@@ -43,7 +43,7 @@ class Paper(unittest.TestCase):
     def test_an_unknown_hash_fails_and_is_recorded_on_purpose_only(self):
         run = self.run_row(hashes="")
         self.assertEqual(run.returncode, 1)
-        self.assertIn("holds no hash of it; --write-hashes records", run.stderr)
+        self.assertIn("has no hash of this scene and tick; --write-hashes records", run.stderr)
         self.assertEqual((self.folder / "hashes.txt").read_text(encoding="utf-8"), "")
         self.assertEqual(self.run_row("--write-hashes", hashes="").returncode, 0)
         recorded = (self.folder / "hashes.txt").read_text(encoding="utf-8").splitlines()

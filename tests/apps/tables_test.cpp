@@ -214,9 +214,9 @@ TEST_F(Tables, WrongMeasuresOfAWorldAreFoundAtTheirLines) {
           "robot after the colon",
           StartsWith("w.json:7: error: /measures/5: missing \"kind\"")));
   write("w.json", "{\"troupe\": 1,\n \"measures\": [\n  \"stalls:missing\"]}");
-  EXPECT_THAT(
-      lines_of(troupe({"run", "w.json", "--for", "1", "--measures", "m.csv"}).err),
-      ElementsAre("w.json:3: error: unknown type or population of robots \"missing\"; there are none"));
+  EXPECT_THAT(lines_of(troupe({"run", "w.json", "--for", "1", "--measures", "m.csv"}).err),
+              ElementsAre("w.json:3: error: unknown type or population of robots \"missing\"; no type or "
+                          "population of robots exists"));
 }
 
 TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {

@@ -208,7 +208,7 @@ TEST_F(Limits, ErrorsAndWhatTheyQuote) {
       refusal("w.json", R"({ "troupe": 1, "types": {)" + types + "}, \"models\": [" + models + "] }");
   EXPECT_THAT(text, HasSubstr("unknown type \"none\"; known: t0, t1, t10, "));
   EXPECT_THAT(text, HasSubstr(" and 4950 more\n"));
-  EXPECT_THAT(text, HasSubstr("... and 950 more errors; the rest was not read"));
+  EXPECT_THAT(text, HasSubstr("... and 950 more errors; the rest of the input was not read"));
   EXPECT_LT(text.size(), 100000u);
 
   const std::string endless =
