@@ -65,11 +65,10 @@ double ExactSum::value() const {
   }
   std::size_t top = k_limbs - 1;
   while (top > 0 && limbs[top] == 0) --top;
-  const auto bit = [&](std::size_t i) {
-    return static_cast<std::uint64_t>(limbs[i / 32]) >> i % 32 & 1;
-  };
+  const auto bit = [&](std::size_t i) { return static_cast<std::uint64_t>(limbs[i / 32]) >> i % 32 & 1; };
   // The sum has `length` bits. The lowest `dropped` of them are rounded away.
-  const std::size_t length = 32 * top + static_cast<std::size_t>(std::bit_width(static_cast<std::uint64_t>(limbs[top])));
+  const std::size_t length =
+      32 * top + static_cast<std::size_t>(std::bit_width(static_cast<std::uint64_t>(limbs[top])));
   const std::size_t dropped = length > k_mantissa_bits ? length - k_mantissa_bits : 0;
   std::uint64_t mantissa = 0;
   for (std::size_t i = length; i > dropped; --i) mantissa = mantissa << 1 | bit(i - 1);

@@ -325,18 +325,6 @@ double World::speed_scale(Row row) const {
   return speed == 0 ? 1 : speed;
 }
 
-/// Sets the velocity of disabled and dropped-out robots to 0. Returns the others, in the same order.
-std::span<const Row> World::exclude_disabled(std::span<const Row> rows, std::span<Row> others) {
-  std::size_t count = 0;
-  for (const Row row : rows) {
-    if (condition(row).out == 0)
-      others[count++] = row;
-    else
-      as<Velocity>(k_velocity)[row.index()] = {};
-  }
-  return others.first(count);
-}
-
 /// Applies all that is due at the end of a tick: first the interventions, in the order of the file, then the
 /// faults.
 void World::intervene() {

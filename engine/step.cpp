@@ -31,7 +31,9 @@ Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.tu
 
 std::string_view phase_name(Phase phase) {
   switch (phase) {
+    case Phase::intervene: return "intervene";
     case Phase::sense: return "sense";
+    case Phase::actuate: return "actuate";
     case Phase::decide: return "decide";
     case Phase::move: return "move";
     case Phase::index: break;
@@ -45,12 +47,15 @@ void World::step() {
   require_whole();
   const Completion completion(*this);
   restore_fp_environment();  // a library loaded since the last step may have enabled fast maths
+  begin(Phase::intervene);
   if (tick_ >= experiment_.due) intervene();
   if (before_tick_) before_tick_();
   ++tick_;
   begin_placing();
   begin(Phase::sense);
   sense();
+  begin(Phase::actuate);
+  actuate();
   begin(Phase::decide);
   decide();
   begin(Phase::move);
@@ -163,9 +168,20 @@ void World::sense() {
   beams_ += beams;
 }
 
-void World::decide() {
+/// Calls work(rows) for the rows that are neither disabled nor dropped out, in the same order.
+template <class Work>
+void World::for_enabled(std::span<const Row> rows, Work&& work) {
+  if (impaired_ == 0) return work(rows);
+  std::array<Row, k_block> enabled;
+  std::size_t count = 0;
+  for (const Row row : rows)
+    if (condition(row).out == 0) enabled[count++] = row;
+  work(std::span<const Row>(enabled).first(count));
+}
+
+void World::actuate() {
   std::atomic<std::uint32_t> faulty = BodyId().value;  // lowest id whose velocity is not finite
-  const auto decide_for = [&](std::span<const Row> rows, const BodyType& type) {
+  const auto actuate_rows = [&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive)
       for_due(rows, type.drive->period, [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
@@ -174,18 +190,25 @@ void World::decide() {
         for_running(rows, device, [&](std::span<const Row> some) {
           call_kind(*this, some, device, [&] { device.kind->act(device_batch(some, type, device)); });
         });
-    for (const BodyType::Controller& controller : type.controllers)
-      for_due(rows, controller.period, [&](std::span<const Row> some) { decide(some, type, controller); });
   };
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {
-    if (impaired_ == 0) return decide_for(rows, type);
-    std::array<Row, k_block> others;
-    decide_for(exclude_disabled(rows, others), type);
+    if (impaired_ > 0) halt_disabled(rows);
+    for_enabled(rows, [&](std::span<const Row> enabled) { actuate_rows(enabled, type); });
   });
   if (const BodyId id(faulty.load()); id.valid()) {
     throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", tick_,
                                 spec_.name(id), asked_for(commands()[row(id).index()].mode)));
   }
+}
+
+void World::decide() {
+  for_blocks([&](std::span<const Row> present, const BodyType& type) {
+    if (type.controllers.empty()) return;
+    for_enabled(present, [&](std::span<const Row> rows) {
+      for (const BodyType::Controller& controller : type.controllers)
+        for_due(rows, controller.period, [&](std::span<const Row> some) { decide(some, type, controller); });
+    });
+  });
 }
 
 DeviceBatch World::device_batch(std::span<const Row> rows, const BodyType& type,
@@ -240,6 +263,12 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
     // + 0.0 turns -0 into 0, so that equal velocities have equal bits.
     as<Velocity>(k_velocity)[rows[i].index()] = {v.x + 0.0, v.y + 0.0, v.turn + 0.0};
   }
+}
+
+/// Stops robots that are disabled or dropped out, whatever their commands are.
+void World::halt_disabled(std::span<const Row> rows) {
+  for (const Row row : rows)
+    if (condition(row).out != 0) as<Velocity>(k_velocity)[row.index()] = {};
 }
 
 /// Stops robots whose supply is spent, whatever their commands are.

@@ -396,9 +396,11 @@ class World {
   void count_stalls();
 
   void sense();
+  void actuate();
   void decide();
   DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& sensor);
   void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
+  void halt_disabled(std::span<const Row> rows);
   void halt_spent(std::span<const Row> rows, const BodyType::Drive& drive);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void move();
@@ -464,7 +466,6 @@ class World {
   const Condition& condition(Row row) const { return tables_[*condition_table_].as<Condition>(row.index()); }
   Condition& condition(Row row) { return tables_[*condition_table_].as<Condition>(row.index()); }
   double speed_scale(Row row) const;
-  std::span<const Row> exclude_disabled(std::span<const Row> rows, std::span<Row> others);
 
   // engine/links.cpp
   struct TreeBody;
@@ -514,6 +515,8 @@ class World {
   void for_blocks(Work&& work);
   template <class Work>
   void for_types(std::span<Row> rows, Work&& work);
+  template <class Work>
+  void for_enabled(std::span<const Row> rows, Work&& work);
   template <class Work>
   void for_due(std::span<const Row> rows, std::uint64_t period, Work&& work);
   template <class Work>

@@ -328,11 +328,11 @@ class Simulation {
   /// result is empty before the first step.
   std::optional<std::string> stopped() const;
 
-  /// Advances the world by one tick: sense, decide, move, index; also after the run is over. Throws
-  /// engine::StepError, a std::runtime_error that names tick and robot, if a commanded speed is not finite or
-  /// if a controller or a device throws. An exception of an on_phase() callback passes through unchanged.
-  /// After an exception the state is incomplete: until reset() every function of the simulation, its models,
-  /// swarms and observers that reads or continues the state throws std::logic_error.
+  /// Advances the world by one tick: intervene, sense, actuate, decide, move, index; also after the run is
+  /// over. Throws engine::StepError, a std::runtime_error that names tick and robot, if a commanded speed is
+  /// not finite or if a controller or a device throws. An exception of an on_phase() callback passes through
+  /// unchanged. After an exception the state is incomplete: until reset() every function of the simulation,
+  /// its models, swarms and observers that reads or continues the state throws std::logic_error.
   void step();
   /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or the run is over
   /// (stopped()). Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.

@@ -56,7 +56,7 @@ Profile::Profile(const std::filesystem::path& file, const Simulation& simulation
 
 void Profile::phase(std::optional<Phase> phase) {
   const auto now = Clock::now();
-  if (phase == Phase::sense) {
+  if (phase == Phase::intervene) {
     ++tick_;
     recording_ = tick_ >= limits_.first_tick && tick_ <= limits_.last_tick && ticks_left_ > 0;
   }

@@ -116,7 +116,7 @@ void WorldRun::print_options() const {
 void WorldRun::begin() {
   simulation_.on_phase([this](std::optional<Phase> phase) {
     phases_(phase);
-    load_.tick(phase.has_value());
+    load_.tick(phase && phase != Phase::intervene);  // interventions may wait for a user
     for (TickWatcher* watcher : watchers_) watcher->phase(phase);
   });
   simulation_.on_loop([this](bool begins) { load_.loop(begins); });

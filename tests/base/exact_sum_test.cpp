@@ -23,8 +23,8 @@ double sum(std::span<const double> terms) {
 }
 double sum(std::initializer_list<double> terms) { return sum(std::span(terms.begin(), terms.size())); }
 
-/// The sum by another method: Shewchuk's expansions of doubles that do not overlap, rounded by adding them from
-/// the largest down to the first inexact addition. For sums that do not overflow on the way.
+/// The sum by another method: Shewchuk's expansions of doubles that do not overlap, rounded by adding them
+/// from the largest down to the first inexact addition. For sums that do not overflow on the way.
 double by_expansion(std::vector<double> terms) {
   std::vector<double> parts;
   for (double x : terms) {

@@ -501,12 +501,12 @@ TEST_F(SimulationTest, PhasesComeInTheOrderOfTheTick) {
                             : "end of " + std::to_string(simulation.tick()));
   });
   simulation.run_for(0.4);
-  EXPECT_THAT(seen, ElementsAre("sense", "decide", "move", "index", "end of 1", "sense", "decide", "move",
-                                "index", "end of 2"));
-  EXPECT_EQ(k_phases, 4u);
+  EXPECT_THAT(seen, ElementsAre("intervene", "sense", "actuate", "decide", "move", "index", "end of 1",
+                                "intervene", "sense", "actuate", "decide", "move", "index", "end of 2"));
+  EXPECT_EQ(k_phases, 6u);
   simulation.on_phase(nullptr);
   simulation.step();
-  EXPECT_EQ(seen.size(), 10u);
+  EXPECT_EQ(seen.size(), 14u);
 }
 
 TEST_F(SimulationTest, StatisticsCount) {
