@@ -29,7 +29,10 @@ constexpr std::uint32_t k_unlisted = ~0u;
 // would otherwise widen the search of every body.
 constexpr double k_far_m = 0.5;
 
-std::atomic_ref<std::uint32_t> atomic(std::uint32_t& value) { return std::atomic_ref(value); }
+template <class T>
+std::atomic_ref<T> atomic(T& value) {
+  return std::atomic_ref(value);
+}
 
 /// Raises an atomic maximum of non-negative numbers, whose bit patterns have the order of their values.
 void raise_to(std::atomic<std::uint64_t>& most, double value) {
@@ -184,10 +187,10 @@ class Conflicts::Resolver {
     Mover mover(crowd_, row);
     if (scene_blocks(mover)) return resolve(row, Outcome::blocked);
 
-    std::array<std::uint32_t, k_listed> others;
+    std::array<Dependency, k_listed> others;
     std::uint32_t count = 0;
     const bool blocked = blocked_by_others(mover, [&](std::uint32_t other, bool blocks_moved) {
-      if (count < k_listed) others[count] = 2 * other + blocks_moved;
+      if (count < k_listed) others[count] = {other, blocks_moved};
       ++count;
       return false;
     });
@@ -212,10 +215,10 @@ class Conflicts::Resolver {
     if (waiting.count == k_in_zone) return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
     bool open = false;
     const auto blocks = [&](std::uint32_t other, bool blocks_moved) {
-      const std::uint32_t s = atomic(conflicts_.resolutions_[other]).load(std::memory_order_acquire);
-      const bool resolved = s / k_outcomes > conflicts_.base_ && s / k_outcomes < round_;
+      const Resolution found = resolution(other);
+      const bool resolved = found.round() > conflicts_.base_ && found.round() < round_;
       open = open || !resolved;
-      return resolved && (static_cast<Outcome>(s % k_outcomes) == Outcome::moved) == blocks_moved;
+      return resolved && (found.outcome() == Outcome::moved) == blocks_moved;
     };
     bool blocked = false;
     if (waiting.count == k_unlisted) {
@@ -223,8 +226,8 @@ class Conflicts::Resolver {
       blocked = blocked_by_others(mover, blocks);
     } else {
       for (std::uint32_t i = 0; i < waiting.count && !blocked; ++i) {
-        const std::uint32_t other = conflicts_.others_[waiting.first + i];
-        blocked = blocks(other / 2, other % 2 != 0);
+        const Dependency on = conflicts_.others_[waiting.first + i];
+        blocked = blocks(on.row(), on.if_moved());
       }
     }
     if (blocked || !open)
@@ -323,9 +326,12 @@ class Conflicts::Resolver {
         visit(circle.row);
     });
   }
+  Resolution resolution(std::uint32_t row) const {
+    return atomic(conflicts_.resolutions_[row]).load(std::memory_order_acquire);
+  }
   bool is_resolved_before(std::uint32_t row) const {
-    const std::uint32_t s = atomic(conflicts_.resolutions_[row]).load(std::memory_order_acquire);
-    return s / k_outcomes > conflicts_.base_ && s / k_outcomes < round_;
+    const Resolution found = resolution(row);
+    return found.round() > conflicts_.base_ && found.round() < round_;
   }
 
   /// Place of a body at the turn of `mover`: all that comes before it, and may matter to it, is resolved.
@@ -340,8 +346,8 @@ class Conflicts::Resolver {
   }
   bool has_moved_before(const Mover& mover, std::uint32_t row) const {
     if (!is_mover(row) || !goes_before(row, mover.row)) return false;
-    const std::uint32_t s = atomic(conflicts_.resolutions_[row]).load(std::memory_order_acquire);
-    return s / k_outcomes > conflicts_.base_ && static_cast<Outcome>(s % k_outcomes) == Outcome::moved;
+    const Resolution found = resolution(row);
+    return found.round() > conflicts_.base_ && found.outcome() == Outcome::moved;
   }
   std::span<const Push> pushes_before(const Mover& mover, std::uint32_t row) const {
     if (is_plain(row) || !has_moved_before(mover, row)) return {};
@@ -514,8 +520,7 @@ class Conflicts::Resolver {
   }
 
   void resolve(std::uint32_t row, Outcome outcome) {
-    atomic(conflicts_.resolutions_[row])
-        .store(round_ * k_outcomes + static_cast<std::uint32_t>(outcome), std::memory_order_release);
+    atomic(conflicts_.resolutions_[row]).store({round_, outcome}, std::memory_order_release);
   }
   void wait(Waiting* list, const Waiting& waiting) {
     list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
@@ -678,7 +683,7 @@ class Conflicts::Resolver {
 };
 
 void Conflicts::reserve(std::size_t rows, const Pushables& pushables) {
-  resolutions_.resize(rows, 0);
+  resolutions_.resize(rows);
   if (pushables.any()) {
     zones_.resize(rows);
     pushes_of_.resize(rows);
@@ -689,19 +694,19 @@ void Conflicts::reserve(std::size_t rows, const Pushables& pushables) {
   reserved_ = rows;
   waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
   still_waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
-  others_ = std::make_unique_for_overwrite<std::uint32_t[]>(2 * rows);
+  others_ = std::make_unique_for_overwrite<Dependency[]>(2 * rows);
 }
 
 void Conflicts::forget() {
   constexpr std::uint32_t k_junk = 0x5a5a5a5a;
   base_ += static_cast<std::uint32_t>(rounds_);
   rounds_ = 0;
-  std::ranges::fill(resolutions_, base_ * k_outcomes + static_cast<std::uint32_t>(Outcome::out_of_bounds));
+  std::ranges::fill(resolutions_, Resolution(base_, Outcome::out_of_bounds));
   longest_ = std::numeric_limits<double>::quiet_NaN();
   far_.fill(k_junk);
   std::fill_n(waiting_.get(), reserved_, Waiting{k_junk, k_junk, k_junk});
   std::fill_n(still_waiting_.get(), reserved_, Waiting{k_junk, k_junk, k_junk});
-  std::fill_n(others_.get(), 2 * reserved_, k_junk);
+  std::fill_n(others_.get(), 2 * reserved_, Dependency(k_junk / 2, true));
   std::ranges::fill(zones_, Zone::may_push);
   std::ranges::fill(pushes_of_, PushesOf{k_junk, k_junk});
   std::ranges::fill(pushes_, Push{k_junk, Vec2::Constant(longest_)});
@@ -717,7 +722,7 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   push_count_ = 0;
   constexpr std::uint32_t k_last_round = 1u << 29;  // reached after some years
   if (base_ + rounds_ > k_last_round) {
-    std::ranges::fill(resolutions_, 0);
+    std::ranges::fill(resolutions_, Resolution());
     base_ = 0;
     rounds_ = 0;
   }

@@ -127,8 +127,7 @@ class Conflicts {
 
   /// Outcome of a row in the last resolution.
   Outcome outcome(std::size_t row) const {
-    return resolutions_[row] / k_outcomes > base_ ? static_cast<Outcome>(resolutions_[row] % k_outcomes)
-                                                  : Outcome::stands;
+    return resolutions_[row].round() > base_ ? resolutions_[row].outcome() : Outcome::stands;
   }
   /// Rounds of the last resolution; 1 if no body had to wait.
   std::uint64_t rounds() const { return rounds_; }
@@ -141,6 +140,31 @@ class Conflicts {
 
  private:
   class Resolver;
+  /// An outcome and the round that found it, in one word that is read and written atomically.
+  class Resolution {
+   public:
+    Resolution() = default;  ///< of round 0, which does not exist
+    Resolution(std::uint32_t round, Outcome outcome)
+        : word_(round * k_outcomes + static_cast<std::uint32_t>(outcome)) {}
+    std::uint32_t round() const { return word_ / k_outcomes; }
+    Outcome outcome() const { return static_cast<Outcome>(word_ % k_outcomes); }
+
+   private:
+    static constexpr std::uint32_t k_outcomes = 4;
+    std::uint32_t word_ = 0;
+  };
+  /// A row on which the outcome of another row depends, in one word.
+  class Dependency {
+   public:
+    Dependency() = default;  ///< not initialised
+    /// if_moved: the row blocks the other if it has moved; false: if it has not
+    Dependency(std::uint32_t row, bool if_moved) : word_(2 * row + (if_moved ? 1 : 0)) {}
+    std::uint32_t row() const { return word_ / 2; }
+    bool if_moved() const { return word_ % 2 != 0; }
+
+   private:
+    std::uint32_t word_;
+  };
   /// A row that waits for other rows, which are listed at [first, first + count) of others_.
   struct Waiting {
     std::uint32_t row;
@@ -149,14 +173,13 @@ class Conflicts {
   };
   /// Whether pushable bodies are in a mover's zone: none, some, or none unless another body pushes some in.
   enum class Zone : std::uint8_t { plain, pushes, may_push };
-  static constexpr std::uint32_t k_outcomes = 4;
   static constexpr std::size_t k_max_far = 64;
 
   void reserve(std::size_t rows, const Pushables& pushables);
 
-  // round * k_outcomes + outcome, read and written atomically. The round count continues from tick to tick,
-  // so entries of earlier ticks need not be cleared: their rounds do not exceed base_.
-  std::vector<std::uint32_t> resolutions_;
+  // One per row. The count of rounds continues from tick to tick, so entries of earlier ticks need not be
+  // cleared: their rounds do not exceed base_.
+  std::vector<Resolution> resolutions_;
   std::uint32_t base_ = 0;
   std::uint64_t rounds_ = 0;
   double longest_ = 0;
@@ -165,7 +188,7 @@ class Conflicts {
   std::size_t reserved_ = 0;
   std::unique_ptr<Waiting[]> waiting_;
   std::unique_ptr<Waiting[]> still_waiting_;
-  std::unique_ptr<std::uint32_t[]> others_;  // 2 * row, + 1 if the row blocks at its new pose
+  std::unique_ptr<Dependency[]> others_;
   std::array<std::uint32_t, k_max_far> far_;
 
   // Only used if bodies can be pushed. Each push is written once and never changed, so a thread that reads a
