@@ -40,6 +40,7 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///     ControllerCheck check(world, registry);
 ///     world.step();                                                  // the first decisions take effect
 ///     std::thread other([&] { findings = check.repeat(); });         // two repetitions, without effect
+///     other.join();                                                  // before the next step
 ///
 /// order    The repetitions process the rows in reverse order, in batches of another size, and on the thread
 ///          that calls repeat().
