@@ -11,7 +11,7 @@ enum class Phase : std::uint8_t {
   sense,   ///< due sensors read the state of the last tick
   decide,  ///< drives compute velocities, devices execute commands, controllers decide
   move,    ///< bodies and joints move unless blocked; then effects, deaths and births
-  index,   ///< the index of all bodies is rebuilt
+  index,   ///< the spatial index of all bodies is rebuilt
 };
 inline constexpr std::size_t k_phases = 4;  ///< number of phases
 std::string_view phase_name(Phase phase);   ///< "sense", ...: name in profiles
