@@ -89,7 +89,7 @@ std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t mos
 
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices) {
   const auto found = std::ranges::find(choices, value.text());
-  if (found == choices.end()) throw std::invalid_argument("unknown name \"" + value.text() + "\"");
+  if (found == choices.end()) throw std::invalid_argument("has no value named \"" + value.text() + "\"");
   return static_cast<std::size_t>(found - choices.begin());
 }
 

@@ -87,7 +87,7 @@ enum class FieldType {
   texts,    ///< a list of strings, of any length
   numbers,  ///< a list of Field::columns numbers of one unit; 0 columns: of any length
   color,    ///< a colour; files may also give its name (stored as numbers: red, green, blue, opacity)
-  colors,   ///< a list of colours of any length (stored as numbers: red, green, blue, opacity, red, ...)
+  colors,   ///< a list of opaque colours of any length (stored as numbers: red, green, blue, red, ...)
   record,   ///< one parameter block, described by Field::record (stored as a list of one)
   records,  ///< a list of parameter blocks, described by Field::record
 };

@@ -156,7 +156,8 @@ std::vector<ComponentDifference> state_differences(World& first, World& second) 
 }
 
 std::string difference_text(const World& world, const ComponentDifference& difference) {
-  if (difference.entities == 0) return fmt::format("{}: entities or fields differ", difference.component);
+  if (difference.entities == 0)
+    return fmt::format("{}: the states have different bodies or fields", difference.component);
   return fmt::format(
       "{}: {} of \"{}\" (id {}) is {}, not {}; {}", difference.component, difference.field,
       world.spec().name(difference.body), difference.body.value, value_text(difference.second),
