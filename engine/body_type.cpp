@@ -22,7 +22,7 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   return unknown_name(what, name, std::move(names));
 }
 
-/// The joint of each piece of obstacle_shape().
+/// Index of the joint of each piece of obstacle_shape(spec), in the order of its pieces.
 std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
   std::vector<std::int32_t> joints;
   for (const PartSpec& part : spec.parts) {
@@ -84,7 +84,8 @@ std::vector<std::string_view> supply_names(const Registry& registry) {
   return names;
 }
 
-/// Assigns each device the supply of its own part, or else of the nearest part that carries it.
+/// Assigns each device its power supply: that of its part or, if the part has none, of the nearest part that
+/// carries its part.
 void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& type,
                       Diagnostics& diagnostics) {
   std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
@@ -114,8 +115,8 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
   if (type.drive) type.drive->supply = supplies.front();
 }
 
-/// The drive device that controllers of a part command: that of the part itself, or else of the nearest part
-/// that carries it. None: they command the body's drive.
+/// Index of the drive device that controllers of a part command: that of the part itself or, if it has none,
+/// of the nearest part that carries it. Without a result they command the body's drive.
 std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, std::uint32_t part) {
   for (;; part = spec.parts[part].parent) {
     for (std::size_t d = 0; d < type.devices.size(); ++d)
@@ -313,7 +314,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     type.joint_reach += type.devices.back().prepared.joint_reach_m;
     if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
-  constexpr double k_most_reach = 1000;  // m: a body's circle is stored in every grid cell that it touches
+  // Limit of joint_reach, m. The circle of a body is stored in every grid cell that it touches.
+  constexpr double k_most_reach = 1000;
   if (!(type.joint_reach <= k_most_reach))
     diagnostics.error(
         spec.parts.front().where,

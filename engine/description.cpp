@@ -54,7 +54,8 @@ bool is_default(const Record& record, const Record& defaults) {
   return true;
 }
 
-/// The default of a member that is not given, from its value in T{}.
+/// The default of a field: the value of its member in T{}. No value for a struct whose members all have the
+/// defaults of the struct's own table.
 Value fallback_of(const Field& field, const void* example) {
   Value value = get(field, example);
   if (field.type == FieldType::record && field.record != nullptr && value.given() &&

@@ -52,7 +52,7 @@ void EventWatch::remember(const World& world) {
   for (std::size_t r = 0; r < world.rows(); ++r) lives_[r] = world.presence(Row(r));
 }
 
-/// Reports no failures of dead bodies.
+/// Adds events of robots that began or stopped working. Dead bodies have no such events.
 void EventWatch::see_failures(const World& world) {
   for (std::size_t r = 0; r < disabled_.size(); ++r) {
     const bool now = world.is_disabled(Row(r));

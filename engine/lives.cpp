@@ -95,7 +95,8 @@ void World::derive_lives() {
   }
 }
 
-/// Updates the shape and radius of a row. For trees and bodies with joints, World::reshape() refines them.
+/// Updates the shape and radius of a row. For trees and bodies with joints, World::reshape() then computes
+/// the exact ones.
 void World::update_presence(Row row) {
   const bool there = is_there(row);
   row_shapes_[row.index()] = there ? &type(row).obstacle : &k_no_shape;

@@ -197,7 +197,8 @@ TEST_F(Limits, Populations) {
   EXPECT_THAT(
       refusal("w.json", world("1", "0.08")),
       HasSubstr(
-          "w.json:3: error: /populations/1/place: the regions of all populations have 1.125e+08 cells"));
+          "w.json:3: error: /populations/1/place: the regions of this population and of those before it have "
+          "1.125e+08 cells"));
 }
 
 TEST_F(Limits, ErrorsAndWhatTheyQuote) {
