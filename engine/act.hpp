@@ -28,7 +28,7 @@ struct Act {
   };
   Kind kind = Kind::move;  ///< kind of action; its name is in k_acts
   std::string whom;        ///< name of a body; for `add`, of a population
-  Pose pose;               ///< for `move` and `add`: world frame, m and rad
+  Pose pose;               ///< for `move` and `add`: new pose of the body, world frame, m and rad
   /// For `speed` and `hold`: forward and left m/s, turn rad/s, body frame, as in Model::set_speed.
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device

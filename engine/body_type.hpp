@@ -49,11 +49,11 @@ struct BodyType {
     Mount to_body;          ///< inverse of `at_rest`
     std::size_t table = 0;  ///< table of the joint's poses: index into World::tables()
   };
-  std::vector<Joint> joints;  ///< in the order of TypeSpec::joints
+  std::vector<Joint> joints;  ///< joints of the type, in the order of TypeSpec::joints
 
   /// A compiled DriveSpec.
   struct Drive {
-    const DriveKind* kind;                                     ///< in the registry
+    const DriveKind* kind;                                     ///< its kind, owned by the registry
     std::any data;                                             ///< result of DriveKind::prepare
     std::uint64_t period;                                      ///< ticks from one run to the next
     Localization localization;                                 ///< how its robots estimate their poses
@@ -67,7 +67,7 @@ struct BodyType {
   /// A compiled DeviceSpec.
   struct Device {
     std::string name;                   ///< DeviceSpec::name
-    const DeviceKind* kind;             ///< in the registry
+    const DeviceKind* kind;             ///< its kind, owned by the registry
     DeviceKind::Prepared prepared;      ///< result of DeviceKind::prepare
     std::uint64_t period;               ///< ticks from one run to the next
     bool active;                        ///< runs without a subscriber: DeviceSpec::active, or it is read
@@ -80,14 +80,14 @@ struct BodyType {
     std::optional<std::size_t> command_table;  ///< table of its commands: index into World::tables()
     std::uint32_t switch_bit = 0;              ///< its bit in Command::off; 0: no controller switches it
   };
-  std::vector<Device> devices;  ///< in the order of TypeSpec::devices
+  std::vector<Device> devices;  ///< sensors and other devices, in the order of TypeSpec::devices
   /// Indices of the devices that move joints. Each comes before the devices that are mounted on its joints.
   std::vector<std::size_t> joint_devices;
   bool carries = false;  ///< whether a device of the type can pick up other bodies
 
   /// A compiled ControllerSpec.
   struct Controller {
-    const ControllerKind* kind;        ///< in the registry
+    const ControllerKind* kind;        ///< its kind, owned by the registry
     std::any data;                     ///< result of ControllerKind::prepare
     std::vector<std::size_t> devices;  ///< indices into BodyType::devices; it runs when the first one runs
     std::uint64_t period;              ///< ticks from one run to the next
@@ -96,7 +96,7 @@ struct BodyType {
     /// Drive device that it commands: index into BodyType::devices. Not set: it commands the body's drive.
     std::optional<std::size_t> drive;
   };
-  std::vector<Controller> controllers;  ///< in the order of TypeSpec::controllers
+  std::vector<Controller> controllers;  ///< in the order in which they decide (TypeSpec::controllers)
 
   /// Estimated memory per body, bytes: readings, memories and its outline.
   double row_bytes() const;

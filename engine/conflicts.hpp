@@ -37,7 +37,7 @@ inline constexpr std::size_t k_most_pushed = 16;
 /// both are empty if the world has no pushable bodies.
 struct Pushables {
   std::span<const std::uint8_t> is_pushable;  ///< 1: the row can be pushed
-  std::span<const std::uint8_t> limits;       ///< at most k_most_pushed
+  std::span<const std::uint8_t> limits;       ///< bodies that the row can push, 0 to k_most_pushed
   double radius = 0;                          ///< radius of the largest pushable body, m
   double thinnest = 0;                        ///< width of the thinnest part of all pushable bodies, m
   std::size_t most = 0;                       ///< sum of `limits`

@@ -78,7 +78,7 @@ class ControllerCheck {
  private:
   /// The decisions of one controller of one type in one tick. Each vector has the robots in the same order.
   struct Decisions {
-    DecideBatch given;  // the inputs, except those copied below
+    DecideBatch given;  // the inputs, except those that the following members copy
     std::vector<Row> rows;
     std::vector<Command> commands_before, commands_after;
     std::vector<Pose> estimates;  // at the time of the decision: those of the world have changed since

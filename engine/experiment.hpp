@@ -44,9 +44,9 @@ struct Experiment {
     /// For `set` of a drive or controller: the data prepared from the new parameters. Applying the
     /// intervention swaps them with the data of the old parameters.
     std::any data;
-    DeviceKind::Prepared device;  ///< for `set` of a device: the same, instead of `data`
+    DeviceKind::Prepared device;  ///< for `set` of a device: as `data`, which is then empty
   };
-  std::vector<Intervention> interventions;  ///< by tick; within a tick in the order of the file
+  std::vector<Intervention> interventions;  ///< sorted by tick; within a tick in the order of the file
   std::size_t next = 0;                     ///< index of the next intervention to be applied
 
   /// One impairment of a FaultSpec, for the bodies of one type.

@@ -34,7 +34,7 @@ bool holds(double a, Comparison comparison, double b);
 struct StopSpec {
   MeasureSpec measure;                        ///< left operand
   Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
-  double value = 0;                           ///< in the unit of the measure, SI
+  double value = 0;                           ///< right operand, in the SI unit of the measure
 };
 /// The text of a condition: `coverage >= 0.9`, `stalls:leaders > 10`.
 std::string text_of(const StopSpec& condition);
@@ -88,7 +88,7 @@ struct InterventionSpec {
   std::optional<Pose> pose;        ///< for `move` the new pose, for `add` the pose of each new body
   /// For `add` without `pose`: box in which the new bodies get random poses; not set: the world's bounds.
   std::optional<Box> region;
-  std::optional<SettingSpec> setting;  ///< for `set`, which has no group
+  std::optional<SettingSpec> setting;  ///< for `set`: the new values of parameters; `whom` is then unused
   Where where;                         ///< file position, for messages
 };
 /// The names of Action in files, in its order.

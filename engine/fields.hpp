@@ -136,7 +136,7 @@ struct Field {
 
 /// The parameters of one kind. Field names are unique.
 struct FieldTable {
-  std::vector<Field> fields;  ///< in the order of the records' values
+  std::vector<Field> fields;  ///< the fields; a Record has its values in the same order
 
   /// Index of the field with this name; -1 if there is none.
   int find(std::string_view name) const;
@@ -147,7 +147,7 @@ struct FieldTable {
 /// A key suffix for a unit, with the factor to SI: {"_deg", "deg", pi/180}.
 struct UnitSuffix {
   std::string_view suffix;  ///< end of the key: "_deg"; empty for Unit::none
-  std::string_view symbol;  ///< for messages: "rad", "deg", "m/s"
+  std::string_view symbol;  ///< symbol of the unit in messages: "rad", "deg", "m/s"
   double to_si;             ///< factor from this unit to SI
 };
 /// The key suffixes for a unit, that of the SI unit first. Never empty. The list has static storage.

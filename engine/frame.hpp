@@ -23,7 +23,7 @@ struct FrameShape {
 struct FrameType {
   std::vector<FrameShape> shapes;  ///< the solids of all parts
   bool mobile = false;             ///< true: the bodies are robots and get a mark that shows their heading
-  double radius = 0;               ///< of the circle about the body's origin that encloses it, m
+  double radius = 0;               ///< radius of the circle about the body's origin that encloses it, m
   std::string name;                ///< name of the type, for display
 };
 

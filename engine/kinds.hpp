@@ -39,6 +39,9 @@ struct WorldSpec;
 /// converts the parameters to data of a type that the kind chooses. The other hooks receive these data, and
 /// the robots in batches of rows. They run on several threads at once, so they may write only to their
 /// arguments. If a hook throws, the step ends with a StepError.
+///
+/// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
+/// its type. The state of a sensor is also called its percepts or readings.
 
 /// A model kind: a kind of model in Stage world files. It is part of the registry so that all loaders use the
 /// same defaults.
@@ -197,8 +200,8 @@ struct DeviceKind {
     /// For rangers: the fans of beams, in the order of the readings. Each reading belongs to one fan. Empty
     /// for all other devices.
     std::vector<Transducer> transducers;
-    std::optional<Camera> camera;      ///< for a sensor whose readings are images
-    std::optional<SoughtMarks> seeks;  ///< for a sensor that detects marked parts
+    std::optional<Camera> camera;      ///< for cameras: their images
+    std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
   /// Compiles the parameters, which the caller has checked against the limits of their table. A pure
   /// function. pose_body_device: frame in which the parameters are given

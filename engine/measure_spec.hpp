@@ -13,7 +13,7 @@ struct MeasureSpec {
   std::string name;  ///< name of its column, without the unit; empty: `kind`, or `kind:of` if `of` is set
   std::string of;    ///< name of a type, a population or a robot; empty: all robots
   Record params;     ///< one value for each field of the kind's table
-  Where where;       ///< for messages
+  Where where;       ///< position in the file, for messages
 };
 
 }  // namespace troupe::engine

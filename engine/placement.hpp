@@ -94,7 +94,8 @@ struct PlacementRule {
 /// Number of cells of a grid rule; a double, because it may exceed every integer.
 double grid_cells(const PlacementRule& rule);
 
-/// Number of positions that a free_floor rule tests for bodies of a shape; a double for the same reason.
+/// Number of positions that a free_floor rule tests for bodies of a shape; a double, because it may exceed
+/// every integer.
 double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape);
 
 /// Returns poses for bodies 0, 1, ... of a population, computed one after another. Each is within `bounds`

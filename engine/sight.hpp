@@ -11,7 +11,7 @@ namespace troupe::engine {
 /// An outline of any body, or a piece of one, in the world frame, m: edges from each vertex to the next, and
 /// from the last to the first if it is closed.
 struct OutlineChain {
-  std::span<const Vec2> vertices;  ///< in order; valid until the next step
+  std::span<const Vec2> vertices;  ///< vertices along the outline; valid until the next step
   bool closed = false;             ///< true: a whole ring; false: a section of one
   ZInterval z;                     ///< height interval, world frame, m
   BodyId body;                     ///< the body that it belongs to

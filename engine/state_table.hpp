@@ -54,7 +54,8 @@ struct StateField {
   std::uint32_t columns = 1;       ///< values per row
   std::string unit;                ///< "m", "rad/s"; empty: none
   std::string text;                ///< meaning, in one line, for `troupe describe` and recordings
-  std::uint32_t offset = 0;        ///< within a row, bytes; set by the table unless rows are structs
+  /// Offset of the field within a row, bytes. StateTable sets it, unless its rows are structs.
+  std::uint32_t offset = 0;
   /// True: a field whose bytes are all zero adds nothing to the hash. When such a field is added to a version
   /// of Troupe, worlds that do not use it keep their hashes.
   bool sparse = false;
@@ -97,7 +98,7 @@ class StateTable {
   /// Name of the component: "pose", "ranger/0". Tables of several types may share it.
   const std::string& component() const { return component_; }
   HashGroup group() const { return group_; }                      ///< its column of the hash log
-  std::span<const StateField> fields() const { return fields_; }  ///< in declared order
+  std::span<const StateField> fields() const { return fields_; }  ///< fields in declared order
   /// Number of rows, including those of unborn and dead bodies.
   std::size_t rows() const { return ids_.size(); }
   std::span<const BodyId> ids() const { return ids_; }  ///< body of each row

@@ -192,7 +192,7 @@ class World {
   bool is_out_of_bounds(Row row) const;
   /// Estimated pose of a robot, in the frame of its odometry or of the world: see engine/localization.hpp.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
-  Estimates estimates(const BodyType& type) const;  ///< of all robots of a type
+  Estimates estimates(const BodyType& type) const;  ///< estimated poses of all robots of a type
   /// Overwrites the odometry estimate of a robot. Throws std::logic_error if the robot has no odometry,
   /// std::invalid_argument if the pose is not finite.
   void set_estimate(Row row, const Pose& pose);

@@ -64,7 +64,7 @@ struct ImageSpec {
 /// part's size, centred in x and y, and placed at `origin` in the part's frame. Only code that writes world
 /// files needs it.
 struct FittedBlocks {
-  std::vector<Solid> blocks;  ///< in a common frame, in any unit of length
+  std::vector<Solid> blocks;  ///< blocks before scaling, in a common frame and any unit of length
   Pose origin;                ///< pose of their centre
 };
 
@@ -83,7 +83,7 @@ struct PartSpec {
   std::optional<ImageSpec> image;       ///< the image that `solids` are made from; not set: no image
   std::optional<FittedBlocks> fitted;   ///< the blocks that `solids` are made from; not set: none
   std::optional<Color> color;           ///< not set: the body's colour
-  Where where;                          ///< for messages
+  Where where;                          ///< position in the file, for messages
 };
 
 /// A device that each body of a type has.
@@ -97,7 +97,7 @@ struct DeviceSpec {
   Pose pose_body_device;         ///< frame in which the kind's parameters are given
   double period_s = 0;           ///< 0: every tick
   bool active = true;            ///< true: runs without a subscriber
-  Where where;                   ///< for messages
+  Where where;                   ///< position in the file, for messages
 };
 
 /// The drive of the bodies of a type.
@@ -105,7 +105,7 @@ struct DriveSpec {
   std::string kind;     ///< a kind of Registry::drives
   Record params;        ///< one value for each field of the kind's table: FieldTable::defaults()
   double period_s = 0;  ///< 0: every tick
-  Where where;          ///< for messages
+  Where where;          ///< position in the file, for messages
 };
 
 /// A controller of the bodies of a type.
@@ -114,7 +114,7 @@ struct ControllerSpec {
   std::uint32_t part = 0;  ///< index of its part: it uses the devices of this part and of parts mounted on it
   Record params;           ///< one value for each field of the kind's table: FieldTable::defaults()
   double period_s = 0;     ///< used if it reads no sensor and has no drive; 0: every tick
-  Where where;             ///< for messages
+  Where where;             ///< position in the file, for messages
 };
 
 /// A body type: everything that identical bodies share.
@@ -132,12 +132,12 @@ struct TypeSpec {
 struct BodySpec {
   Name name;             ///< made of the words of WorldSpec::names
   TypeId type;           ///< index into WorldSpec::types
-  Pose pose_world_body;  ///< at tick 0, with all joints at rest
+  Pose pose_world_body;  ///< pose at tick 0, world frame
   Color color;           ///< colour of the parts that set none
   /// Fiducial value of the body's root part, in place of the type's Returns::fiducial, so that robots with
   /// different fiducial values can share a type. Ignored if the type's value is 0. 0: the type's value.
   std::int32_t fiducial = 0;
-  Where where;  ///< for messages
+  Where where;  ///< position in the file, for messages
 };
 
 /// A reserve: bodies of a population that are unborn at tick 0 and can be born later, in ascending order of
@@ -160,14 +160,14 @@ struct RecordSpec {
   std::string file;                 ///< path; empty: recorded only if the command line names a file
   std::vector<std::string> fields;  ///< fields to record; empty: the default ones
   std::optional<double> every_s;    ///< world time between two recorded ticks; not set: 0.1
-  Where where;                      ///< for messages
+  Where where;                      ///< position in the file, for messages
   Where where_fields;               ///< position of `fields`, for messages
 };
 
 /// A whole world, from which engine::World is built. A program that fills it by hand calls add_ground()
 /// first.
 struct WorldSpec {
-  std::string title;                             ///< for people
+  std::string title;                             ///< title of the world, for display
   std::shared_ptr<SourceFiles> files;            ///< files that the `Where` values refer to; may be null
   std::uint64_t seed = 1;                        ///< seed of all random numbers and of motion priorities
   double tick_s = 0.1;                           ///< length of a tick; above 0
@@ -183,7 +183,7 @@ struct WorldSpec {
   Names names;                  ///< words of the bodies' names
   /// BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
-  std::vector<ReserveSpec> reserves;  ///< in ascending order of ids, without overlap
+  std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
   /// True: a program may remove and disable bodies, even if nothing in the world file does.
   bool mortal = false;
   /// Further names of bodies; no name occurs twice. In Stage, generated names remain as aliases.
