@@ -54,12 +54,11 @@ struct Pushables {
 ///         mix(seed, tick, id), the lowest first, ties by id. Bodies that only touch do not block each other.
 ///         A body that overlaps the mover at the mover's old pose never blocks a motion that increases the
 ///         distance between their origins. A static solid that the mover already overlaps never blocks it.
-/// samples A motion is tested at n = ceil(displacement / (thinnest part / 4)) equally spaced poses, but at
-/// most
-///         a million. The last pose is Motion::to. The displacement is |translation| + radius * |turn|, which
-///         no vertex exceeds. Between two consecutive poses a body moves less than the thickness of its
-///         parts, so no other body, however thin, passes through it completely. A thin body may pass through
-///         a corner of a part, at a depth of less than a quarter of the part's width.
+/// samples A motion is tested at n = ceil(displacement / (thinnest part / 4)) equally spaced poses, but not
+///         more than a million. The last pose is Motion::to. The displacement, which no vertex exceeds, is
+///         |translation| + radius * |turn|. Between two consecutive poses a body moves less than the
+///         thickness of its parts, so no other body, however thin, passes through it completely. A thin body
+///         may pass through a corner of a part, at a depth of less than a quarter of the part's width.
 /// pushing A pushable body does not block a body that can push (the pusher), unless the two overlap at the
 ///         pusher's old pose. Either the pushable body gives way, or the whole motion is blocked and no body
 ///         moves. The pusher goes through n = ceil(displacement / (thinnest part of it and of all pushable

@@ -10,12 +10,14 @@
 
 namespace troupe::engine {
 
-/// Verbs (Effect::verb) of births and deaths, which any device may emit and the engine itself applies. They
-/// are applied after all other effects of the tick: first all deaths, then all births, in the order of the
-/// effects. k_birth: birth of the next body of Effect::reserve, at the pose `payload`: x, y, z (m), heading
-/// (rad), world frame
+// Verbs (Effect::verb) of births and deaths, which any device may emit and the engine itself applies. They
+// are applied after all other effects of the tick: first all deaths, then all births, in the order of the
+// effects.
+/// Birth of the next body of Effect::reserve. The payload is its pose: x, y, z (m), heading (rad), world
+/// frame.
 inline constexpr std::uint32_t k_birth = ~0u;
-inline constexpr std::uint32_t k_death = ~0u - 1;  ///< death of Effect::target
+/// Death of Effect::target.
+inline constexpr std::uint32_t k_death = ~0u - 1;
 
 /// The result of a birth. The numbers are stored in the state of the requesting device.
 enum class BirthStatus : std::uint8_t {

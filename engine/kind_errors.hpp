@@ -16,8 +16,9 @@ std::string thrown_text();
 
 /// Throws a StepError in place of the exception that is being handled. It names the tick, the kind whose
 /// function threw, and the robot: that of a DecisionError, otherwise that of the first row. A StepError that
-/// is being handled is rethrown unchanged, because it already names its robot. rows: the rows for which the
-/// kind's function was called; may be empty
+/// is being handled is rethrown unchanged, because it already names its robot.
+///
+/// rows: the rows for which the kind's function was called; may be empty
 ///@{
 [[noreturn]] void throw_step_error(const World& world, std::span<const Row> rows,
                                    const BodyType::Controller& what);

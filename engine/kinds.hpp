@@ -90,9 +90,11 @@ struct DeviceBatch {
   /// Whether the joint reached its goal in this tick. Only the hook `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
   /// Emits an effect, which DeviceKind::apply applies after all bodies have moved. Throws std::length_error
-  /// if there are more effects than Prepared::most_effects allows. sequence: order among the effects of a row
-  /// in a tick verb, payload: have the meaning that the kind gives them target: the affected body; may be
-  /// invalid if there is none
+  /// if there are more effects than Prepared::most_effects allows.
+  ///
+  /// sequence: order among the effects of a row in a tick
+  /// verb, payload: have the meaning that the kind gives them
+  /// target: the affected body; may be invalid if there is none
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
@@ -204,7 +206,9 @@ struct DeviceKind {
     std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
   /// Compiles the parameters, which the caller has checked against the limits of their table. A pure
-  /// function. pose_body_device: frame in which the parameters are given
+  /// function.
+  ///
+  /// pose_body_device: frame in which the parameters are given
   Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
   /// Called once after `prepare`: completes the data from the type and the part that carries the device. The
   /// error says what is wrong with them. Null: not needed.
@@ -369,8 +373,9 @@ struct Actions {
 
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
   /// and keeps its last readings. It stays off until `command` is replaced as a whole: set_speed(), for
-  /// example, switches all devices on again. Only for controllers with ControllerKind::switches. chosen:
-  /// index of the device in Percept::devices, here and below
+  /// example, switches all devices on again. Only for controllers with ControllerKind::switches.
+  ///
+  /// chosen: index of the device in Percept::devices, here and below
   void switch_device(std::size_t chosen, bool on) const {
     command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
   }

@@ -66,8 +66,7 @@ struct PlacementRule {
   /// Kinds of rules.
   enum class Kind : std::uint8_t {
     /// A grid of cells with the edge `pitch_m`, filled column by column from the region's lower corner. Cells
-    /// in
-    /// which the body would overlap an obstacle are skipped.
+    /// in which the body would overlap an obstacle are skipped.
     grid,
     // All other kinds draw random positions, at most `trials` for each body, until one is free.
     uniform,       ///< uniformly distributed in the region

@@ -69,11 +69,12 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnos
            const PlaceOptions& options = {});
 
 /// Places bodies again that place() has appended: sets their poses and random colours to those that another
-/// seed gives. Bodies of a reserve get only another colour.
-/// bodies      the bodies of these populations and their reserves, in the order in which place() appended
-/// them occupancy   as after place(), so that it has all shapes; only its scene and shapes are read crowd as
-/// before place() A population with too little room is an error, reported at PopulationSpec::where_place.
-/// Thread-safe.
+/// seed gives. Of the bodies of a reserve, which have no pose yet, only the random colours change.
+/// A population with too little room is an error, reported at PopulationSpec::where_place. Thread-safe.
+///
+/// bodies      the bodies of these populations and their reserves, in the order of place()
+/// occupancy   as after place(), so that it has all shapes; only its scene and shapes are read
+/// crowd       as before place()
 void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
                  const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,
                  Diagnostics& diagnostics);

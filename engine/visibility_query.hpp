@@ -22,7 +22,10 @@ struct SightLine {
 class VisibilityQuery {
  public:
   /// Sets the origin (world frame, m) and looks up the bodies near it. The world must not change until the
-  /// last ray is cast. reach: the largest ray length, m own, z: for all rays, as in SightRay
+  /// last ray is cast.
+  ///
+  /// reach: the largest ray length, m
+  /// own, z: for all rays, as in SightRay
   void stand(const World& world, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
   /// Rows of the bodies whose enclosing circles are within the reach, each once. Some may be slightly beyond

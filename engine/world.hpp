@@ -97,9 +97,10 @@ class World {
   void reset();
   /// Goes to S(0) with another seed and other poses of the bodies. The results equal those of a new world
   /// that is made from a spec with this seed and these bodies; only the order of the rows may differ.
-  /// Callbacks and subscriptions stay. May be called after a step that threw. bodies: one for each body of
-  /// the spec, with the same names and types; poses and colours may differ. If a static body has another
-  /// pose, the static scene is rebuilt.
+  /// Callbacks and subscriptions stay. May be called after a step that threw.
+  ///
+  /// bodies: one for each body of the spec, with the same names and types; poses and colours may differ. If a
+  /// static body has another pose, the static scene is rebuilt.
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
   /// Counters of a run since tick 0. They are not part of the state.
   struct Counters {
