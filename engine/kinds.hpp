@@ -358,7 +358,7 @@ struct Percept {
   /// Estimated pose of the robot: engine/localization.hpp.
   Pose estimate;
 
-  /// Ranges of a ranger, m. ranger: its index in `devices`
+  /// Ranges of the ranger with this index in `devices`, m.
   std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
 };
 

@@ -18,9 +18,9 @@ class ShapeBuffer {
   /// Allocates memory for a number of pieces of up to `corners` corners.
   void reserve(std::size_t pieces, std::size_t corners);
   void begin();  ///< removes all pieces, keeps their memory
-  /// Adds a piece of a body. mount: frame of that body relative to the frame of the shape
+  /// Adds a piece of a body, given in the body's frame. `mount` is that frame relative to the shape's frame.
   void add(const ConvexPrism& piece, const Mount& mount);
-  /// Completes the shape. thinnest: smallest width of any piece, m; the mounts do not change it
+  /// Completes the shape. `thinnest` is the smallest width of any piece, m.
   void finish(double thinnest);
 
  private:

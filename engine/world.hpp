@@ -322,8 +322,8 @@ class World {
   bool senses(Row row, const BodyType::Device& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
-  /// Whether a power supply of the row is not yet empty. supply: index of the supply among the type's
-  /// devices; the result is true without one.
+  /// Whether a device of the row gets power. `supply` is the index of its power supply among the type's
+  /// devices: false if that supply is empty, true if there is none.
   bool is_supplied(Row row, std::optional<std::size_t> supply) const {
     if (!supply) return true;
     const BodyType::Device& device = type(row).devices[*supply];
