@@ -28,7 +28,7 @@ struct RayOutline {
 /// A compiled TypeSpec: the data that bodies of one type share. It is constant during a run, except for
 /// parameters that an intervention changes (SettingSpec).
 struct BodyType {
-  std::string name;                           ///< TypeSpec::name
+  std::string name;                           ///< name of the type (TypeSpec::name)
   partition::ObstacleShape obstacle;          ///< obstacle shape with every joint at rest, body frame
   std::vector<std::int32_t> obstacle_joints;  ///< joint of each piece; empty if the type has no joints
   partition::ObstacleShape grip;            ///< shape that grippers sense; empty if they cannot grip the body
@@ -43,7 +43,7 @@ struct BodyType {
 
   /// A compiled JointSpec.
   struct Joint {
-    std::string name;       ///< its component is `joint/<name>`
+    std::string name;       ///< name; the joint's state is the component `joint/<name>`
     std::int32_t parent;    ///< index of its parent joint, which precedes it; k_rigid: none
     Mount at_rest;          ///< frame of the joint at rest, in the body frame
     Mount to_body;          ///< inverse of `at_rest`
@@ -66,7 +66,7 @@ struct BodyType {
 
   /// A compiled DeviceSpec.
   struct Device {
-    std::string name;                   ///< DeviceSpec::name
+    std::string name;                   ///< name of the device (DeviceSpec::name)
     const DeviceKind* kind;             ///< its kind, owned by the registry
     DeviceKind::Prepared prepared;      ///< result of DeviceKind::prepare
     std::uint64_t period;               ///< ticks from one run to the next

@@ -18,16 +18,16 @@ struct Motion {
   Pose to;             ///< proposed pose, world frame
   Rotation rotation;   ///< rotation by the heading of `to`
   double turn = 0;     ///< change of the heading, rad; not wrapped
-  bool moves = false;  ///< false: the body proposes to stay
+  bool moves = false;  ///< false: the body proposes no motion
 
   Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, without the height
 };
 
 /// A circle that no edge of a static obstacle enters, m, world frame.
 struct FreeCircle {
-  float x = 0;       ///< centre
-  float y = 0;       ///< centre
-  float radius = 0;  ///< 0: not yet known
+  float x = 0;       ///< x of its centre
+  float y = 0;       ///< y of its centre
+  float radius = 0;  ///< its radius; 0: no circle is known yet
 };
 
 /// The largest number of bodies that a body may push at once.
@@ -36,7 +36,7 @@ inline constexpr std::size_t k_most_pushed = 16;
 /// Which rows can be pushed, and how many bodies each row can push at once. One entry per row in both spans;
 /// both are empty if the world has no pushable bodies.
 struct Pushables {
-  std::span<const std::uint8_t> is_pushable;  ///< 1: the row can be pushed
+  std::span<const std::uint8_t> is_pushable;  ///< 1 if the row can be pushed, otherwise 0
   std::span<const std::uint8_t> limits;       ///< bodies that the row can push, 0 to k_most_pushed
   double radius = 0;                          ///< radius of the largest pushable body, m
   double thinnest = 0;                        ///< width of the thinnest part of all pushable bodies, m
@@ -85,7 +85,7 @@ struct Pushables {
 ///         or when a pusher has more than 512 bodies in its zone.
 class Conflicts {
  public:
-  static constexpr int k_push_passes = 16;  ///< see `pushing`, above
+  static constexpr int k_push_passes = 16;  ///< largest number of passes: see `pushing`, above
 
   /// The bodies of a tick: one entry per row in each span.
   struct Crowd {
@@ -101,8 +101,8 @@ class Conflicts {
     std::span<FreeCircle> free;
     std::uint64_t seed = 1;    ///< seed of the world, for priorities
     std::uint64_t tick = 0;    ///< the current tick, for priorities
-    Box bounds;                ///< m, world frame; a motion that ends outside is out of bounds
-    Pushables pushables = {};  ///< empty: no robot pushes
+    Box bounds;                ///< box in which motions must end, m, world frame
+    Pushables pushables = {};  ///< which bodies can push and be pushed; empty: none
   };
 
   /// A pushed row and its new position. Its height and heading do not change.

@@ -23,9 +23,9 @@ struct ControllerFinding {
   };
   /// Kind and number within its body, as in the component of its memory: "wander/0".
   std::string controller;
-  std::string field;              ///< "memory turn_left_s" or "command x"
+  std::string field;              ///< name of the field, such as "memory turn_left_s" or "command x"
   Repeat repeat = Repeat::again;  ///< which repetition found it
-  BodyId body;                    ///< the lowest id that differs
+  BodyId body;                    ///< the lowest id of a body whose field differs
   StateValue first;               ///< value of that body after the first decision
   StateValue second;              ///< value of that body after the repeated decision
   std::size_t decisions = 1;      ///< number of decisions that differ in this field

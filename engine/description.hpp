@@ -88,27 +88,27 @@ class Fact {
     choices,          ///< Field::choices, from the member `choices`
     columns,          ///< Field::columns, from the member `number`
     required,         ///< the member has no default
-    counts_readings,  ///< Field::counts_readings
-    fixed,            ///< Field::fixed
-    provenance,       ///< Field::provenance
-    sparse,           ///< StateField::sparse
-    appearance,       ///< StateField::appearance
+    counts_readings,  ///< sets Field::counts_readings
+    fixed,            ///< sets Field::fixed
+    provenance,       ///< sets Field::provenance
+    sparse,           ///< sets Field::sparse
+    appearance,       ///< sets Field::appearance
   };
 
-  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< Field::text
-  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< Field::text
-  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< Field::unit
+  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< a text: Field::text
+  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< a text: Field::text
+  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< a unit: Field::unit
   /// A fact of kind k; x is its `number` and y its `high`.
   constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
-  /// Field::choices. The list must live until the call that takes the fact returns.
+  /// The allowed values: Field::choices. The list must live until the call that takes the fact returns.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
-  Kind kind;                                              ///< what the fact specifies
-  Unit unit = Unit::none;                                 ///< for Kind::unit
-  double number = 0;                                      ///< for at_least, above, at_most and columns
+  Kind kind;               ///< what the fact specifies
+  Unit unit = Unit::none;  ///< the unit, for Kind::unit
+  double number = 0;       ///< the number, for Kind::at_least, above, at_most and columns
   double high = std::numeric_limits<double>::infinity();  ///< for `at_least`: the upper limit
-  std::string_view words;                                 ///< for Kind::text
-  std::span<const std::string_view> choices;              ///< for Kind::choices
+  std::string_view words;                                 ///< the text, for Kind::text
+  std::span<const std::string_view> choices;              ///< the allowed values, for Kind::choices
 };
 
 /// The facts that a description can give, in addition to units.
@@ -133,24 +133,27 @@ constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(c
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
 /// The member has no default.
 inline constexpr Fact required{Fact::Kind::required};
-inline constexpr Fact counts_readings{Fact::Kind::counts_readings};  ///< Field::counts_readings
-inline constexpr Fact fixed{Fact::Kind::fixed};                      ///< Field::fixed
+/// The member is a number of readings of a sensor: Field::counts_readings.
+inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
+/// Interventions cannot change the member while the world runs: Field::fixed.
+inline constexpr Fact fixed{Fact::Kind::fixed};
 /// The member records where the other members come from (a file and a line). It is stored, but two structs
 /// that differ only in it are equal.
 inline constexpr Fact provenance{Fact::Kind::provenance};
 /// For members of state: StateField::sparse. For members of other structs: a stored record may lack the
 /// field, which then gets its default.
 inline constexpr Fact is_sparse{Fact::Kind::sparse};
-inline constexpr Fact is_appearance{Fact::Kind::appearance};  ///< for state: StateField::appearance
+/// For members of state: the appearance of a body depends on the member (StateField::appearance).
+inline constexpr Fact is_appearance{Fact::Kind::appearance};
 }  // namespace facts
 
 /// Type-erased access to members of one C++ type.
 struct MemberType {
-  FieldType type = FieldType::number;                     ///< Field::type
-  std::size_t columns = 0;                                ///< Field::columns
+  FieldType type = FieldType::number;                     ///< type of the field
+  std::size_t columns = 0;                                ///< length of a fixed array; 0: no fixed array
   double min = -std::numeric_limits<double>::infinity();  ///< smallest value of the type
   double max = std::numeric_limits<double>::infinity();   ///< largest value of the type
-  bool optional = false;                                  ///< a std::optional
+  bool optional = false;                                  ///< whether the member is a std::optional
   bool is_unsigned = false;                        ///< unsigned 64-bit integer: a Value holds the same bits
   std::span<const std::string_view> choices = {};  ///< names of an enum
   const FieldTable& (*table)() = nullptr;          ///< for records: returns described<T>()
@@ -169,7 +172,7 @@ struct MemberType {
   /// For lists of lists of numbers: the type of an inner list. The functions above then access the inner
   /// lists, get() returns all numbers concatenated, and set() is null.
   const MemberType* each = nullptr;
-  bool is_state = false;           ///< the member can be state
+  bool is_state = false;           ///< whether the member can be part of a state struct
   Element element = Element::f64;  ///< element type, if it is state
 };
 

@@ -25,13 +25,13 @@ enum class EventType : std::uint8_t {
 
 /// Name and text of an event type in tables and recordings.
 struct EventKind {
-  EventType type;         ///< its index in event_kinds()
-  std::string_view name;  ///< "stall_begins"
-  std::string_view text;  ///< one line, for `troupe describe`
+  EventType type;         ///< the event type, which is the index in event_kinds()
+  std::string_view name;  ///< name in files and tables: "stall_begins"
+  std::string_view text;  ///< description in one line, for `troupe describe`
 };
 /// All event kinds, in the order of EventType.
 std::span<const EventKind> event_kinds();
-std::string_view event_name(EventType type);  ///< "stall_begins"
+std::string_view event_name(EventType type);  ///< name in files and tables: "stall_begins"
 
 /// An event of a tick.
 struct Event {

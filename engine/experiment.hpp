@@ -61,7 +61,7 @@ struct Experiment {
     std::uint32_t fault = 0;  ///< index into `faults`
     BodyId body;              ///< the impaired body
     Row row;                  ///< row of the body
-    bool begins = true;       ///< false: the fault ends
+    bool begins = true;       ///< true: the fault begins; false: it ends
   };
   /// The first event of each fault in each body: a heap with the earliest event on top.
   std::vector<FaultEvent> first_fault_events;
@@ -71,7 +71,7 @@ struct Experiment {
   std::uint64_t due = k_never;  ///< tick of the next intervention or fault event
   /// A body that an intervention may choose. The intervention chooses the bodies with the lowest keys.
   struct Candidate {
-    std::uint64_t key = 0;  ///< random; ties are broken by id
+    std::uint64_t key = 0;  ///< random number; equal keys are ordered by id
     BodyId body;            ///< id of the body
     Row row;                ///< row of the body
   };

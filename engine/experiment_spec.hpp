@@ -45,7 +45,7 @@ struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
     population,  ///< the name of a population without number: NAME of NAME0, NAME1, ...
-    type,        ///< TypeSpec::name
+    type,        ///< the name of a body type (TypeSpec::name)
     model,       ///< the name of one body
   };
   By by = By::population;             ///< what `name` refers to
@@ -58,9 +58,9 @@ struct GroupSpec {
 struct SettingSpec {
   /// The owner of the parameters.
   enum class Of : std::uint8_t {
-    drive,       ///< TypeSpec::drive
-    device,      ///< TypeSpec::devices[index]
-    controller,  ///< TypeSpec::controllers[index]
+    drive,       ///< the drive of the type (TypeSpec::drive)
+    device,      ///< the device TypeSpec::devices[index]
+    controller,  ///< the controller TypeSpec::controllers[index]
   };
   TypeId type;              ///< the type; all its bodies share its parameters
   Of of = Of::drive;        ///< the owner of the parameters

@@ -81,7 +81,7 @@ enum class Unit {
 /// The type of a parameter.
 enum class FieldType {
   boolean,  ///< true or false
-  integer,  ///< 64 bits
+  integer,  ///< an integer of 64 bits
   number,   ///< a double, of the field's unit
   text,     ///< a string; if Field::choices is not empty, one of these
   texts,    ///< a list of strings, of any length
@@ -122,12 +122,12 @@ struct Field {
   /// The field records where the other fields come from (a file and a line). It is stored, but records that
   /// differ only in it are equal.
   bool provenance = false;
-  bool sparse = false;      ///< for state: StateField::sparse
+  bool sparse = false;      ///< for state: StateField::sparse; else: a stored record may lack the field
   bool appearance = false;  ///< for state: StateField::appearance
   /// For a described struct (engine/description.hpp): access to the member, and its offset in the struct.
   ///@{
   const MemberType* member = nullptr;
-  std::size_t offset = 0;  ///< bytes
+  std::size_t offset = 0;  ///< offset in the struct, bytes
   ///@}
 
   /// Whether a file must give the field.

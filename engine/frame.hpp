@@ -15,7 +15,7 @@ namespace troupe::engine {
 
 /// A solid to draw.
 struct FrameShape {
-  Solid solid;                 ///< body frame
+  Solid solid;                 ///< its geometry in the body frame
   std::optional<Color> color;  ///< colour of the solid; not set: FrameBody::color
 };
 
@@ -33,7 +33,7 @@ struct FrameBody {
   Pose pose_world_body;    ///< pose at this tick; for static bodies, the pose during the whole run
   Color color;             ///< colour of the shapes that have none
   bool stalled = false;    ///< its last motion was blocked or out of bounds
-  std::uint32_t id = 0;    ///< BodyId
+  std::uint32_t id = 0;    ///< id of the body (BodyId)
 };
 
 /// The beams of a ranger that start at one place.
@@ -99,8 +99,8 @@ struct FrameTie {
     broken_beam,  ///< a light beam between the paddles of a gripper, interrupted by a body
   };
   Kind kind = Kind::carries;                       ///< the relation
-  Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< m, world frame
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< m, world frame
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< one end, world frame, m
+  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< other end, world frame, m
 };
 
 /// A square of the floor that robots have visited: [x, x + 1) times [y, y + 1), in units of Frame::covered_m.

@@ -157,9 +157,9 @@ struct DeviceView {
 /// The layer of a frame in which devices of a kind are drawn.
 enum class FrameLayer : std::uint8_t {
   none,    ///< not drawn
-  sights,  ///< Frame::sights
-  blobs,   ///< Frame::blobs
-  grips,   ///< Frame::grips
+  sights,  ///< detections: Frame::sights
+  blobs,   ///< blobs of colour: Frame::blobs
+  grips,   ///< gripper beams and held bodies: Frame::grips
 };
 
 /// A kind of device: a sensor, which only reads the world, or another device (gripper, light, power pack),
@@ -192,7 +192,7 @@ struct DeviceKind {
     double reach_m = 0;            ///< distance from the body's origin within which the device reads bodies
     std::size_t beams = 0;         ///< rays that each device casts each time it runs
     std::size_t most_effects = 0;  ///< largest number of effects that a row may emit in a tick
-    bool ends_lives = false;       ///< its effects may be deaths
+    bool ends_lives = false;       ///< whether it may emit deaths: emit_death()
     double watts = 0;              ///< power drawn from its supply while it runs
     std::vector<Pose> joints;      ///< poses of its joints at tick 0, relative to rest; empty: at rest
     double joint_reach_m = 0;      ///< bound on how far its joints move from rest
@@ -368,7 +368,7 @@ struct Actions {
   /// Command structs of the chosen devices, in the order of Percept::devices; null for devices that take no
   /// commands.
   std::span<std::byte* const> devices;
-  /// Bits of the chosen devices in Command::off.
+  /// Bits of the chosen devices in Command::off, in the order of Percept::devices.
   std::span<const std::uint32_t> switches;
 
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
@@ -478,8 +478,8 @@ struct DecisionError {
 
 /// A device of a type, as presented to a controller that chooses its inputs.
 struct DeviceInfo {
-  std::string_view name;                 ///< DeviceSpec::name
-  std::string_view kind;                 ///< DeviceKind::name
+  std::string_view name;                 ///< name of the device (DeviceSpec::name)
+  std::string_view kind;                 ///< kind of the device (DeviceKind::name)
   const DeviceKind::Prepared& prepared;  ///< the compiled device
   /// Pose of the device, with its joints at rest, in the frame of the drive that the controller commands.
   Pose pose = {};
@@ -562,9 +562,12 @@ struct Registry {
   Result<const ControllerKind*> find_controller(std::string_view name) const;
   /// Names of the controllers and presets in the lists, sorted.
   std::vector<std::string_view> controller_names() const;
-  const Preset* preset(std::string_view name) const;        ///< null if there is none
-  const MeasureKind* measure(std::string_view name) const;  ///< null if there is none
-  const FaultKind* fault(std::string_view name) const;      ///< null if there is none
+  /// The preset, measure or fault of this name; null if there is none.
+  ///@{
+  const Preset* preset(std::string_view name) const;
+  const MeasureKind* measure(std::string_view name) const;
+  const FaultKind* fault(std::string_view name) const;
+  ///@}
 
   /// The devices that only sense: DeviceKind::is_sensor().
   std::vector<DeviceKind> sensors() const;

@@ -12,7 +12,7 @@ namespace troupe::engine {
 
 /// A row of the component `carrier`: all zero if the body is not carried.
 struct Carried {
-  std::uint32_t carrier = 0;  ///< id of the carrier + 1
+  std::uint32_t carrier = 0;  ///< id of the carrier plus 1; 0: the body is not carried
   std::uint32_t joint = 0;    ///< joint of the carrier that holds the body: its index + 1; 0: none
   /// Pose of the carried body in the frame of the carrier, or in that frame as displaced by `joint`; m and
   /// rad.
@@ -66,7 +66,7 @@ struct Links {
   std::vector<std::uint32_t> next_cargo;   ///< row of the next higher id on the same carrier; k_none: none
   std::size_t carried = 0;                 ///< number of carried rows
 
-  std::vector<double> lifts;  ///< m, height offset of each outline that the grid ray engine draws
+  std::vector<double> lifts;  ///< height offset of each outline that the grid ray engine draws, m
 
   /// Whether bodies in the world have joints or can carry.
   bool any() const { return !composites.empty(); }

@@ -98,9 +98,9 @@ struct LocalizationParams {
 
 /// The component `odometry`: the estimated pose of a robot with odometry.
 struct Odometry {
-  double x = 0;        ///< m, frame of the origin
-  double y = 0;        ///< m, frame of the origin
-  double heading = 0;  ///< rad
+  double x = 0;        ///< estimated x, m, in the frame of the estimate
+  double y = 0;        ///< estimated y, m, in the frame of the estimate
+  double heading = 0;  ///< estimated heading, rad
 
   /// Adds the true motion of one tick: x forward and y to the left, m, and turn, rad. The formula is in
   /// docs/driving.md.

@@ -22,7 +22,7 @@ partition::ObstacleShape obstacle_shape(const TypeSpec& type);
 /// std::length_error if an outline is too complex for convex_pieces().
 partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const PartSpec& part));
 
-/// A spatial index of placed bodies. It has a grid of cells for each order of magnitude of body width (a
+/// A spatial index of placed bodies. It has a grid of cells for each power of two of the body width (a
 /// level). A body is in the cell of its centre, at the level whose cells are about as wide as the body. A
 /// single large body therefore does not slow every query. The cells do not affect any answer.
 class Crowd {

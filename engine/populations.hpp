@@ -17,15 +17,15 @@ namespace troupe::engine {
 
 /// A population: bodies NAME0, NAME1, ... of one type, placed by a rule.
 struct PopulationSpec {
-  std::string name;           ///< NAME; also selects the random stream
+  std::string name;           ///< NAME, without number; also selects the random stream
   TypeId type;                ///< index into WorldSpec::types
-  std::size_t count = 0;      ///< bodies at tick 0
+  std::size_t count = 0;      ///< number of bodies at tick 0
   std::size_t reserve = 0;    ///< further bodies that may be born later, with the next numbers: ReserveSpec
-  Color color{1, 0, 0, 1};    ///< BodySpec::color
+  Color color{1, 0, 0, 1};    ///< colour of the bodies (BodySpec::color)
   bool random_color = false;  ///< each body gets a random opaque colour instead
   PlacementRule rule;         ///< where they are placed
   std::string path;           ///< path of `rule` in the file, for messages; empty: `populations[INDEX].rule`
-  Where where;                ///< BodySpec::where
+  Where where;                ///< position in the file, for messages (BodySpec::where)
   Where where_place;          ///< position of `rule`, for messages
 };
 

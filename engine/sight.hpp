@@ -12,7 +12,7 @@ namespace troupe::engine {
 /// from the last to the first if it is closed.
 struct OutlineChain {
   std::span<const Vec2> vertices;  ///< vertices along the outline; valid until the next step
-  bool closed = false;             ///< true: a whole ring; false: a section of one
+  bool closed = false;             ///< true: a whole closed outline; false: a section of one
   ZInterval z;                     ///< height interval, world frame, m
   BodyId body;                     ///< the body that it belongs to
   std::uint32_t part = 0;          ///< the part that it belongs to: index in the body's type
@@ -81,9 +81,9 @@ void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& w
 
 /// A ray of a sensor that casts few rays.
 struct SightRay {
-  Vec2 origin = Vec2::Zero();      ///< world frame, m
+  Vec2 origin = Vec2::Zero();      ///< start of the ray, world frame, m
   Vec2 direction = Vec2::UnitX();  ///< unit vector, world frame
-  double length = 0;               ///< m; surfaces at this range or farther are not hit
+  double length = 0;               ///< length, m; surfaces at this range or farther are not hit
   /// Row of the sensor's body. The ray passes through this body and the bodies that carry it or that it
   /// carries. Not valid(): the ray passes through no body.
   Row own;

@@ -35,7 +35,7 @@ void compare_rows(std::span<const StateField> fields, const std::byte* first, co
 
 /// Difference between two states of one world in one component.
 struct ComponentDifference {
-  std::string component;              ///< StateTable::component()
+  std::string component;              ///< name of the component (StateTable::component())
   HashGroup group = HashGroup::pose;  ///< hash group of the component
   /// Number of bodies whose rows differ. 0: the worlds have different lists of bodies or fields in the
   /// component.

@@ -49,10 +49,10 @@ constexpr Element element_of() {
 
 /// One array of the state: name, element type, columns per row, unit and meaning.
 struct StateField {
-  std::string name;                ///< unique in the component
+  std::string name;                ///< name, unique in the component
   Element element = Element::f64;  ///< type of each column
   std::uint32_t columns = 1;       ///< values per row
-  std::string unit;                ///< "m", "rad/s"; empty: none
+  std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
   std::string text;                ///< meaning, in one line, for `troupe describe` and recordings
   /// Offset of the field within a row, bytes. StateTable sets it, unless its rows are structs.
   std::uint32_t offset = 0;

@@ -12,7 +12,7 @@ namespace troupe::engine {
 /// A ray from the origin of a VisibilityQuery.
 struct SightLine {
   Vec2 direction = Vec2::UnitX();  ///< world frame, unit length
-  double length = 0;               ///< m; outlines at this distance or farther are not hit
+  double length = 0;               ///< length, m; outlines at this distance or farther are not hit
 };
 
 /// Casts many rays from one origin, with the results of first_met(), bit for bit. first_met() walks along

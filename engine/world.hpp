@@ -120,9 +120,9 @@ class World {
   /// derives it again. Tests call this and check that the run continues with the same bits (the "amnesia"
   /// test, docs/determinism.md).
   void forget();
-  std::uint64_t tick() const { return tick_; }    ///< ticks completed
+  std::uint64_t tick() const { return tick_; }    ///< number of completed ticks
   double tick_s() const { return spec_.tick_s; }  ///< length of a tick, s
-  /// World time: tick() * tick_s().
+  /// World time, s: tick() * tick_s().
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
   /// Sets the callback that step() calls at the beginning of each phase, and with std::nullopt at the end of
   /// the tick.
@@ -419,7 +419,7 @@ class World {
   void derive(Row row);
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
-  /// Box in which motions must end.
+  /// Box in which motions must end, m, world frame.
   Box bounds() const;
   void count_stalls();
 

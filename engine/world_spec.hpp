@@ -44,7 +44,7 @@ inline constexpr std::int32_t k_rigid = -1;
 /// A joint: a frame of a body type that one of its devices, such as an actuator or a gripper, moves. The
 /// poses of the parts, devices and further joints on it are given with every joint at rest.
 struct JointSpec {
-  std::string name;               ///< its component is `joint/<name>`
+  std::string name;               ///< name; the joint's state is the component `joint/<name>`
   std::int32_t parent = k_rigid;  ///< index of the joint that it is mounted on; lower than its own
   Pose pose_body_joint;           ///< frame at rest, in the body frame; displacements are given in it
 };
@@ -54,7 +54,7 @@ struct JointSpec {
 struct ImageSpec {
   std::string file;               ///< path of the image; for a ROS map, of its YAML file
   bool keeps_margins = false;     ///< the whole image is scaled to the part's size, not only its solid area
-  bool unknown_is_solid = false;  ///< ROS map: unknown cells are solid
+  bool unknown_is_solid = false;  ///< for ROS maps: unknown cells are solid
   bool boundary = false;          ///< adds four walls just inside the edges of the image
   Pose origin;                    ///< centre of the image, or frame of the map, in the part's frame
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
@@ -79,49 +79,51 @@ struct PartSpec {
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m; GetGeom returns it in Stage
   std::vector<Solid> solids;            ///< in the body frame, m, after all scaling
   Returns returns;                      ///< how it interacts with other bodies
-  bool floor_plan = false;              ///< its outline comes from an image
+  bool floor_plan = false;              ///< whether its outline comes from an image
   std::optional<ImageSpec> image;       ///< the image that `solids` are made from; not set: no image
   std::optional<FittedBlocks> fitted;   ///< the blocks that `solids` are made from; not set: none
-  std::optional<Color> color;           ///< not set: the body's colour
+  std::optional<Color> color;           ///< colour of the part; not set: the body's colour
   Where where;                          ///< position in the file, for messages
 };
 
 /// A device that each body of a type has.
 struct DeviceSpec {
   std::string name;              ///< the name of its part, unless the type gives the device another name
-  std::string kind;              ///< a kind of Registry::devices
+  std::string kind;              ///< name of a kind of Registry::devices
   std::uint32_t part = 0;        ///< index of the part that carries it
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
   std::int32_t moves = k_rigid;  ///< index of the first joint that it moves (DeviceKind::joints)
   Record params;                 ///< one value for each field of the kind's table
   Pose pose_body_device;         ///< frame in which the kind's parameters are given
-  double period_s = 0;           ///< 0: every tick
-  bool active = true;            ///< true: runs without a subscriber
+  double period_s = 0;           ///< time from one run to the next, s; 0: it runs in every tick
+  bool active = true;            ///< true: it also runs if no controller or program reads it
   Where where;                   ///< position in the file, for messages
 };
 
 /// The drive of the bodies of a type.
 struct DriveSpec {
-  std::string kind;     ///< a kind of Registry::drives
+  std::string kind;     ///< name of a kind of Registry::drives
   Record params;        ///< one value for each field of the kind's table: FieldTable::defaults()
-  double period_s = 0;  ///< 0: every tick
+  double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
   Where where;          ///< position in the file, for messages
 };
 
 /// A controller of the bodies of a type.
 struct ControllerSpec {
-  std::string kind;        ///< a kind of Registry::controllers or of a plug-in
+  std::string kind;        ///< name of a kind of Registry::controllers or of a plug-in
   std::uint32_t part = 0;  ///< index of its part: it uses the devices of this part and of parts mounted on it
   Record params;           ///< one value for each field of the kind's table: FieldTable::defaults()
-  double period_s = 0;     ///< used if it reads no sensor and has no drive; 0: every tick
-  Where where;             ///< position in the file, for messages
+  /// Time from one decision to the next, s; 0: every tick. Used only if the controller has neither a sensor
+  /// nor a drive: otherwise it decides when its first sensor, or its drive, runs.
+  double period_s = 0;
+  Where where;  ///< position in the file, for messages
 };
 
 /// A body type: everything that identical bodies share.
 struct TypeSpec {
-  std::string name;                 ///< unique in the world
-  std::vector<PartSpec> parts;      ///< depth first; part 0 is the root
-  std::vector<JointSpec> joints;    ///< each after its parent joint
+  std::string name;                 ///< name, unique in the world
+  std::vector<PartSpec> parts;      ///< parts in depth-first order; part 0 is the root
+  std::vector<JointSpec> joints;    ///< joints; each comes after its parent joint
   std::optional<DriveSpec> drive;   ///< not set: the bodies have no drive
   std::vector<DeviceSpec> devices;  ///< a device that moves a joint comes before the devices on it
   /// In the order in which they decide. If several controllers command one drive, the last command counts.
@@ -152,7 +154,7 @@ struct ReserveSpec {
 /// A part to which the world gives a name that is independent of its body's name.
 struct PartName {
   BodyId body;       ///< the body that has the part
-  std::string part;  ///< PartSpec::name
+  std::string part;  ///< name of the part (PartSpec::name)
 };
 
 /// The recording that the world asks for (docs/recordings.md).
@@ -172,9 +174,9 @@ struct WorldSpec {
   std::uint64_t seed = 1;                        ///< seed of all random numbers and of motion priorities
   double tick_s = 0.1;                           ///< length of a tick; above 0
   std::optional<double> quit_time_s;             ///< world time at which a run ends by default
-  std::optional<RecordSpec> record;              ///< not set: no recording
+  std::optional<RecordSpec> record;              ///< the recording that the world asks for; not set: none
   RangingEngine ranging = RangingEngine::exact;  ///< how ranges are computed: docs/sensing.md
-  double resolution_m = k_resolution_m;          ///< edge of the grid engine's cells
+  double resolution_m = k_resolution_m;          ///< edge of the cells of the grid ray engine
   Where resolution_where;                        ///< position of `resolution_m`, for messages
   /// Box in which the origins of bodies must stay, m: a motion that would end outside is not made. Not set:
   /// from -100 km to 100 km in x and y.
