@@ -11,26 +11,26 @@
 
 namespace troupe::engine {
 
-/// An action that a person or a program applies to a running world between two ticks (docs/live.md). Plain
-/// data: names, and numbers in SI units.
+/// An action that a person or a program applies to a running world between two ticks (docs/live.md). It is
+/// plain data: names, and numbers in SI units.
 struct Act {
   /// The kind of action.
   enum class Kind : std::uint8_t {
     move,     ///< puts a body at `pose`, if that place is free
     speed,    ///< commands `speed` to a robot, once
-    hold,     ///< commands `speed` before every tick, overriding the controller, until `release`
-    release,  ///< ends a `hold`
+    hold,     ///< commands `speed` to a robot before every tick, overriding its controller, until `release`
+    release,  ///< ends a `hold`: the controller commands the robot again
     command,  ///< sets fields of the command of `device` to `values`
     add,      ///< spawns the next body of the reserve of population `whom` at `pose`
-    remove,   ///< ends the life of a body
+    remove,   ///< removes a body from the world
     disable,  ///< stops the devices, controllers and drive of a body
-    enable,   ///< ends `disable`
+    enable,   ///< lets a disabled body run again
   };
-  Kind kind = Kind::move;  ///< k_acts holds its name
+  Kind kind = Kind::move;  ///< kind of action; its name is in k_acts
   std::string whom;        ///< name of a body; for `add`, of a population
-  Pose pose;               ///< for `move` and `add`: world frame, m and rad
-  std::array<double, 3>
-      speed{};         ///< for `speed` and `hold`: forward and left m/s, turn rad/s, as in Model::set_speed
+  Pose pose;               ///< for `move` and `add`: new pose of the body, world frame, m and rad
+  /// For `speed` and `hold`: forward and left m/s, turn rad/s, body frame, as in Model::set_speed.
+  std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device
   /// For `command`: fields of the device's command struct, each with one number per column.
   std::vector<std::pair<std::string, std::vector<double>>> values;

@@ -13,7 +13,7 @@
 namespace troupe::engine {
 namespace {
 
-constexpr double k_most_readings = 1e6;  // of one sensor
+constexpr double k_most_readings = 1e6;  // largest number of readings of one sensor
 
 template <class Kinds>
 std::string unknown(std::string_view what, std::string_view name, const Kinds& kinds) {
@@ -22,7 +22,7 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   return unknown_name(what, name, std::move(names));
 }
 
-/// The joint of each piece of obstacle_shape().
+/// Index of the joint of each piece of obstacle_shape(spec), in the order of its pieces.
 std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
   std::vector<std::int32_t> joints;
   for (const PartSpec& part : spec.parts) {
@@ -84,7 +84,8 @@ std::vector<std::string_view> supply_names(const Registry& registry) {
   return names;
 }
 
-/// Assigns each device the supply of its own part, or else of the nearest part that carries it.
+/// Assigns each device its power supply: that of its part or, if the part has none, of the nearest part that
+/// carries its part.
 void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& type,
                       Diagnostics& diagnostics) {
   std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
@@ -94,8 +95,9 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
     if (supplies[device.part])
       diagnostics.error(
           spec.parts[device.part].where,
-          fmt::format("\"{}\" and \"{}\" supply the same part: at most one supply per part is allowed",
-                      type.devices[*supplies[device.part]].name, device.name));
+          fmt::format(
+              "the power supplies \"{}\" and \"{}\" are on the same part: a part may have at most one",
+              type.devices[*supplies[device.part]].name, device.name));
     supplies[device.part] = d;
   }
   for (std::size_t p = 1; p < spec.parts.size(); ++p)  // parents come before their children
@@ -105,14 +107,16 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
     if (device.kind->needs_supply && !device.supply)
       diagnostics.error(
           spec.parts[device.part].where,
-          fmt::format("\"{}\" ({}) needs a {} on its part, or on a part that carries it", device.name,
-                      device.kind->name, fmt::join(supply_names(registry), " or a ")));
+          fmt::format(
+              "device \"{}\" ({}) has no power supply: add a {} to its part, or to a part that carries "
+              "this part",
+              device.name, device.kind->name, fmt::join(supply_names(registry), " or a ")));
   }
   if (type.drive) type.drive->supply = supplies.front();
 }
 
-/// The drive device that controllers of a part command: that of the part itself, or else of the nearest part
-/// that carries it. None: they command the body's drive.
+/// Index of the drive device that controllers of a part command: that of the part itself or, if it has none,
+/// of the nearest part that carries it. Without a result they command the body's drive.
 std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, std::uint32_t part) {
   for (;; part = spec.parts[part].parent) {
     for (std::size_t d = 0; d < type.devices.size(); ++d)
@@ -181,7 +185,8 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
   if (!prepared) return prepared;
   for (std::size_t& s : prepared->devices) {
     if (s >= shown.size())  // a bug in the kind
-      return Error{fmt::format("chose device index {}, but has only {} devices", s, shown.size())};
+      return Error{
+          fmt::format("chose device {}, counted from 0, but was offered only {} devices", s, shown.size())};
     s = shown[s];
   }
   if (kind.bind_world)
@@ -205,17 +210,25 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
 
   for (std::size_t j = 0; j < spec.joints.size(); ++j)
     if (spec.joints[j].parent >= static_cast<std::int32_t>(j))
-      diagnostics.error(spec.parts.front().where, "the parent of a joint must come before it");
+      diagnostics.error(
+          spec.parts.front().where,
+          fmt::format("type \"{}\": the parent of joint \"{}\" must come before it in the list of "
+                      "joints",
+                      spec.name, spec.joints[j].name));
   for (const PartSpec& part : spec.parts)
     if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec.joints.size()))
-      diagnostics.error(part.where, "a part refers to a joint that its type does not have");
+      diagnostics.error(
+          part.where,
+          fmt::format("type \"{}\": part \"{}\" refers to joint {}, counted from 0, but the type has "
+                      "{} joints",
+                      spec.name, part.name, part.joint, spec.joints.size()));
 
   constexpr double k_thin_m = 0.5e-3;
   if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
     diagnostics.warning(
         spec.parts.front().where,
-        fmt::format("a part of type \"{}\" is only {:.3g} m thick: each motion is tested at steps of a "
-                    "quarter of that, which is slow; make it {} m or more",
+        fmt::format("a part of type \"{}\" is only {:.3g} m thick: each motion is tested in steps of a "
+                    "quarter of this thickness, which is slow; make the part at least {} m thick",
                     spec.name, type.obstacle.thinnest, k_thin_m));
   }
   if (spec.drive) {
@@ -264,8 +277,12 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     const bool moves = joints > 0 && sensor.moves != k_rigid;
     if (sensor.joint < k_rigid || sensor.joint >= known || sensor.moves < k_rigid ||
         (moves ? sensor.moves + joints > known : joints > 0)) {
-      diagnostics.error(sensor.where,
-                        fmt::format("device \"{}\" needs joints that its type does not have", sensor.kind));
+      diagnostics.error(
+          sensor.where,
+          fmt::format(
+              "a device of kind \"{}\" is on a joint, or moves a joint, that type \"{}\" does not have: "
+              "add the device with add_device(), which also adds its joints",
+              sensor.kind, spec.name));
       continue;
     }
     // Readings are looked up, and hashed, by name, so the name must be unique.
@@ -273,9 +290,9 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     for (int n = 2; std::ranges::find(type.devices, name, &BodyType::Device::name) != type.devices.end(); ++n)
       name = fmt::format("{}#{}", sensor.name, n);
     if (name != sensor.name) {
-      diagnostics.warning(
-          sensor.where,
-          fmt::format("the robot already has a sensor \"{}\": this one is named \"{}\"", sensor.name, name));
+      diagnostics.warning(sensor.where,
+                          fmt::format("the robot already has a sensor \"{}\": this sensor is renamed \"{}\"",
+                                      sensor.name, name));
     }
     const std::uint32_t stream = stream_id(kind->name, name);
     Result<DeviceKind::Prepared> prepared = prepare_device(*kind, sensor, world, spec);
@@ -297,11 +314,13 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     type.joint_reach += type.devices.back().prepared.joint_reach_m;
     if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
-  constexpr double k_most_reach = 1000;  // m: a body's circle is stored in every grid cell that it touches
+  // Limit of joint_reach, m. The circle of a body is stored in every grid cell that it touches.
+  constexpr double k_most_reach = 1000;
   if (!(type.joint_reach <= k_most_reach))
     diagnostics.error(
         spec.parts.front().where,
-        fmt::format("too large: the joints of type \"{}\" reach {:g} m, at most {:g} m are allowed",
+        fmt::format("too large: the joints of type \"{}\" can move by {:g} m in total, at most {:g} m are "
+                    "allowed",
                     spec.name, type.joint_reach, k_most_reach));
   connect_supplies(spec, registry, type, diagnostics);
 
@@ -316,7 +335,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     const std::optional<std::size_t> drive = drive_of(spec, type, controller.part);
     if (kind->needs_drive && !type.drive && !drive) {
       diagnostics.error(controller.where,
-                        fmt::format("controller \"{}\" needs a body with a drive", controller.kind));
+                        fmt::format("controller \"{}\" needs a drive, but type \"{}\" has none",
+                                    controller.kind, spec.name));
       continue;
     }
     Result<ControllerKind::Prepared> made = prepare_controller(*kind, controller, world, spec, type, claimed);
@@ -327,9 +347,10 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     }
     ControllerKind::Prepared& prepared = *made;
     if (prepared.devices.size() > k_most_devices_read) {
-      diagnostics.error(controller.where,
-                        fmt::format("controller \"{}\" reads {} sensors; at most {} are allowed",
-                                    controller.kind, prepared.devices.size(), k_most_devices_read));
+      diagnostics.error(
+          controller.where,
+          fmt::format("controller \"{}\" uses {} sensors and other devices; at most {} are allowed",
+                      controller.kind, prepared.devices.size(), k_most_devices_read));
       continue;
     }
     for (const std::size_t s : prepared.devices) {

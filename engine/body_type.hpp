@@ -13,114 +13,120 @@
 
 namespace troupe::engine {
 
-/// A closed outline that rays may hit: vertices [first, first + count) of the type.
+/// A closed outline that rays may hit: the vertices [first, first + count) of BodyType::outline_vertices.
 struct RayOutline {
   std::uint32_t first = 0;  ///< index of its first vertex in BodyType::outline_vertices
-  std::uint32_t count = 0;  ///< vertices, at least one
-  ZInterval z;              ///< body frame
+  std::uint32_t count = 0;  ///< number of its vertices, at least one
+  ZInterval z;              ///< height interval, body frame
   /// Intensity that rangers read (Returns::ranger); negative if their beams pass through the outline.
   float ranger_return = 1;
   std::uint32_t part = 0;        ///< index of its part in the type
   std::uint32_t solid = 0;       ///< index in the type: contours of one solid form one even-odd region
-  std::int32_t joint = k_rigid;  ///< index of the joint that moves it
+  std::int32_t joint = k_rigid;  ///< index of the joint that moves it; k_rigid: none
 };
 
-/// A compiled TypeSpec: what identical bodies share. It is constant during a run, except for settings of
-/// parameters (SettingSpec).
+/// A compiled TypeSpec: the data that bodies of one type share. It is constant during a run, except for
+/// parameters that an intervention changes (SettingSpec).
 struct BodyType {
-  std::string name;                           ///< TypeSpec::name
-  partition::ObstacleShape obstacle;          ///< with every joint at rest
+  std::string name;                           ///< name of the type (TypeSpec::name)
+  partition::ObstacleShape obstacle;          ///< obstacle shape with every joint at rest, body frame
   std::vector<std::int32_t> obstacle_joints;  ///< joint of each piece; empty if the type has no joints
   partition::ObstacleShape grip;            ///< shape that grippers sense; empty if they cannot grip the body
-  std::vector<Vec2> outline_vertices;       ///< body frame
+  std::vector<Vec2> outline_vertices;       ///< vertices of all outlines, body frame, m
   std::vector<RayOutline> outlines;         ///< visible to rangers; their vertices come first
-  std::vector<RayOutline> hidden_outlines;  ///< invisible to rangers, but not to fiducial finders and others
-  /// Radius of the circle about the origin that encloses every outline, obstacle and fiducial target, m.
-  double radius = 0;                   ///< with every joint at rest
-  double joint_reach = 0;              ///< bound on how far joints extend `radius`, m
-  std::vector<std::uint32_t> targets;  ///< parts that fiducial finders detect
+  std::vector<RayOutline> hidden_outlines;  ///< invisible to rangers, visible to the other sensors
+  /// Radius of the circle about the origin that encloses every outline, obstacle and fiducial target with
+  /// every joint at rest, m.
+  double radius = 0;
+  double joint_reach = 0;              ///< largest distance by which the joints can extend `radius`, m
+  std::vector<std::uint32_t> targets;  ///< indices of the parts that fiducial finders detect
 
   /// A compiled JointSpec.
   struct Joint {
-    std::string name;       ///< its component is `joint/<name>`
+    std::string name;       ///< name; the joint's state is the component `joint/<name>`
     std::int32_t parent;    ///< index of its parent joint, which precedes it; k_rigid: none
-    Mount at_rest;          ///< in the body frame
+    Mount at_rest;          ///< frame of the joint at rest, in the body frame
     Mount to_body;          ///< inverse of `at_rest`
-    std::size_t table = 0;  ///< of its positions: index into World::tables()
+    std::size_t table = 0;  ///< table of the joint's poses: index into World::tables()
   };
-  std::vector<Joint> joints;  ///< in the order of TypeSpec::joints
+  std::vector<Joint> joints;  ///< joints of the type, in the order of TypeSpec::joints
 
   /// A compiled DriveSpec.
   struct Drive {
-    const DriveKind* kind;                                     ///< in the registry
+    const DriveKind* kind;                                     ///< its kind, owned by the registry
     std::any data;                                             ///< result of DriveKind::prepare
-    std::uint64_t period;                                      ///< ticks
+    std::uint64_t period;                                      ///< ticks from one run to the next
     Localization localization;                                 ///< how its robots estimate their poses
-    std::optional<std::size_t> odometry_table = std::nullopt;  ///< index into World::tables()
+    std::optional<std::size_t> odometry_table = std::nullopt;  ///< odometry: index into World::tables()
     std::optional<std::size_t> supply = std::nullopt;          ///< its power supply: index into `devices`
-    std::uint8_t pushes = 0;                                   ///< most bodies that it pushes at once
+    std::uint8_t pushes = 0;  ///< largest number of bodies that it can push at once
   };
   std::optional<Drive> drive;  ///< none: bodies of the type do not move on their own
   bool pushable = false;       ///< robots can push it; it has no drive
 
   /// A compiled DeviceSpec.
   struct Device {
-    std::string name;                          ///< DeviceSpec::name
-    const DeviceKind* kind;                    ///< in the registry
-    DeviceKind::Prepared prepared;             ///< result of DeviceKind::prepare
-    std::uint64_t period;                      ///< ticks
-    bool active;                               ///< it runs: always on, or read by a controller
-    std::uint32_t part;                        ///< part that carries it: index in the type
-    std::int32_t joint;                        ///< joint that it is mounted on: index in the type
-    std::int32_t moves;                        ///< first of the joints that it moves
-    std::uint32_t stream;                      ///< of its random numbers
-    std::optional<std::size_t> supply;         ///< its power supply: index into `devices`
-    std::size_t table = 0;                     ///< of its percepts: index into World::tables()
-    std::optional<std::size_t> command_table;  ///< of its commands: index into World::tables()
-    std::uint32_t switch_bit = 0;              ///< in Command::off; 0: no controller switches it
+    std::string name;                   ///< name of the device (DeviceSpec::name)
+    const DeviceKind* kind;             ///< its kind, owned by the registry
+    DeviceKind::Prepared prepared;      ///< result of DeviceKind::prepare
+    std::uint64_t period;               ///< ticks from one run to the next
+    bool active;                        ///< runs without a subscriber: DeviceSpec::active, or it is read
+    std::uint32_t part;                 ///< part that carries it: index in the type
+    std::int32_t joint;                 ///< joint that it is mounted on: index in the type
+    std::int32_t moves;                 ///< first of the joints that it moves: index in the type
+    std::uint32_t stream;               ///< stream of its random numbers
+    std::optional<std::size_t> supply;  ///< its power supply: index into `devices`
+    std::size_t table = 0;              ///< table of its percepts: index into World::tables()
+    std::optional<std::size_t> command_table;  ///< table of its commands: index into World::tables()
+    std::uint32_t switch_bit = 0;              ///< its bit in Command::off; 0: no controller switches it
   };
-  std::vector<Device> devices;  ///< in the order of TypeSpec::devices
-  std::vector<std::size_t>
-      joint_devices;     ///< those that move joints, before the devices mounted on those joints
-  bool carries = false;  ///< a device can pick up other bodies
+  std::vector<Device> devices;  ///< sensors and other devices, in the order of TypeSpec::devices
+  /// Indices of the devices that move joints. Each comes before the devices that are mounted on its joints.
+  std::vector<std::size_t> joint_devices;
+  bool carries = false;  ///< whether a device of the type can pick up other bodies
 
   /// A compiled ControllerSpec.
   struct Controller {
-    const ControllerKind* kind;        ///< in the registry
+    const ControllerKind* kind;        ///< its kind, owned by the registry
     std::any data;                     ///< result of ControllerKind::prepare
-    std::vector<std::size_t> devices;  ///< indices into `devices`; the first is the trigger
-    std::uint64_t period;              ///< ticks
-    std::uint32_t stream;              ///< of its random numbers
-    std::optional<std::size_t> table;  ///< of its memories: index into World::tables()
-    std::optional<std::size_t> drive;  ///< drive that it commands: index into `devices`; none: the body's
+    std::vector<std::size_t> devices;  ///< indices into BodyType::devices; it runs when the first one runs
+    std::uint64_t period;              ///< ticks from one run to the next
+    std::uint32_t stream;              ///< stream of its random numbers
+    std::optional<std::size_t> table;  ///< table of its memories: index into World::tables()
+    /// Drive device that it commands: index into BodyType::devices. Not set: it commands the body's drive.
+    std::optional<std::size_t> drive;
   };
-  std::vector<Controller> controllers;  ///< in the order of TypeSpec::controllers
+  std::vector<Controller> controllers;  ///< in the order in which they decide (TypeSpec::controllers)
 
   /// Estimated memory per body, bytes: readings, memories and its outline.
   double row_bytes() const;
-  /// Whether bodies of the type have a row: they move, can be moved, sense or decide.
+  /// Whether bodies of the type have a row in the state tables: they can move, sense, decide, be gripped or
+  /// be pushed.
   bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty() || pushable; }
-  /// Whether the obstacle shape of a body can change.
+  /// Whether the obstacle shape of a body can change: it has joints or can carry other bodies.
   bool is_composite() const { return !joints.empty() || carries; }
 };
 
-/// The number of readings that the parameters of a device ask for, known before memory is allocated: the sum
-/// of the parameters that count readings (Field::counts_readings), including those in lists of blocks.
+/// The number of readings that the parameters of a device ask for. It is used to check the memory of a device
+/// before it is allocated. It is the sum of the parameters that count readings (Field::counts_readings),
+/// including those in lists of parameter blocks.
 double samples_asked_for(const FieldTable& table, const Record& params);
 
-/// Prepares a device of a type. The error says what is wrong with it, or what its kind threw.
+/// Prepares a device of a type. The error says what is wrong with the device, or which exception its kind
+/// threw.
 Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
                                             const WorldSpec& world, const TypeSpec& spec);
 
-/// Prepares a controller for a type whose devices are prepared. It chooses among the devices of its part and
-/// of the parts mounted on it, drives excluded, and marks those it claims. The error says what it lacks, or
-/// what its kind threw.
+/// Prepares a controller for a type whose devices are already prepared. The controller chooses among the
+/// devices of its part and of the parts mounted on that part, without drives. It sets claimed[d] for each
+/// device d of the type that it reserves for itself. The error says what the controller lacks, or which
+/// exception its kind threw.
 Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const ControllerSpec& controller, const WorldSpec& world,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed);
 
-/// Compiles a type. Reports what cannot be built (unknown kinds, controllers without their sensors) at the
+/// Compiles a type. Reports errors (unknown kinds, controllers without the sensors that they need) at the
 /// file positions of the spec.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);

@@ -21,12 +21,13 @@ using partition::ObstacleShape;
 using partition::PlacedShape;
 
 constexpr std::size_t k_batch = 128;  // rows per task
-// The most dependencies that a row lists. A row with more repeats its geometric tests in each round.
+// Largest number of dependencies that a row lists. A row with more dependencies repeats its geometric tests
+// in each round.
 constexpr std::size_t k_listed = 64;
 constexpr std::uint32_t k_unlisted = ~0u;
 
-// A longer motion is called far. Up to k_max_far bodies with far motions are tested one by one, because they
-// would otherwise widen the search of every body.
+// A motion that is longer than this is called far. Up to k_max_far bodies with far motions are not found
+// through the index, but tested one by one, because they would otherwise widen the search of every body.
 constexpr double k_far_m = 0.5;
 
 template <class T>
@@ -34,7 +35,8 @@ std::atomic_ref<T> atomic(T& value) {
   return std::atomic_ref(value);
 }
 
-/// Raises an atomic maximum of non-negative numbers, whose bit patterns have the order of their values.
+/// Updates an atomic maximum with a value. All values are non-negative, so their bit patterns have the order
+/// of the values.
 void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
@@ -47,7 +49,7 @@ double value_of(const std::atomic<std::uint64_t>& most) {
 
 std::size_t motion_samples(double displacement, double thinnest) {
   const double samples = displacement / (0.25 * thinnest);
-  constexpr double k_most = 1e6;  // a needle at an absurd speed must not stall the step
+  constexpr double k_most = 1e6;  // a very thin body at a very high speed must not stall the step
   const double n = samples < k_most ? samples : k_most;
   const auto whole = static_cast<std::size_t>(n);
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
@@ -61,14 +63,14 @@ class Mover {
       : row(r), from(crowd.poses[r]), motion(crowd.motions[r]), shape(*crowd.shapes[r]), crowd_(crowd) {}
 
   double length() const { return (motion.to.position() - from.position()).norm(); }
-  /// Upper bound, m, on how far any vertex gets from its old place during the motion.
+  /// Upper bound on the distance of any vertex from its old position during the motion, m.
   double displacement() const { return length() + shape.radius * std::abs(motion.turn); }
 
   std::size_t samples() {
     if (samples_ == 0) samples_ = motion_samples(displacement(), shape.thinnest);
     return samples_;
   }
-  /// Pose k of n, 1 .. n - 1.
+  /// Pose at sample k of the motion, 1 <= k < n, where n is the number of samples.
   Pose between(std::size_t k) { return between(k, samples()); }
   Pose between(std::size_t k, std::size_t n) const {
     const double t = static_cast<double>(k) / static_cast<double>(n);
@@ -91,8 +93,9 @@ class Mover {
   std::optional<PlacedShape> there_;
 };
 
-/// The first and the last sample of a motion at which its origin may lie within `reach` of a point, with a
-/// margin to either side; none: first > last. Short motions return all samples; a fast motion has thousands.
+/// Returns the first and the last sample of a motion at which the mover's origin may lie within `reach` of a
+/// point, with a margin on both sides. If there is none, the first is greater than the last. For motions with
+/// few samples, all of them are returned. (The motion of a fast body can have thousands.)
 std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
   constexpr std::size_t k_few = 8;
   const std::size_t n = mover.samples();
@@ -107,7 +110,7 @@ std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point
   return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
 }
 
-/// A list of numbers that allocates only beyond 512 of them, which is rare.
+/// A list of numbers that allocates memory only if it has more than 512 numbers, which is rare.
 class Few {
  public:
   void add(std::uint32_t n) {
@@ -133,9 +136,9 @@ class Few {
 /// A body that is being pushed, with its positions, m, world frame.
 struct Pushed {
   std::uint32_t row;
-  Vec2 before;  // before the motion
-  Vec2 last;    // at the previous sample of the motion
-  Vec2 now;
+  Vec2 before;  // before the pusher's motion
+  Vec2 last;    // at the previous sample of the pusher's motion
+  Vec2 now;     // at the present sample
 };
 
 }  // namespace
@@ -152,7 +155,8 @@ class Conflicts::Resolver {
         round_(conflicts.base_ + 1),
         mixture_(mix(crowd.seed, crowd.tick)) {}
 
-  /// Before the first round: finds the longest motions, which say how far to search for neighbours.
+  /// Called before the first round: finds the longest motions. Their length determines how far to search for
+  /// neighbours.
   void bound_motions(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
@@ -177,8 +181,8 @@ class Conflicts::Resolver {
     conflicts_.longest_ = sqrt(std::max(longest2, value_of(longest_far2_))) + partition::k_rounding_m;
   }
 
-  /// First round: tests the static scene and every other body. Resolves the row unless its outcome depends on
-  /// whether bodies of higher priority move.
+  /// First round, for one row: tests its motion against the static scene and every other body. Resolves the
+  /// row unless its outcome depends on whether certain bodies of higher priority move; the row then waits.
   void propose_and_check(std::uint32_t row) {
     const Motion& motion = crowd_.motions[row];
     if (!motion.moves) return;
@@ -207,10 +211,10 @@ class Conflicts::Resolver {
     wait(conflicts_.waiting_.get(), waiting);
   }
 
-  /// Further rounds: resolves each body that depends only on bodies that earlier rounds resolved, and each
-  /// body that a resolved body blocks. Among the waiting bodies the one of highest priority is always
-  /// resolved, so the rounds end. A round reads only outcomes of earlier rounds, so the number of rounds,
-  /// too, is the same on any number of threads.
+  /// Further rounds, for one waiting row. The row is resolved if earlier rounds have resolved all bodies that
+  /// it depends on, or if a resolved body blocks it. Each round resolves at least the waiting body of highest
+  /// priority, so the rounds end. A round reads only outcomes of earlier rounds, so the number of rounds also
+  /// does not depend on the number of threads.
   void resolve_waiting(const Waiting& waiting) {
     if (waiting.count == k_in_zone) return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
     bool open = false;
@@ -245,14 +249,15 @@ class Conflicts::Resolver {
 
   // ---- Only if the world has pushable bodies
 
-  /// Finds the largest zone, which says how far to search for overlapping zones.
+  /// Finds the radius of the largest zone, which determines how far to search for overlapping zones.
   void bound_zones(std::size_t first, std::size_t last) {
     double largest = 0;
     for (std::size_t row = first; row < last; ++row)
       if (is_mover(row)) largest = std::max(largest, zone_radius(row));
     raise_to(largest_zone_, largest);
   }
-  /// Sets the row's zone to `pushes` if a pushable body is in it, else to `plain`.
+  /// Sets the row's zone to Zone::pushes if the row can push and a pushable body is in the zone, otherwise to
+  /// Zone::plain.
   void find_zone(std::uint32_t row) {
     Zone& zone = conflicts_.zones_[row];
     zone = Zone::plain;
@@ -266,7 +271,8 @@ class Conflicts::Resolver {
         zone = Zone::pushes;
     });
   }
-  /// Changes a plain zone to `may_push` if it overlaps a zone with a pushable body, which may be pushed in.
+  /// Changes a plain zone to Zone::may_push if it overlaps a zone of kind Zone::pushes: the pushable body
+  /// there may be pushed into this zone.
   void widen_zone(std::uint32_t row) {
     Zone& zone = conflicts_.zones_[row];
     if (zone != Zone::plain || !is_mover(row)) return;
@@ -285,8 +291,8 @@ class Conflicts::Resolver {
     if (scene_blocks(mover)) return resolve(row, Outcome::blocked);
     resolve_in_zone(row, conflicts_.waiting_.get());
   }
-  /// Resolves the row if all movers of higher priority whose zones overlap its own are resolved. Else appends
-  /// it to `list`, the rows that wait.
+  /// Resolves the row if all movers of higher priority whose zones overlap its zone are resolved. Otherwise
+  /// appends it to `list`, the list of waiting rows.
   void resolve_in_zone(std::uint32_t row, Waiting* list) {
     bool open = false;
     for_each_zone(row, [&](std::uint32_t other) {
@@ -306,16 +312,16 @@ class Conflicts::Resolver {
   bool is_mover(std::size_t row) const {
     return crowd_.motions[row].moves && !crowd_.shapes[row]->empty() && !leaves_world(crowd_.motions[row]);
   }
-  /// Radius of the row's zone: the circle about its old position that holds the whole motion and every body
-  /// that it may push, at each place on its way. The bound holds because each pushed body touches the mover
-  /// or one that was met before it.
+  /// Radius of the row's zone: a circle about its old position that contains its whole motion, and every body
+  /// that it may push, wherever that body is pushed. This radius suffices because each pushed body touches
+  /// the mover or a body that was pushed before it.
   double zone_radius(std::size_t row) const {
     constexpr double k_slack_m = 1e-6;  // each shift adds k_rounding_m
     const double length = sqrt(length2_of(row));
     return length + crowd_.shapes[row]->radius + 2 * crowd_.pushables.limits[row] * crowd_.pushables.radius +
            k_slack_m;
   }
-  /// Calls visit(row) for all other movers whose zones overlap the row's.
+  /// Calls visit(other) for all other movers whose zones overlap the zone of the row.
   template <class Visit>
   void for_each_zone(std::uint32_t row, Visit&& visit) const {
     const Vec2 at = crowd_.poses[row].position();
@@ -334,7 +340,8 @@ class Conflicts::Resolver {
     return found.round() > conflicts_.base_ && found.round() < round_;
   }
 
-  /// Place of a body at the turn of `mover`: all that comes before it, and may matter to it, is resolved.
+  /// Place of a body at the turn of `mover`. All bodies of higher priority that may affect the mover are then
+  /// resolved.
   struct Place {
     Transform at;
     double z;
@@ -351,7 +358,8 @@ class Conflicts::Resolver {
   }
   std::span<const Push> pushes_before(const Mover& mover, std::uint32_t row) const {
     if (is_plain(row) || !has_moved_before(mover, row)) return {};
-    // A row whose zone does not overlap the mover's may be under resolution on another thread right now.
+    // If the zones of the row and the mover do not overlap, another thread may be resolving the row right
+    // now.
     if (!partition::in_reach(mover.from.position(), zone_radius(mover.row), crowd_.poses[row].position(),
                              zone_radius(row)))
       return {};
@@ -375,14 +383,15 @@ class Conflicts::Resolver {
     return goes_first(a, b) ? overlap(at_a, at_b) : overlap(at_b, at_a);
   }
 
-  /// Whether the motion is free, or becomes free by pushing. If so, records the pushes.
+  /// Returns whether the motion is free, or becomes free by pushing other bodies. In that case it records the
+  /// pushes.
   bool push(Mover& mover) {
     const std::size_t limit = crowd_.pushables.limits[mover.row];
     const Vec2 from = mover.from.position();
     const double reach = zone_radius(mover.row);
     conflicts_.pushes_of_[mover.row] = {};
-    Few bodies;  // these do not give way
-    Few others;  // these do
+    Few bodies;  // rows near the mover that it cannot push
+    Few others;  // rows near the mover that it can push
     const auto add = [&](std::uint32_t row) {
       const Place now = place_now(mover, row);
       if (!partition::in_reach(from, reach, now.at.position, crowd_.shapes[row]->radius)) return;
@@ -391,8 +400,8 @@ class Conflicts::Resolver {
           !meet(mover.row, mover.here(), row, PlacedShape(*crowd_.shapes[row], now.at, now.z));
       (gives_way ? others : bodies).add(row);
     };
-    // A body that was pushed already is found through the row that pushed it last: the index holds its old
-    // place, which may be far away.
+    // A body that was already pushed in this tick is found through the row that pushed it last: the index
+    // contains its old position, which may be far away.
     index_.for_each_near(Box::around(from, reach + value_of(largest_zone_)), [&](const BodyCircle& circle) {
       const std::uint32_t row = circle.row;
       if (row == mover.row || crowd_.shapes[row]->empty()) return;
@@ -440,10 +449,12 @@ class Conflicts::Resolver {
   }
 
   /// Shifts the bodies that overlap the mover at this pose, then those that overlap the shifted bodies, until
-  /// no bodies overlap. False if that needs too many bodies or passes.
+  /// no bodies overlap. Returns false if too many bodies would have to be shifted or too many passes are
+  /// needed.
   bool make_way(std::uint32_t row, const PlacedShape& mover, std::span<const std::uint32_t> pushable,
                 std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
-    /// Shifts the bodies that `by` overlaps, except those that were met before it.
+    /// Shifts the bodies that row `by` overlaps, except those that were shifted before `by` (the first
+    /// `after` entries of `set`).
     const auto shift = [&](std::uint32_t by, const PlacedShape& at, std::size_t after, bool& shifted) {
       for (const std::uint32_t other : pushable) {
         if (other == by) continue;
@@ -526,7 +537,7 @@ class Conflicts::Resolver {
     list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
   }
 
-  /// Whether the row's free circle holds the whole motion. Computes a new circle if that may help.
+  /// Whether the row's free circle contains the whole motion. Computes a new circle if that may help.
   bool clear_of_scene(Mover& mover) const {
     FreeCircle& free = crowd_.free[mover.row];
     const auto holds = [&](const Vec2& p) {
@@ -536,12 +547,13 @@ class Conflicts::Resolver {
     const Vec2 from = mover.from.position();
     const Vec2 to = mover.motion.to.position();
     if (holds(from) && holds(to)) return true;
-    // The distance to the scene changes by at most the distance travelled since the circle was computed. If
-    // even that cannot suffice, a new circle would be too small as well.
+    // Since the circle was computed, the distance to the scene has grown by at most the distance travelled.
+    // If the radius would be too small even then, a new circle would be too small as well.
     const double needed = mover.shape.radius + mover.length();
     const double gone = (from - Vec2(free.x, free.y)).norm();
     if (free.radius > 0 && free.radius + gone < needed) return false;
-    constexpr double k_ticks = 32;  // intended life of the new circle; a larger circle costs more to compute
+    // Number of ticks for which the new circle should suffice. A larger circle takes longer to compute.
+    constexpr double k_ticks = 32;
     const double clearance = scene_.clearance(from, 2 * mover.shape.radius + k_ticks * mover.length());
     const double rounding = 0x1p-23 * (std::abs(from.x()) + std::abs(from.y()) + clearance) + 1e-9;
     free = {static_cast<float>(from.x()), static_cast<float>(from.y()),
@@ -551,7 +563,7 @@ class Conflicts::Resolver {
 
   bool scene_blocks(Mover& mover) const {
     if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
-    // A body in a floor plan crosses many edges of one solid: the answer is computed once per solid.
+    // A body in a floor plan crosses many edges of one solid. The test against that solid is made only once.
     std::uint32_t known = ~0u;
     const auto already_in = [&](std::uint32_t solid) {
       if (solid == known) return true;
@@ -565,14 +577,14 @@ class Conflicts::Resolver {
     return scene_.crossed(mover.there(), already_in) >= 0;
   }
 
-  /// Calls visit(row) for all bodies whose motions may come near that of the mover, and for some others. May
-  /// visit a row twice if there are many.
+  /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, and for some
+  /// others. If there are more than 32, a row may be visited twice.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();
     const Vec2 to = mover.motion.to.position();
     const Vec2 middle = 0.5 * (from + to);
-    // A circle about the whole motion, widened by the longest motion of the others and by a rounding bound.
+    // A circle about the whole motion, widened by the longest motion of other bodies and by a rounding bound.
     const double around = 0.5 * (to - from).norm() + mover.shape.radius + longest_;
     const double rounding = 0x1p-23 * (std::abs(middle.x()) + std::abs(middle.y()));
     const auto reach = static_cast<float>((around + rounding) * (1 + 0x1p-20));
@@ -587,7 +599,7 @@ class Conflicts::Resolver {
       return false;
     };
     index_.for_each_run(Box::around(middle, around), [&](std::span<const BodyCircle> run) {
-      // The filter has no branches: they would be unpredictable. Hardly any circle passes.
+      // The filter has no branches, because they would be unpredictable. Few circles pass it.
       std::array<std::uint32_t, 64> near;
       while (!run.empty()) {
         const std::size_t some = std::min(run.size(), near.size());
@@ -611,9 +623,9 @@ class Conflicts::Resolver {
     return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
   }
 
-  /// Whether another body blocks the mover: it does so in any case, or depends(row, blocks_at_its_new_pose)
-  /// returns true. `depends` is called for moving bodies of higher priority that block at exactly one of
-  /// their two poses.
+  /// Whether another body blocks the mover. For moving bodies of higher priority that block it at only one of
+  /// their two poses, depends(row, blocks_at_its_new_pose) is called, which returns whether the body blocks
+  /// the mover.
   template <class Depends>
   bool blocked_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
@@ -634,15 +646,15 @@ class Conflicts::Resolver {
     return blocked;
   }
 
-  /// False only if no piece of the mover comes near any piece of another shape during the whole motion. Saves
-  /// exact tests: most bodies near a shape of many pieces are not near any single piece.
+  /// Returns false only if no piece of the mover comes near any piece of another shape during the whole
+  /// motion. This saves exact tests: most bodies near a shape of many pieces are not near any single piece.
   bool parts_come_near(const Mover& mover, const ObstacleShape& shape, const Transform& at) const {
     if (mover.shape.pieces.size() == 1 && shape.pieces.size() == 1) return true;
     return partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
                                       mover.displacement() + partition::k_rounding_m);
   }
 
-  /// Whether `other`, at height z and transform `at`, blocks the motion.
+  /// Whether the row `other`, at height z and transform `at`, blocks the motion of the mover.
   bool blocks(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
     const ObstacleShape& shape = *crowd_.shapes[other];
     const bool first = crowd_.ids[mover.row] < crowd_.ids[other];
@@ -671,11 +683,11 @@ class Conflicts::Resolver {
   const partition::BodyIndex& index_;
   std::uint32_t round_;
   std::uint64_t mixture_;
-  std::atomic<std::uint64_t> longest2_ = 0;  // bits of a squared length, m^2, of the motions that are not far
+  std::atomic<std::uint64_t> longest2_ = 0;  // bits of the largest squared length of motions not far, m^2
   std::atomic<std::uint64_t> longest_far2_ = 0;
   std::atomic<std::size_t> far_count_ = 0;
   std::span<const std::uint32_t> far_;  // rows that are tested one by one
-  double longest_ = 0;                  // m, of the motions found through the index
+  double longest_ = 0;                  // length of the longest motion found through the index, m
   std::atomic<std::size_t> waiting_count_ = 0;
   std::atomic<std::uint32_t> others_count_ = 0;
   std::atomic<std::uint64_t> largest_zone_ = 0;  // bits of a radius, m

@@ -13,21 +13,21 @@
 
 namespace troupe::engine {
 
-/// A motion that a body proposes for one tick. The other members are meaningless if `moves` is false.
+/// A motion that a body proposes for one tick. If `moves` is false, the other members have no meaning.
 struct Motion {
   Pose to;             ///< proposed pose, world frame
-  Rotation rotation;   ///< of `to`
-  double turn = 0;     ///< rad, relative to the old heading; not wrapped
-  bool moves = false;  ///< false: the body proposes to stay
+  Rotation rotation;   ///< rotation by the heading of `to`
+  double turn = 0;     ///< change of the heading, rad; not wrapped
+  bool moves = false;  ///< false: the body proposes no motion
 
   Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, without the height
 };
 
-/// A circle that no edge of a static obstacle crosses, m, world frame.
+/// A circle that no edge of a static obstacle enters, m, world frame.
 struct FreeCircle {
-  float x = 0;       ///< centre
-  float y = 0;       ///< centre
-  float radius = 0;  ///< 0: not yet known
+  float x = 0;       ///< x of its centre
+  float y = 0;       ///< y of its centre
+  float radius = 0;  ///< its radius; 0: no circle is known yet
 };
 
 /// The largest number of bodies that a body may push at once.
@@ -36,10 +36,10 @@ inline constexpr std::size_t k_most_pushed = 16;
 /// Which rows can be pushed, and how many bodies each row can push at once. One entry per row in both spans;
 /// both are empty if the world has no pushable bodies.
 struct Pushables {
-  std::span<const std::uint8_t> is_pushable;  ///< 1: the row can be pushed
-  std::span<const std::uint8_t> limits;       ///< at most k_most_pushed
-  double radius = 0;                          ///< of the largest pushable body, m
-  double thinnest = 0;                        ///< part of all pushable bodies, m
+  std::span<const std::uint8_t> is_pushable;  ///< 1 if the row can be pushed, otherwise 0
+  std::span<const std::uint8_t> limits;       ///< bodies that the row can push, 0 to k_most_pushed
+  double radius = 0;                          ///< radius of the largest pushable body, m
+  double thinnest = 0;                        ///< width of the thinnest part of all pushable bodies, m
   std::size_t most = 0;                       ///< sum of `limits`
 
   bool any() const { return !is_pushable.empty(); }  ///< whether the world has pushable bodies
@@ -47,77 +47,80 @@ struct Pushables {
 
 /// Decides which bodies move in a tick, and which bodies they push.
 ///
-/// rule    Bodies take turns in the order of priority. A body takes its proposed pose if the motion there is
-///         free of the static scene and of every other body. A body that had its turn and moved is tested at
-///         its new pose, any other at its old pose. If the motion is blocked, the body stays at its old pose.
-///         Priority is mix(seed, tick, id), the lowest first, ties by id. Touching is free. A body that
-///         overlaps the mover at the mover's old pose never blocks a motion that increases the distance
-///         between their origins. A static solid that the mover already overlaps never blocks it.
-/// samples A motion is tested at n = ceil(displacement / (thinnest part / 4)) equally spaced poses, the last
-///         being `to` itself, and at most a million. The displacement is |translation| + radius * |turn|,
-///         which no vertex exceeds. Between two consecutive poses a body moves less than the thickness of its
-///         parts, so no body of any thickness passes through it whole. A thin body may pass a corner of a
-///         part, by less than a quarter of the part's width.
-/// pushing A pushable body does not block a body that can push, unless the two overlap at the pusher's old
-///         pose. Either it gives way, or the whole motion is blocked and no body moves. The pusher goes
-///         through n = ceil(displacement / (thinnest part of it and of all pushable bodies / 4)) equally
-///         spaced poses. At each pose the pusher, and then each body that it pushes, in the order in which
-///         they were first met, shifts every body that it overlaps, in the order of their ids, by
-///         partition::way_out plus k_rounding_m. Pushed bodies do not turn and do not keep moving. Earlier
-///         bodies push later ones, never the reverse. This is repeated until no bodies overlap, at most
-///         k_push_passes times. The motion is blocked if it needs more bodies than the limit, or more passes;
-///         if a pushed body would be shifted by more than half of its thinnest part between two poses; or if
-///         its new position is out of bounds, not free of the static scene, or not free of every body that is
-///         not pushed, each at its pose of that turn (except for overlaps from before, as above). Several
-///         bodies may push the same body in a tick, one after another.
-/// result  The outcome of each body is that of the sequential rule, on any number of threads.
+/// rule    Bodies take turns in the order of priority. The body whose turn it is (the mover) takes its
+///         proposed pose if its motion to that pose is free of the static scene and of every other body. The
+///         other bodies are tested at their new poses if they had their turn and moved, and otherwise at
+///         their old poses. If the motion is blocked, the mover stays at its old pose. The priority is
+///         mix(seed, tick, id), the lowest first, ties by id. Bodies that only touch do not block each other.
+///         A body that overlaps the mover at the mover's old pose never blocks a motion that increases the
+///         distance between their origins. A static solid that the mover already overlaps never blocks it.
+/// samples A motion is tested at n = ceil(displacement / (thinnest part / 4)) equally spaced poses, but not
+///         more than a million. The last pose is Motion::to. The displacement, which no vertex exceeds, is
+///         |translation| + radius * |turn|. Between two consecutive poses a body moves less than the
+///         thickness of its parts, so no other body, however thin, passes through it completely. A thin body
+///         may pass through a corner of a part, at a depth of less than a quarter of the part's width.
+/// pushing A pushable body does not block a body that can push (the pusher), unless the two overlap at the
+///         pusher's old pose. Either the pushable body gives way, or the whole motion is blocked and no body
+///         moves. The pusher goes through n = ceil(displacement / (thinnest part of it and of all pushable
+///         bodies / 4)) equally spaced poses. A pass at one of these poses goes through the pusher and the
+///         bodies that it pushes, in the order in which they were first met. Each of them shifts every body
+///         that it overlaps, in the order of their ids, by partition::way_out plus k_rounding_m. Pushed
+///         bodies do not turn and do not keep moving. Bodies that were met earlier push bodies that were met
+///         later, never the reverse. Passes are repeated until no bodies overlap, at most k_push_passes
+///         times. The motion is blocked in each of these cases: it needs to push more bodies than the limit;
+///         it needs more passes; a pushed body would be shifted by more than half of its thinnest part
+///         between two poses; the new position of a pushed body is out of bounds, or not free of the static
+///         scene, or not free of every body that is not pushed. Those other bodies are tested at their poses
+///         of that turn, and overlaps that existed before do not count, as in `rule`. Several bodies may push
+///         the same body in a tick, one after another.
+/// result  The outcome of each body is that of this sequential rule, on any number of threads.
 /// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
-///         algorithms can be fast, PPoPP 2012. Among the moving bodies of higher priority, a body depends on
-///         those that would block it at exactly one of their two poses. Nearly all bodies depend on none and
-///         are resolved at once; the rest are resolved in a all_listed rounds that need no geometry, unless a
-///         body has very many dependencies. A body that may come to push has a zone: a circle that holds all
-///         that it could touch or move. It is resolved after all bodies of higher priority whose zones
-///         overlap its own.
+///         algorithms can be fast, PPoPP 2012. A body depends on those moving bodies of higher priority that
+///         would block it at only one of their two poses, the old or the new one. Nearly all bodies depend on
+///         no other body and are resolved at once. The remaining bodies are resolved in rounds that need no
+///         geometry, except for bodies with very many dependencies. A body that may push has a zone: a circle
+///         that contains everything that it could touch or move. It is resolved after all bodies of higher
+///         priority whose zones overlap its zone.
 /// memory  Grows with the number of rows. resolve() allocates only when there are more rows than ever before,
 ///         or when a pusher has more than 512 bodies in its zone.
 class Conflicts {
  public:
-  static constexpr int k_push_passes = 16;  ///< see `pushing`, above
+  static constexpr int k_push_passes = 16;  ///< largest number of passes: see `pushing`, above
 
   /// The bodies of a tick: one entry per row in each span.
   struct Crowd {
     std::span<const Pose> poses;            ///< old poses, world frame
-    std::span<const Transform> transforms;  ///< of `poses`
+    std::span<const Transform> transforms;  ///< the old poses as transforms
     std::span<const Motion> motions;        ///< proposed motions
     /// Obstacle shapes, body frame. A body with an empty shape blocks no other and is never blocked.
     std::span<const partition::ObstacleShape* const> shapes;
-    std::span<const std::uint32_t> ids;  ///< unique
-    /// A cache: a circle about each row that is free of the static scene. The caller keeps it from tick to
-    /// tick as long as the scene is the same; resolve() updates it. It is not state: starting again with
-    /// empty circles gives the same outcomes.
+    std::span<const std::uint32_t> ids;  ///< unique ids of the bodies
+    /// A cache: a circle near each row that is free of the static scene. The caller keeps it from tick to
+    /// tick while the static scene does not change; resolve() updates it. It is not state: circles with
+    /// radius 0 give the same outcomes.
     std::span<FreeCircle> free;
-    std::uint64_t seed = 1;    ///< of the world, for priorities
+    std::uint64_t seed = 1;    ///< seed of the world, for priorities
     std::uint64_t tick = 0;    ///< the current tick, for priorities
-    Box bounds;                ///< m, world frame; a motion that ends outside is out of bounds
-    Pushables pushables = {};  ///< empty: no robot pushes
+    Box bounds;                ///< box in which motions must end, m, world frame
+    Pushables pushables = {};  ///< which bodies can push and be pushed; empty: none
   };
 
   /// A pushed row and its new position. Its height and heading do not change.
   struct Push {
-    std::uint32_t row;  ///< of the pushed body
-    Vec2 position;      ///< m, world frame
+    std::uint32_t row;  ///< row of the pushed body
+    Vec2 position;      ///< new position of its origin, m, world frame
   };
 
   /// The outcome of a row's motion.
   enum class Outcome : std::uint8_t {
-    stands,         ///< it proposed no motion
-    moved,          ///< it is at its proposed pose
-    blocked,        ///< it stays at its old pose, because a body or a static solid is in its way
-    out_of_bounds,  ///< it stays at its old pose, because the motion ends outside the bounds of the world
+    stands,         ///< the body proposed no motion
+    moved,          ///< the body is at its proposed pose
+    blocked,        ///< the body stays at its old pose, because a body or a static solid is in its way
+    out_of_bounds,  ///< the body stays at its old pose, because the motion would end outside Crowd::bounds
   };
 
-  /// Resolves all motions of a tick. The index holds every row at its pose; rows that are not in it must
-  /// propose no motion.
+  /// Resolves all motions of a tick. The index must contain the rows at their old poses. Rows that it does
+  /// not contain must propose no motion.
   void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
                partition::Parallel& parallel);
 
@@ -129,11 +132,12 @@ class Conflicts {
   Outcome outcome(std::size_t row) const {
     return resolutions_[row].round() > base_ ? resolutions_[row].outcome() : Outcome::stands;
   }
-  /// Rounds of the last resolution; 1 if no body had to wait.
+  /// Number of rounds of the last resolution; 1 if no body had to wait for another.
   std::uint64_t rounds() const { return rounds_; }
   /// Upper bound, m, on how far any body's origin moved in the last resolution, driven or pushed.
   double longest() const { return longest_; }
-  /// All pushes of the last resolution, in any order. A row may have several, exactly one of which is_last.
+  /// All pushes of the last resolution, in any order. A row may have several; is_last() is true for exactly
+  /// one of them.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }
   /// Whether this is the last push of its row, so that its position is final. Only for elements of pushes().
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
@@ -171,7 +175,8 @@ class Conflicts {
     std::uint32_t first;
     std::uint32_t count;
   };
-  /// Whether pushable bodies are in a mover's zone: none, some, or none unless another body pushes some in.
+  /// Whether the zone of a mover contains pushable bodies: none (plain), some (pushes), or none unless
+  /// another body pushes one into the zone (may_push).
   enum class Zone : std::uint8_t { plain, pushes, may_push };
   static constexpr std::size_t k_max_far = 64;
 

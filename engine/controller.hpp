@@ -12,10 +12,10 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists every member of a controller's Memory, or of another struct that is state: the short form of
-/// `describe` (engine/description.hpp), without units and texts. Only listed members exist for hash,
-/// comparison, checkpoint and recording; a member that is not listed, or one that is not a number, does not
-/// compile.
+/// Lists every member of a controller's Memory, or of another struct that is state. It is the short form of
+/// `describe` (engine/description.hpp), without units and texts. State is hashed, compared, saved and
+/// recorded by these fields. A member that is not listed, or is not a number, a bool or an array of these, is
+/// a compile error.
 #define TROUPE_FIELDS(...)                                         \
   constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
@@ -23,7 +23,8 @@
 namespace troupe::engine {
 namespace detail {
 
-/// True if no member is listed twice. With as many names as members, each member is then listed once.
+/// True if TROUPE_FIELDS lists no member twice. If it also lists as many names as there are members, it lists
+/// each member exactly once.
 template <class Memory>
 constexpr bool lists_distinct_members() {
   Memory example{};
@@ -171,8 +172,8 @@ std::vector<StateField> listed_fields() {
 
 }  // namespace detail
 
-/// The state fields of a memory struct, with their offsets in it. The struct is described, or lists its
-/// members with TROUPE_FIELDS.
+/// The state fields of a memory struct, with their offsets in the struct. The struct must either have a
+/// `describe` function or list its members with TROUPE_FIELDS.
 template <class Memory>
 std::vector<StateField> memory_fields() {
   static_assert(std::is_trivially_copyable_v<Memory>, "a memory is saved and hashed as bytes");
@@ -193,17 +194,18 @@ std::vector<StateField> memory_fields() {
 /// and may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
-///     struct Memory { ...; TROUPE_FIELDS(...) };  // its memory of each robot; may be described instead
+///     struct Memory { ...; TROUPE_FIELDS(...) };  // memory of each robot; may have `describe` instead
 ///     static constexpr bool needs_drive = false;  // default: true, the robot must have a drive
-///     static constexpr bool switches = true;      // it switches devices on and off
-///     static C make(const Params&);               // default: C{params}; without Params it has no argument
+///     static constexpr bool switches = true;      // default: false; true: it switches devices on and off
+///     static C make(const Params&);               // default: C{params}; without Params: C make()
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
-///                                                 // default: uses all devices and claims none
+///         // chooses devices as ControllerKind::prepare does; default: uses all devices and claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
-///                                                 // instead of choose: kinds of its devices, in order
-///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);     //
-///     ControllerKind::bind_world static constexpr std::array<std::string_view, N> brings; //
-///     ControllerKind::brings
+///         // instead of choose: the kinds of the devices that it uses, in order
+///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
+///         // ControllerKind::bind_world
+///     static constexpr std::array<std::string_view, N> brings;
+///         // ControllerKind::brings
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text) {
   using Memory = typename detail::MemoryOf<C>::type;

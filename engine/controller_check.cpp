@@ -15,10 +15,11 @@
 namespace troupe::engine {
 namespace {
 
-// Fill bytes of unset storage: the first time, and the second.
+// Bytes with which storage is filled before a controller writes to it. The check of `start` uses both.
 constexpr std::byte k_junk{0xa5};
 constexpr std::byte k_other_junk{0x5a};
-// Not a divisor of the batch size of the step, so each robot is batched with other robots than before.
+// Rows per batch of the repetitions. It does not divide the batch size of the step, so that each robot is in
+// a batch with other robots than in the step.
 constexpr std::size_t k_batch = 61;
 
 /// Leaves junk on the stack, where the next call places its local variables.
@@ -36,8 +37,8 @@ std::string controller_name(const BodyType::Controller& controller, std::size_t 
   return fmt::format("{}/{}", controller.kind->name, number);
 }
 
-/// Merges a finding: each field of each controller is reported once, with the repetition that found it first,
-/// the lowest body and the number of decisions.
+/// Merges a finding into a list that has each field of each controller at most once: with the repetition that
+/// found it first, the lowest id of a body, and the number of decisions that differ.
 void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findings) {
   const auto known = std::ranges::find_if(findings, [&](const ControllerFinding& other) {
     return other.controller == finding.controller && other.field == finding.field;
@@ -51,8 +52,8 @@ void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findi
   }
 }
 
-/// Makes a controller of a type again, on a stack of junk. Without it, the stack would hold what the
-/// preparation of other parts left there, which may be the same each time.
+/// Makes a controller of a type again, on a stack that is filled with junk. Without the junk, the stack would
+/// hold what the preparation of other parts left there, which may be the same each time.
 void make_afresh(const WorldSpec& world, const TypeSpec& spec, BodyType& type, std::size_t controller) {
   std::vector<bool> claimed(type.devices.size(), false);  // by earlier controllers
   for (std::size_t c = 0; c <= controller; ++c) {
@@ -140,8 +141,9 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
   return findings;
 }
 
-/// Settings take effect between two ticks, in the order of their ticks: those of a tick apply to the
-/// decisions of the next tick. As in the world itself, a setting makes only its own controller again.
+/// Settings take effect between two ticks, in the order of their ticks: a setting at the end of a tick
+/// applies to the decisions of the next tick. As in the world itself, a setting of a controller makes only
+/// this controller again.
 void ControllerCheck::follow_settings(std::uint64_t tick) {
   const WorldSpec& spec = world_.spec();
   const auto in_force = static_cast<std::size_t>(
@@ -184,7 +186,8 @@ ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
   return watched;
 }
 
-/// Called on the world's workers, in place of the decision.
+/// Called on the world's worker threads in place of the decision: lets the controller decide, and stores
+/// copies of its inputs and outputs.
 void ControllerCheck::record(const BodyType& type, const BodyType::Controller& controller,
                              const DecideBatch& batch) {
   Watched& watched = watched_[static_cast<std::size_t>(&type - world_.types().data())]
@@ -258,7 +261,7 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   return findings;
 }
 
-/// Repeats into commands_ and written_, from copies of the inputs of the first time.
+/// Repeats the decisions from the stored inputs. The outputs are in commands_ and written_.
 void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& watched) {
   const Decisions& taken = watched.taken;
   DecideBatch batch = taken.given;

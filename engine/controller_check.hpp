@@ -13,7 +13,7 @@
 
 namespace troupe::engine {
 
-/// A field in which a controller decided differently although its inputs were identical.
+/// A field that a controller set to different values although its inputs were identical.
 struct ControllerFinding {
   /// Which repetition found it.
   enum class Repeat : std::uint8_t {
@@ -23,69 +23,71 @@ struct ControllerFinding {
   };
   /// Kind and number within its body, as in the component of its memory: "wander/0".
   std::string controller;
-  std::string field;              ///< "memory turn_left_s" or "command x"
+  std::string field;              ///< name of the field, such as "memory turn_left_s" or "command x"
   Repeat repeat = Repeat::again;  ///< which repetition found it
-  BodyId body;                    ///< the lowest id that differs
-  StateValue first;               ///< first decision, of that body
-  StateValue second;              ///< repeated decision, of that body
+  BodyId body;                    ///< the lowest id of a body whose field differs
+  StateValue first;               ///< value of that body after the first decision
+  StateValue second;              ///< value of that body after the repeated decision
   std::size_t decisions = 1;      ///< number of decisions that differ in this field
 };
 /// The message of a finding: `controller "wander/0": memory avoid_updates of "r3" (id 4) is 0x0000000b (11)
 /// when decided again, not 0x0000000a (10); 12 decisions differ`.
 std::string finding_text(const World& world, const ControllerFinding& finding);
 
-/// Finds controllers that are not functions of their inputs: each decision of a world is taken three times
-/// from the same percepts, memory and command.
+/// Finds controllers whose decisions depend on anything but their inputs. Each decision of a world is made
+/// three times from the same percepts, memory and command: once by the step, and twice by repeat().
 ///
 ///     ControllerCheck check(world, registry);
-///     world.step();                                                  // the first decisions: they take
-///     effect std::thread other([&] { findings = check.repeat(); });         // two repetitions
+///     world.step();                                                  // the first decisions take effect
+///     std::thread other([&] { findings = check.repeat(); });         // two repetitions, without effect
+///     other.join();                                                  // before the next step
 ///
-/// order    The repetitions take the rows in reverse order, in batches of another size, on the calling
-/// thread. storage  Readings, memories and commands are copied, because a robot may be dead when its decision
-/// is
+/// order    The repetitions process the rows in reverse order, in batches of another size, and on the thread
+///          that calls repeat().
+/// storage  Readings, memories and commands are copied, because a robot may be dead when its decision is
 ///          repeated. Memories and commands are copied field by field to other addresses, into storage filled
 ///          with junk. The second repetition uses a newly made controller, on a stack filled with junk, with
 ///          the parameters of that tick (SettingSpec).
-/// catches  rand(), statics, thread locals, clocks that advance between the two, members that change or were
-///          left unset, addresses, padding, dependence on the other robots of the batch
-/// misses   what is constant within one process: environment, files, the processor
-/// cost     While a check exists, a copy of each memory and reading and two more decisions. Otherwise none.
+/// catches  Dependence on rand(), statics, thread locals, clocks that advance between two decisions, members
+///          that change or were left unset, addresses, padding, and the other robots of the batch.
+/// misses   Dependence on things that are constant within one process: environment, files, the processor.
+/// cost     While a check exists: a copy of each memory and reading, and two more decisions. Otherwise none.
 ///
 /// Not thread-safe: call repeat() between steps only. At most one check per world at a time.
 class ControllerCheck {
  public:
   using Finding = ControllerFinding;  ///< the name that tests of controllers use
 
-  /// The registry is that of the world, or one with the same kinds. Both must outlive the check.
+  /// `registry` must be that of the world, or have the same kinds. World and registry must outlive the check.
   ControllerCheck(World& world, const Registry& registry);
   ~ControllerCheck();
   ControllerCheck(const ControllerCheck&) = delete;
   ControllerCheck& operator=(const ControllerCheck&) = delete;
 
-  /// Finds fields of memories that `start` leaves unset, or sets to different values in two calls.
+  /// Returns the fields of memories that ControllerKind::start leaves unset, or sets to different values in
+  /// two calls.
   std::vector<Finding> start_twice() const;
-  /// Repeats the decisions of the last step twice and returns the differences, each field of each controller
-  /// once. Exceptions of a controller propagate.
+  /// Repeats the decisions of the last step twice. Returns one finding for each field of each controller that
+  /// differs. Exceptions of a controller propagate.
   std::vector<Finding> repeat();
-  /// Number of decisions of the last step that are not yet repeated.
+  /// Number of decisions of the last step that repeat() has not yet repeated.
   std::size_t pending() const;
   /// Number of decisions repeated so far.
   std::uint64_t decisions() const { return decisions_; }
 
  private:
-  /// The decisions of one controller of one type in one tick, one robot after another.
+  /// The decisions of one controller of one type in one tick. Each vector has the robots in the same order.
   struct Decisions {
-    DecideBatch given;  // the inputs, except those copied below
+    DecideBatch given;  // the inputs, except those that the following members copy
     std::vector<Row> rows;
     std::vector<Command> commands_before, commands_after;
-    std::vector<Pose> estimates;  // at that time: the world has newer ones
+    std::vector<Pose> estimates;  // at the time of the decision: those of the world have changed since
     std::vector<std::vector<std::byte>> written_before, written_after;  // one per entry of `written`
     std::vector<std::vector<std::byte>> percepts;                       // one per chosen device
   };
   /// What a controller writes in addition to its robot's command: its memory, and commands of devices.
   struct Written {
-    std::string what;  ///< "memory", or the component of a device's commands
+    std::string what;  ///< "memory", or the name of the component that holds a device's commands
     std::vector<StateField> fields;
     std::size_t row_bytes = 0;
     std::optional<std::size_t> device;  ///< index among the chosen devices; none: the memory
@@ -110,12 +112,12 @@ class ControllerCheck {
   std::vector<BodyType> fresh_types_;
   /// A change of parameters by the experiment.
   struct Setting {
-    std::uint64_t tick = 0;                ///< it is in force after this one
+    std::uint64_t tick = 0;                ///< last tick with the old parameters
     const SettingSpec* setting = nullptr;  ///< in the world's spec
   };
-  std::vector<Setting> settings_;     // by tick
-  std::size_t followed_ = 0;          // how many of them fresh_types_ includes
-  std::vector<TypeSpec> type_specs_;  // with those settings applied
+  std::vector<Setting> settings_;  // by tick
+  std::size_t followed_ = 0;       // number of settings that fresh_types_ and type_specs_ include
+  std::vector<TypeSpec> type_specs_;
   std::vector<StateField> command_fields_;
   std::vector<std::vector<Watched>> watched_;  // by type and controller
   std::mutex mutex_;                           // protects watched_ while the world steps

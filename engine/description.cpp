@@ -54,7 +54,8 @@ bool is_default(const Record& record, const Record& defaults) {
   return true;
 }
 
-/// The default of a member that is not given, from its value in T{}.
+/// The default of a field: the value of its member in T{}. No value for a struct whose members all have the
+/// defaults of the struct's own table.
 Value fallback_of(const Field& field, const void* example) {
   Value value = get(field, example);
   if (field.type == FieldType::record && field.record != nullptr && value.given() &&
@@ -89,7 +90,7 @@ std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t mos
 
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices) {
   const auto found = std::ranges::find(choices, value.text());
-  if (found == choices.end()) throw std::invalid_argument("unknown name \"" + value.text() + "\"");
+  if (found == choices.end()) throw std::invalid_argument("has no value named \"" + value.text() + "\"");
   return static_cast<std::size_t>(found - choices.begin());
 }
 

@@ -56,12 +56,13 @@
 ///           std::vector of described structs (records); std::optional of any of these except lists;
 ///           std::vector of Eigen vectors, and of such lists (numbers in lists of lists); Record (a record
 ///           whose table the reader of the struct knows)
-/// defaults  Those of T{}. A `required` member has none; neither has a std::optional, which may be missing.
+/// defaults  A member has the default that it has in T{}. A `required` member has no default. A std::optional
+///           has no default either, but may be missing.
 /// limits    As described, and never wider than the range of the member's type. Other values are errors.
 ///
 /// A struct that is state (a controller's memory, a device's state or commands: memory_fields<T>()) is
-/// described in the same way. Its members are numbers, bools and arrays of them. Recordings store its units
-/// and texts.
+/// described in the same way. Its members are numbers, bools and arrays of numbers or bools. Recordings store
+/// the units and texts of its description.
 
 namespace troupe::engine {
 
@@ -79,41 +80,41 @@ class Fact {
  public:
   /// What the fact specifies.
   enum class Kind : std::uint8_t {
-    text,             ///< `words`: Field::text
-    unit,             ///< `unit`
-    at_least,         ///< `number`, included, to `high`
-    above,            ///< `number`, excluded
-    at_most,          ///< `number`, included
-    choices,          ///< `choices`
-    columns,          ///< `number`
+    text,             ///< Field::text, from the member `words`
+    unit,             ///< Field::unit, from the member `unit`
+    at_least,         ///< limits from `number` to `high`, both included
+    above,            ///< lower limit `number`, excluded
+    at_most,          ///< upper limit `number`, included
+    choices,          ///< Field::choices, from the member `choices`
+    columns,          ///< Field::columns, from the member `number`
     required,         ///< the member has no default
-    counts_readings,  ///< Field::counts_readings
-    fixed,            ///< Field::fixed
-    provenance,       ///< Field::provenance
-    sparse,           ///< StateField::sparse
-    appearance,       ///< StateField::appearance
+    counts_readings,  ///< sets Field::counts_readings
+    fixed,            ///< sets Field::fixed
+    provenance,       ///< sets Field::provenance
+    sparse,           ///< sets Field::sparse
+    appearance,       ///< sets Field::appearance
   };
 
-  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< Field::text
-  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< Field::text
-  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< Field::unit
-  /// A fact with numbers, or with none.
+  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< a text: Field::text
+  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< a text: Field::text
+  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< a unit: Field::unit
+  /// A fact of kind k; x is its `number` and y its `high`.
   constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
-  /// Field::choices. The list must live until the call that takes the fact returns.
+  /// The allowed values: Field::choices. The list must live until the call that takes the fact returns.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
-  Kind kind;                                              ///< what the fact specifies
-  Unit unit = Unit::none;                                 ///< for Kind::unit
-  double number = 0;                                      ///< see Kind
+  Kind kind;               ///< what the fact specifies
+  Unit unit = Unit::none;  ///< the unit, for Kind::unit
+  double number = 0;       ///< the number, for Kind::at_least, above, at_most and columns
   double high = std::numeric_limits<double>::infinity();  ///< for `at_least`: the upper limit
-  std::string_view words;                                 ///< for Kind::text
-  std::span<const std::string_view> choices;              ///< for Kind::choices
+  std::string_view words;                                 ///< the text, for Kind::text
+  std::span<const std::string_view> choices;              ///< the allowed values, for Kind::choices
 };
 
 /// The facts that a description can give, in addition to units.
 namespace facts {
 
-/// Limits in SI units; for a list, of each number.
+/// Limits of a number in SI units, included unless stated otherwise. For a list they apply to each number.
 ///@{
 constexpr Fact at_least(double min) {
   return Fact(Fact::Kind::at_least, min, std::numeric_limits<double>::infinity());
@@ -128,45 +129,50 @@ constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
 }
 /// Allowed values of a std::string, from an existing list.
 constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
-/// Length of a std::vector<double>. Arrays and Eigen vectors have the columns of their type.
+/// Required length of a std::vector<double>. The lengths of arrays and Eigen vectors follow from their types.
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
 /// The member has no default.
 inline constexpr Fact required{Fact::Kind::required};
-inline constexpr Fact counts_readings{Fact::Kind::counts_readings};  ///< Field::counts_readings
-inline constexpr Fact fixed{Fact::Kind::fixed};                      ///< Field::fixed
-/// The member records the origin of the others: it is stored, but not compared.
+/// The member is a number of readings of a sensor: Field::counts_readings.
+inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
+/// Interventions cannot change the member while the world runs: Field::fixed.
+inline constexpr Fact fixed{Fact::Kind::fixed};
+/// The member records where the other members come from (a file and a line). It is stored, but two structs
+/// that differ only in it are equal.
 inline constexpr Fact provenance{Fact::Kind::provenance};
-/// For state: StateField::sparse. For other structs: a stored record may lack the field, which then has its
-/// default.
+/// For members of state: StateField::sparse. For members of other structs: a stored record may lack the
+/// field, which then gets its default.
 inline constexpr Fact is_sparse{Fact::Kind::sparse};
-inline constexpr Fact is_appearance{Fact::Kind::appearance};  ///< for state: StateField::appearance
+/// For members of state: the appearance of a body depends on the member (StateField::appearance).
+inline constexpr Fact is_appearance{Fact::Kind::appearance};
 }  // namespace facts
 
 /// Type-erased access to members of one C++ type.
 struct MemberType {
-  FieldType type = FieldType::number;                     ///< Field::type
-  std::size_t columns = 0;                                ///< Field::columns
+  FieldType type = FieldType::number;                     ///< type of the field
+  std::size_t columns = 0;                                ///< length of a fixed array; 0: no fixed array
   double min = -std::numeric_limits<double>::infinity();  ///< smallest value of the type
   double max = std::numeric_limits<double>::infinity();   ///< largest value of the type
-  bool optional = false;                                  ///< a std::optional
+  bool optional = false;                                  ///< whether the member is a std::optional
   bool is_unsigned = false;                        ///< unsigned 64-bit integer: a Value holds the same bits
   std::span<const std::string_view> choices = {};  ///< names of an enum
-  const FieldTable& (*table)() = nullptr;          ///< for records: described<T>()
+  const FieldTable& (*table)() = nullptr;          ///< for records: returns described<T>()
   /// Returns the value of a member. Null for records.
   Value (*get)(const void* member) = nullptr;
-  /// Sets a member. Throws std::bad_variant_access for a value of another type, std::invalid_argument for one
-  /// that the member cannot hold. Null for records.
+  /// Sets a member to a value. Throws std::bad_variant_access if the value has another type, and
+  /// std::invalid_argument if the member cannot hold it. Null for records.
   void (*set)(void* member, const Value& value) = nullptr;
-  /// For records: the structs that a member holds: one for a struct, none or one for a std::optional.
+  /// For records: access to the structs that a member holds. A struct holds one (itself), a std::optional
+  /// none or one, a list any number.
   ///@{
-  std::size_t (*size)(const void* member) = nullptr;
-  void (*resize)(void* member, std::size_t n) = nullptr;  ///< null: always one
+  std::size_t (*size)(const void* member) = nullptr;      ///< number of structs
+  void (*resize)(void* member, std::size_t n) = nullptr;  ///< sets their number; null: it is always one
   void* (*block)(void* member, std::size_t i) = nullptr;  ///< i-th struct
   ///@}
-  /// For lists of lists of numbers: the type of an inner list, which is a block. get() concatenates all
-  /// numbers; there is no set().
+  /// For lists of lists of numbers: the type of an inner list. The functions above then access the inner
+  /// lists, get() returns all numbers concatenated, and set() is null.
   const MemberType* each = nullptr;
-  bool is_state = false;           ///< the member can be state
+  bool is_state = false;           ///< whether the member can be part of a state struct
   Element element = Element::f64;  ///< element type, if it is state
 };
 
@@ -215,8 +221,8 @@ constexpr void describe_members(Description<T>& d) {
     describe(d);
 }
 
-/// A distinct text per member, comparable in constant expressions. (Addresses of variables are not, when gcc
-/// instruments null pointers.)
+/// A distinct text per member that constant expressions can compare. (They cannot compare addresses of
+/// variables when gcc instruments null pointers.)
 template <auto k_member>
 constexpr std::string_view tag() {
   return __PRETTY_FUNCTION__;
@@ -460,20 +466,20 @@ struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
 /// the type.
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
-/// Appends the field of a member that each visitor handles with its own code.
+/// Appends the field of a member that has no generic access (Field::member is null).
 void add_apart(FieldTable& table, std::string_view name);
 /// Appends all fields of a member struct.
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail
 
-/// The argument of `describe`: see above.
+/// The argument of `describe`, see the top of this file.
 template <class T>
 class Description {
  public:
-  /// Only counts the described members: for constant expressions.
+  /// Only counts the described members. Used in constant expressions.
   constexpr Description() = default;
-  /// Adds the fields to a table. example: T{}
+  /// Appends a field to `table` for each described member. example: T{}, which gives the defaults
   constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
 
   /// Describes a member as a field. Names are unique, and must live as long as the program or the plug-in.
@@ -486,7 +492,8 @@ class Description {
       detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
                         {Fact(facts)...});
   }
-  /// Describes a member struct, whose fields are inserted at this place: for kinds that extend another kind.
+  /// Describes a member that is itself a described struct: its fields are inserted here as fields of T. Used
+  /// by kinds that extend the parameters of another kind.
   template <auto k_member>
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -495,14 +502,15 @@ class Description {
     else
       detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
   }
-  /// Marks a member that is computed from the others: it is no field, neither stored nor compared.
+  /// Marks a member that is computed from the other members. It gets no field: it is neither stored nor
+  /// compared.
   template <auto k_member>
   constexpr void derived() {
     if (table_ == nullptr) count(detail::tag<k_member>(), false);
   }
 
-  /// Marks a member that visitors handle with their own code: a field without a Field::member, which keeps
-  /// its place among the others.
+  /// Marks a member that has no generic access: each function that walks over the fields (storing, comparing,
+  /// checking) handles it with code of its own. Its field has no Field::member, and marks its position.
   template <auto k_member>
   [[gnu::cold]] constexpr void apart(std::string_view name) {
     if (table_ == nullptr)
@@ -545,7 +553,7 @@ constexpr Description<T> described_members() {
 }
 }  // namespace detail
 
-/// Returns the fields of a described struct, in the order of its description. They have static storage.
+/// Returns the fields of a described struct, in the order of its description. The table has static storage.
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described() {
   static_assert(std::is_aggregate_v<T>,
@@ -563,7 +571,7 @@ TROUPE_OF_TYPE const FieldTable& described() {
   return table;
 }
 
-/// Describes a pose, as in pose_fields().
+/// Describes a pose; pose_fields() returns the same fields.
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
   using enum Unit;
@@ -578,17 +586,18 @@ constexpr void describe(Description<Pose>& d) {
 /// Returns the values of a struct as a record of its table.
 Record record_of(const FieldTable& table, const void* object);
 /// Sets the members of a struct from a record of its table. Members that the record does not give keep their
-/// values. Throws std::bad_variant_access for a value of another type, std::invalid_argument for one that the
-/// member cannot hold; records checked by a reader contain neither.
+/// values. Throws std::bad_variant_access if a value has another type than its member, and
+/// std::invalid_argument if a member cannot hold its value. Records that a reader has checked never throw.
 void fill(const FieldTable& table, void* object, const Record& record);
 
-/// Returns the value of one member of a struct; not given for an empty std::optional.
+/// Returns the value of one member of a struct. For an empty std::optional, Value::given() is false.
 Value get(const Field& field, const void* object);
-/// Sets one member. A value that is not given empties a std::optional and does not change any other member.
-/// Throws as fill() does.
+/// Sets one member of a struct. A value whose given() is false empties a std::optional; a member of any other
+/// type then keeps its value. Throws the exceptions of fill().
 void set(const Field& field, void* object, const Value& value);
 
-/// Returns T{} with the members that a record of described<T>() gives. Throws as fill() does.
+/// Returns a T with the values of a record of described<T>(), and the defaults of T{} for members that the
+/// record does not give. Throws the exceptions of fill().
 template <class T>
 T from_record(const Record& record) {
   T object{};

@@ -36,16 +36,17 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 /// `data` of DeviceKind is a C. C may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
-///     struct State { ...; describe };             // its percepts, one struct per row; or TROUPE_FIELDS
-///     struct Command { ...; describe };           // its commands from controllers
-///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
-///         // DeviceKind::prepare; `data` must be a C. Empty percepts and commands are set to the fields of
-///         // State and Command. Without Params its only argument is the pose
+///     struct State { ...; describe };             // its percepts, one struct per row; may have
+///     TROUPE_FIELDS struct Command { ...; describe };           // its commands from controllers static
+///     DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
+///         // DeviceKind::prepare; the member `data` of the result must be a C. If the result has no percepts
+///         // or no commands, these are set to the fields of State or Command. If C has no Params, the pose
+///         // is the only argument
 ///     static C make(const Params&, const Pose& pose_body_device);
-///         // instead of prepare, if only the C is prepared; default: C{params}
+///         // instead of prepare, if `data` is the only member to be set; default: C{params}
 ///
-/// and the following hooks of DeviceKind, without the argument `data` (row: if C has a State, the hook may
-/// take a State& instead of the table and the slot):
+/// and the following hooks of DeviceKind, without the argument `data`. If C has a State, the hooks marked
+/// "row" may take a State& instead of the table and the slot:
 ///
 ///     std::uint64_t sense(const DeviceBatch&) const;
 ///     void act(const DeviceBatch&) const;

@@ -13,7 +13,7 @@ namespace troupe::engine {
 ///     struct Params { ...; describe };         // its parameters
 ///     void drive(const DriveBatch&) const;     // DriveKind::drive
 ///
-/// and may have the other hooks of DriveKind:
+/// and may have the other hooks of DriveKind, as members of D:
 ///
 ///     static D make(const Params&);            // default: D{params}
 ///     static Result<> check(const Params&);

@@ -10,10 +10,14 @@
 
 namespace troupe::engine {
 
-/// Verbs of any device that the engine itself applies: births and deaths. They are applied after all other
-/// effects of the tick, first the deaths, then the births, each in the order of the effects.
-inline constexpr std::uint32_t k_birth = ~0u;  ///< `reserve`; `payload`: x, y, z (m), heading (rad), world
-inline constexpr std::uint32_t k_death = ~0u - 1;  ///< death of `target`
+// Verbs (Effect::verb) of births and deaths, which any device may emit and the engine itself applies. They
+// are applied after all other effects of the tick: first all deaths, then all births, in the order of the
+// effects.
+/// Birth of the next body of Effect::reserve. The payload is its pose: x, y, z (m), heading (rad), world
+/// frame.
+inline constexpr std::uint32_t k_birth = ~0u;
+/// Death of Effect::target.
+inline constexpr std::uint32_t k_death = ~0u - 1;
 
 /// The result of a birth. The numbers are stored in the state of the requesting device.
 enum class BirthStatus : std::uint8_t {
@@ -28,19 +32,20 @@ struct Birth {
   BodyId body;                                ///< the new body; invalid if none was born
 };
 
-/// An action of one body on another in a tick: it grips, feeds or drops it. Effects are records because no
-/// body may write to the rows of another: they are emitted while all bodies decide, in any order and on any
-/// thread, and applied one by one after all bodies have moved, in an order that is independent of threads.
+/// An action of one body on another in a tick, such as gripping, charging or releasing it. Effects are
+/// records because no body may write to the rows of another body. They are emitted while all bodies decide,
+/// in any order and on any thread. After all bodies have moved they are applied one by one, in an order that
+/// does not depend on the threads.
 struct Effect {
   BodyId source;                    ///< the acting body
   std::uint32_t device = 0;         ///< the acting device: index within the source's type
   std::uint32_t sequence = 0;       ///< order among the effects of one device in one tick
   std::uint32_t verb = 0;           ///< the action; defined by the device's kind
-  BodyId target;                    ///< invalid if there is none
-  std::array<double, 4> payload{};  ///< arguments of the verb: SI units; places in the world frame
+  BodyId target;                    ///< the affected body; not valid() if there is none
+  std::array<double, 4> payload{};  ///< arguments of the verb, in SI units; positions in the world frame
   std::uint32_t reserve = 0;        ///< for a birth: index into WorldSpec::reserves
 
-  /// Whether the engine itself applies it.
+  /// Whether it is a birth or a death, which the engine itself applies.
   bool is_of_life() const { return verb == k_birth || verb == k_death; }
 };
 
@@ -49,8 +54,8 @@ class Effects {
  public:
   /// Allocates room for `most` effects in a tick.
   void reserve(std::size_t most);
-  /// Adds an effect; thread-safe. Throws std::length_error if there are more than reserve() allowed: a device
-  /// emitted more than its kind declared.
+  /// Adds an effect; thread-safe. Throws std::length_error if there are more effects than reserve() allowed:
+  /// a device then emitted more than its kind declared (DeviceKind::Prepared::most_effects).
   void emit(const Effect& effect);
   /// Returns the effects emitted since the last clear(), sorted by (source, device, sequence).
   std::span<const Effect> sorted();

@@ -2,20 +2,20 @@
 
 namespace troupe::engine {
 
-inline constexpr double k_most_watts = 1e9;    ///< greatest power that a world may give
-inline constexpr double k_most_mass_kg = 1e6;  ///< greatest mass that a world may give
+inline constexpr double k_most_watts = 1e9;    ///< largest power that a world file may give
+inline constexpr double k_most_mass_kg = 1e6;  ///< largest mass that a world file may give
 
-/// The energy account of a device, J; the flows are sums since tick 0.
+/// The energy account of a device, J. Dissipated, received and given energy are sums since tick 0.
 struct Energy {
   double stored_j = 0;      ///< present charge
   double capacity_j = 0;    ///< largest possible charge
   double dissipated_j = 0;  ///< consumed by the devices and drive that it supplies
-  double received_j = 0;    ///< received from others, by contact
-  double given_j = 0;       ///< given to others, by contact
-  bool infinite = false;    ///< it never runs out; stored_j stays 0
-  bool charging = false;    ///< it received energy in the last tick
+  double received_j = 0;    ///< received from other bodies, by contact
+  double given_j = 0;       ///< given to other bodies, by contact
+  bool infinite = false;    ///< true: the supply never becomes empty; stored_j stays 0
+  bool charging = false;    ///< whether it received energy in the last tick
 
-  /// Stored fraction of the capacity, 0 to 1; 1 if infinite.
+  /// Stored energy as a fraction of the capacity, 0 to 1; 1 if infinite.
   double proportion_remaining() const {
     if (infinite) return 1;
     return capacity_j > 0 ? stored_j / capacity_j : 0;

@@ -9,14 +9,14 @@ namespace troupe::engine {
 std::span<const EventKind> event_kinds() {
   using enum EventType;
   static constexpr std::array<EventKind, 10> kinds{{
-      {stall_ends, "stall_ends", "the robot moved, or had no command to move, after blocked motions"},
-      {held_ends, "held_ends", "the robot moved, or had no command to move, after it was held at the bounds"},
+      {stall_ends, "stall_ends", "after blocked motions, the robot moved or had no command to move"},
+      {held_ends, "held_ends", "after it was held at the bounds, the robot moved or had no command to move"},
       {stall_begins, "stall_begins", "the motion of the robot was blocked: something was in its way"},
       {held_begins, "held_begins",
        "the motion of the robot would have left the bounds of the world, so it stayed in place"},
       {release, "release", "the robot released a body that it carried"},
       {grip, "grip", "the robot gripped a body, and carries it from now on"},
-      {birth, "birth", "the body, of a reserve, was born at this pose"},
+      {birth, "birth", "a body of a reserve was born at this pose"},
       {death, "death", "the body died at this pose"},
       {fails, "fails", "the robot stopped completely: it was disabled, or a drop_out fault occurred"},
       {recovers, "recovers", "the robot works again"},
@@ -52,7 +52,7 @@ void EventWatch::remember(const World& world) {
   for (std::size_t r = 0; r < world.rows(); ++r) lives_[r] = world.presence(Row(r));
 }
 
-/// Reports no failures of dead bodies.
+/// Adds events of robots that began or stopped working. Dead bodies have no such events.
 void EventWatch::see_failures(const World& world) {
   for (std::size_t r = 0; r < disabled_.size(); ++r) {
     const bool now = world.is_disabled(Row(r));

@@ -11,12 +11,12 @@ namespace troupe::engine {
 
 /// The types of events, in the order in which one robot's events of one tick are listed.
 enum class EventType : std::uint8_t {
-  stall_ends,    ///< its motion is no longer blocked
-  held_ends,     ///< its motion is no longer out of bounds
-  stall_begins,  ///< its motion was blocked
-  held_begins,   ///< its motion was out of bounds
-  release,       ///< it stopped carrying another body
-  grip,          ///< it began to carry another body
+  stall_ends,    ///< the robot's motion is no longer blocked
+  held_ends,     ///< the robot's motion would no longer end out of bounds
+  stall_begins,  ///< the robot's motion was blocked, unlike in the tick before
+  held_begins,   ///< the robot's motion would have ended out of bounds, unlike in the tick before
+  release,       ///< the robot stopped carrying another body
+  grip,          ///< the robot began to carry another body
   birth,         ///< the body was born
   death,         ///< the body died
   fails,         ///< the robot stopped working completely
@@ -25,31 +25,31 @@ enum class EventType : std::uint8_t {
 
 /// Name and text of an event type in tables and recordings.
 struct EventKind {
-  EventType type;         ///< its index in event_kinds()
-  std::string_view name;  ///< "stall_begins"
-  std::string_view text;  ///< one line, for `troupe describe`
+  EventType type;         ///< the event type, which is the index in event_kinds()
+  std::string_view name;  ///< name in files and tables: "stall_begins"
+  std::string_view text;  ///< description in one line, for `troupe describe`
 };
 /// All event kinds, in the order of EventType.
 std::span<const EventKind> event_kinds();
-std::string_view event_name(EventType type);  ///< "stall_begins"
+std::string_view event_name(EventType type);  ///< name in files and tables: "stall_begins"
 
 /// An event of a tick.
 struct Event {
   EventType type;  ///< type of the event
   BodyId body;     ///< the body that it concerns
-  BodyId other;    ///< the body that was released or gripped; invalid for other types
+  BodyId other;    ///< for `release` and `grip`: the other body; not valid() for other types
 };
 
-/// Derives the events of a tick from two consecutive states. It keeps nothing except the previous state, so
+/// Derives the events of a tick from two consecutive states. It stores nothing except the previous state, so
 /// it may start at any tick.
 class EventWatch {
  public:
   /// Starts from the present state of the world.
   explicit EventWatch(const World& world);
 
-  /// Returns the events of the tick that has just ended, sorted by id, type and the other's id. Call it after
-  /// every step. A tick that does not follow the last one (after a reset) has no events. Valid until the next
-  /// call.
+  /// Returns the events of the tick that has just ended, sorted by Event::body, type and Event::other. Call
+  /// it after every step. If the tick does not follow that of the last call (after a reset), there are no
+  /// events. The result is valid until the next call.
   std::span<const Event> see(const World& world);
 
  private:
@@ -63,8 +63,8 @@ class EventWatch {
   std::uint64_t tick_ = 0;
   std::vector<Stall> stalls_;     // one per row
   std::vector<BodyId> carriers_;  // one per row; invalid: it is not carried
-  std::vector<Presence> lives_;   // one per row; empty if bodies are not born and do not die
-  std::vector<bool> disabled_;    // one per row; empty if robots do not fail
+  std::vector<Presence> lives_;   // one per row; empty if the world has no births and deaths
+  std::vector<bool> disabled_;    // one per row; empty if the world has no faults and disables no bodies
   std::vector<Event> events_;
 };
 

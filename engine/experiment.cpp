@@ -24,8 +24,10 @@ using By = GroupSpec::By;
 using Of = SettingSpec::Of;
 using FaultEvent = Experiment::FaultEvent;
 
-constexpr std::uint32_t k_trials = 1000;    // random places per added body, as when a world is loaded
-constexpr std::size_t k_most_newborn = 64;  // each birth tests all of them; then the index is rebuilt
+constexpr std::uint32_t k_trials = 1000;  // random positions per added body, as when a world is loaded
+// Largest number of bodies born since the index was built: each birth tests all of them. The index is then
+// rebuilt.
+constexpr std::size_t k_most_newborn = 64;
 
 std::string_view without_number(std::string_view name) {
   return name.substr(0, name.find_last_not_of("0123456789") + 1);
@@ -62,7 +64,7 @@ bool same_fields(const std::vector<StateField>& a, const std::vector<StateField>
   });
 }
 
-/// Whether a setting may replace one by the other: the layout of all state and readings is the same.
+/// Whether a setting may replace device a by device b: both have the same layout of state and readings.
 bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
   return same_fields(a.percepts, b.percepts) && a.percept_bytes == b.percept_bytes &&
          same_fields(a.commands, b.commands) && a.command_bytes == b.command_bytes &&
@@ -75,7 +77,8 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
          });
 }
 
-constexpr std::string_view k_keeps_shape = "a setting must not change its devices, readings or state fields";
+constexpr std::string_view k_keeps_shape =
+    "\"set\" must keep the number and layout of its readings and state fields, and the devices that it uses";
 
 /// Whether a drive can run with new parameters. The error says what is wrong with them.
 Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
@@ -95,9 +98,10 @@ std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics
     const BodyId body = find(group.name);
     if (body.valid() && row(body).valid()) return {row(body)};
     if (body.valid()) {
-      diagnostics.error(where, fmt::format("\"{}\" never moves, senses or decides: interventions and "
-                                           "faults cannot act on it",
-                                           group.name));
+      diagnostics.error(where,
+                        fmt::format("\"{}\" is a static body: interventions and faults can only act on "
+                                    "bodies that can move, sense, decide, be gripped or be pushed",
+                                    group.name));
       return rows;
     }
   }
@@ -147,7 +151,7 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
     placed_at_.resize(rows());
 }
 
-/// The seed determines which bodies fail, and when.
+/// Compiles the faults. The seed determines which bodies fail, and when.
 void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   e.faults.clear();
@@ -276,11 +280,14 @@ void World::build_conditions() {
   condition_table_ = tables_.size();
   tables_.emplace_back(
       "condition", HashGroup::memory, StateTable::Layout::rows,
-      sparse({{"speed", Element::f64, 1, "", "what its drive gives is multiplied by this; 0: it is not slow",
+      sparse({{"speed", Element::f64, 1, "",
+               "factor on the velocity of its drive; 0: the velocity is not changed",
                offsetof(Condition, speed)},
-              {"dead", Element::u32, 1, "", "devices that do nothing: bit d for the d-th of the type",
-               offsetof(Condition, dead)},
-              {"out", Element::u8, 1, "", "all of it has stopped; bit 0: disabled, bit 1: dropped out",
+              {"dead", Element::u32, 1, "",
+               "devices that do not work: bit d for device d of the type, from 0", offsetof(Condition, dead)},
+              {"out", Element::u8, 1, "",
+               "why its devices, controllers and drive are stopped; bit 0: disabled, bit 1: "
+               "dropped out; 0: they run",
                offsetof(Condition, out)}}),
       row_bodies_, sizeof(Condition));
 }
@@ -325,8 +332,8 @@ double World::speed_scale(Row row) const {
   return speed == 0 ? 1 : speed;
 }
 
-/// Applies all that is due at the end of a tick: first the interventions, in the order of the file, then the
-/// faults.
+/// Applies the interventions and fault events that are due at the end of a tick: first the interventions, in
+/// the order of the file, then the faults.
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
@@ -340,7 +347,7 @@ void World::intervene() {
   index_bodies();
 }
 
-/// Returns true if bodies were born or died since the index was built.
+/// Applies an intervention. Returns true if bodies were born or died, so that the index must be rebuilt.
 bool World::carry_out(Experiment::Intervention& intervention) {
   const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
   if (spec.action == Action::set) {
@@ -408,7 +415,8 @@ std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
   return {all.data(), count};
 }
 
-/// Adds bodies until one finds no free place in k_trials draws. Returns whether any was added.
+/// Adds the bodies of an intervention `add`. Ends early if one body finds no free position in k_trials draws.
+/// Returns whether any body was added.
 bool World::add(const Experiment::Intervention& intervention) {
   const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
   const std::uint32_t trials = spec.pose ? 1 : k_trials;
@@ -439,7 +447,7 @@ bool World::is_setting(const Experiment::Intervention& intervention) const {
   return spec_.experiment.at[intervention.spec].action == Action::set;
 }
 
-/// Applies a setting by a swap with the present data, so that it can be undone and needs no memory.
+/// Applies a setting, or undoes it: swaps the prepared data with the present data, which allocates no memory.
 void World::swap_setting(Experiment::Intervention& intervention) {
   const SettingSpec& setting = *spec_.experiment.at[intervention.spec].setting;
   BodyType& type = types_[setting.type.index()];
@@ -450,7 +458,7 @@ void World::swap_setting(Experiment::Intervention& intervention) {
   }
 }
 
-/// The tick at whose end a fault occurs that may occur from tick `from` on.
+/// The tick at whose end a fault occurs next in a body, if it may occur from tick `from` on.
 std::uint64_t World::next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const {
   const Experiment::Fault& f = experiment_.faults[fault];
   if (!(f.impairment.per_s > 0)) return from;

@@ -15,21 +15,21 @@ namespace troupe::engine {
 
 /// The impairments of a body: a row of the component `condition`, all zero for an unimpaired body.
 struct Condition {
-  /// The reasons why a body is stopped completely; both may apply.
+  /// The reasons why all devices, controllers and the drive of a body are stopped; both may apply.
   enum Out : std::uint8_t {
-    k_disabled = 1,     ///< it was disabled, until it is enabled again
-    k_dropped_out = 2,  ///< by a fault, until the fault ends, if ever
+    k_disabled = 1,     ///< an intervention or a program disabled it, until it is enabled again
+    k_dropped_out = 2,  ///< a fault stopped it, until the fault ends
   };
-  double speed = 0;        ///< factor on the velocity of its drive; 0: not impaired
-  std::uint32_t dead = 0;  ///< devices that do not work: one bit each
+  double speed = 0;        ///< factor on the velocity of its drive; 0: the velocity is not changed
+  std::uint32_t dead = 0;  ///< devices that do not work: bit d for device d of the type
   std::uint8_t out = 0;    ///< bits of Out; any bit stops devices, controllers and drive
 
   /// Whether the body is unimpaired.
   bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
 };
 
-/// The compiled interventions and faults of a world, and which of them come next. None of this is state: it
-/// follows from the spec and the tick.
+/// The compiled interventions and faults of a world, and the next ones to be applied. It is not state,
+/// because it follows from the spec and the tick.
 struct Experiment {
   /// A tick that never comes.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
@@ -38,21 +38,21 @@ struct Experiment {
   struct Intervention {
     std::uint64_t tick = 0;    ///< it is applied at the end of this tick
     std::size_t spec = 0;      ///< index into ExperimentSpec::at
-    std::uint32_t stream = 0;  ///< of its random numbers
-    std::vector<Row> whom;     ///< by id; empty for `add`
+    std::uint32_t stream = 0;  ///< stream of its random numbers
+    std::vector<Row> whom;     ///< rows of the group, in order of ids; empty for `add`
     std::size_t reserve = 0;   ///< for `add`: index into WorldSpec::reserves
-    /// For `set` of a drive or controller: the prepared data of the new parameters. When it is applied, it is
-    /// swapped with the data of the old ones.
+    /// For `set` of a drive or controller: the data prepared from the new parameters. Applying the
+    /// intervention swaps them with the data of the old parameters.
     std::any data;
-    DeviceKind::Prepared device;  ///< for `set` of a device, instead of `data`
+    DeviceKind::Prepared device;  ///< for `set` of a device: as `data`, which is then empty
   };
-  std::vector<Intervention> interventions;  ///< by tick; within a tick in the order of the file
-  std::size_t next = 0;                     ///< index of the next one
+  std::vector<Intervention> interventions;  ///< sorted by tick; within a tick in the order of the file
+  std::size_t next = 0;                     ///< index of the next intervention to be applied
 
   /// One impairment of a FaultSpec, for the bodies of one type.
   struct Fault {
     Impairment impairment;     ///< its effect on a body
-    std::uint32_t stream = 0;  ///< of its random numbers
+    std::uint32_t stream = 0;  ///< stream of its random numbers
   };
   std::vector<Fault> faults;  ///< the faults of all specs, in their order
   /// A fault event: a fault begins or ends in a body.
@@ -61,20 +61,21 @@ struct Experiment {
     std::uint32_t fault = 0;  ///< index into `faults`
     BodyId body;              ///< the impaired body
     Row row;                  ///< row of the body
-    bool begins = true;       ///< false: the fault ends
+    bool begins = true;       ///< true: the fault begins; false: it ends
   };
-  std::vector<FaultEvent>
-      first_fault_events;                ///< first event per fault and body: a heap with the earliest on top
-  std::vector<FaultEvent> fault_events;  ///< next event per fault and body: a heap as well
+  /// The first event of each fault in each body: a heap with the earliest event on top.
+  std::vector<FaultEvent> first_fault_events;
+  /// The next event of each fault in each body: a heap with the earliest event on top.
+  std::vector<FaultEvent> fault_events;
 
   std::uint64_t due = k_never;  ///< tick of the next intervention or fault event
-  /// A body that an intervention may choose. Those with the lowest keys are chosen.
+  /// A body that an intervention may choose. The intervention chooses the bodies with the lowest keys.
   struct Candidate {
-    std::uint64_t key = 0;  ///< random; ties are broken by id
+    std::uint64_t key = 0;  ///< random number; equal keys are ordered by id
     BodyId body;            ///< id of the body
     Row row;                ///< row of the body
   };
-  std::vector<Candidate> candidates;  ///< scratch memory of a choice
+  std::vector<Candidate> candidates;  ///< scratch memory of World::choose()
 };
 
 }  // namespace troupe::engine

@@ -27,81 +27,82 @@ enum class Comparison : std::uint8_t {
 };
 /// The operators in files, in the order of Comparison.
 inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", ">=", "==", "!="};
-/// Whether `a COMPARISON b` holds. False if a or b is NaN, also for `unequal`.
+/// Whether `a COMPARISON b` is true. If a or b is NaN it is false, also for Comparison::unequal.
 bool holds(double a, Comparison comparison, double b);
 
 /// A condition on a measure.
 struct StopSpec {
   MeasureSpec measure;                        ///< left operand
   Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
-  double value = 0;                           ///< in the unit of the measure, SI
+  double value = 0;                           ///< right operand, in the SI unit of the measure
 };
 /// The text of a condition: `coverage >= 0.9`, `stalls:leaders > 10`.
 std::string text_of(const StopSpec& condition);
 
-/// A group of bodies: a population (NAME0, NAME1, ...), the bodies of a type, or one model; or a random
-/// choice among them.
+/// A group of bodies: a population (NAME0, NAME1, ...), the bodies of a type, or one model. If `count` or
+/// `share` is set, the group is a random choice among these bodies.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
-    population,  ///< NAME of NAME0, NAME1, ...
-    type,        ///< TypeSpec::name
+    population,  ///< the name of a population without number: NAME of NAME0, NAME1, ...
+    type,        ///< the name of a body type (TypeSpec::name)
     model,       ///< the name of one body
   };
   By by = By::population;             ///< what `name` refers to
-  std::string name;                   ///< of a population, a type or a model
+  std::string name;                   ///< name of the population, type or model
   std::optional<std::int64_t> count;  ///< number of bodies to choose; all if there are fewer
-  std::optional<double> share;        ///< fraction of the bodies to choose, 0 to 1; the count is rounded
+  std::optional<double> share;        ///< fraction of the bodies to choose, 0 to 1; their number is rounded
 };
 
 /// New values for some parameters of a type.
 struct SettingSpec {
   /// The owner of the parameters.
   enum class Of : std::uint8_t {
-    drive,       ///< TypeSpec::drive
-    device,      ///< TypeSpec::devices[index]
-    controller,  ///< TypeSpec::controllers[index]
+    drive,       ///< the drive of the type (TypeSpec::drive)
+    device,      ///< the device TypeSpec::devices[index]
+    controller,  ///< the controller TypeSpec::controllers[index]
   };
   TypeId type;              ///< the type; all its bodies share its parameters
-  Of of = Of::drive;        ///< what part of the type
+  Of of = Of::drive;        ///< the owner of the parameters
   std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec
-  Record params;            ///< in the order of the kind's field table; missing ones do not change
+  Record params;            ///< new values, in the order of the kind's field table; others are not given
 };
 
-/// Returns the parameters of a kind with the new values of a setting.
+/// Returns `params` with the values that the setting gives.
 Record changed(const Record& params, const SettingSpec& setting);
 
-/// An intervention in a world, applied between two ticks, as a program could do it.
+/// An intervention of the world file: a change of the running world, applied between two ticks.
 struct InterventionSpec {
   /// The kind of intervention.
   enum class Action : std::uint8_t {
-    remove,   ///< ends lives
-    add,      ///< spawns bodies
-    disable,  ///< stops devices, controllers and drive
-    enable,   ///< ends `disable`
+    remove,   ///< removes the bodies of the group from the world
+    add,      ///< spawns bodies of a reserve
+    disable,  ///< stops the devices, controllers and drives of the group's bodies
+    enable,   ///< lets disabled bodies run again
     move,     ///< moves one model to `pose`
     set,      ///< changes parameters of a type
   };
   double time_s = 0;               ///< world time, rounded up to the end of a tick
-  Action action = Action::remove;  ///< k_actions holds its name
-  GroupSpec whom;                  ///< for `add` a population with a reserve, for `move` one model
-  std::optional<Pose> pose;        ///< for `move`; for `add` the pose of each new body
-  std::optional<Box> region;       ///< for `add` without `pose`: poses are random in it; default: the bounds
-  std::optional<SettingSpec> setting;  ///< for `set`, which has no group
+  Action action = Action::remove;  ///< kind of intervention; its name is in k_actions
+  GroupSpec whom;                  ///< affected bodies; for `add` a population with a reserve
+  std::optional<Pose> pose;        ///< for `move` the new pose, for `add` the pose of each new body
+  /// For `add` without `pose`: box in which the new bodies get random poses; not set: the world's bounds.
+  std::optional<Box> region;
+  std::optional<SettingSpec> setting;  ///< for `set`: the new values of parameters; `whom` is then unused
   Where where;                         ///< file position, for messages
 };
 /// The names of Action in files, in its order.
 inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "disable",
                                                            "enable", "move", "set"};
 
-/// Faults of some of the bodies that are present at the start.
+/// Faults that may occur in some of the bodies that are present at tick 0.
 struct FaultSpec {
   GroupSpec whom;     ///< bodies that may fail; chosen once, when the world is built
-  double from_s = 0;  ///< earliest time, world time
+  double from_s = 0;  ///< earliest world time at which a fault may occur
   /// One impairment.
   struct Impairment {
     std::string kind;  ///< name in Registry::faults
-    Record params;     ///< in the order of the kind's field table
+    Record params;     ///< one value for each field of the kind's table
   };
   std::vector<Impairment> impairments;  ///< each occurs independently of the others
   Where where;                          ///< file position, for messages
@@ -110,10 +111,10 @@ struct FaultSpec {
 /// The experiment of a world.
 struct ExperimentSpec {
   std::vector<StopSpec> stop_when;   ///< the run ends when one of them holds
-  std::vector<InterventionSpec> at;  ///< in any order of time
-  std::vector<FaultSpec> faults;     ///< of robots that are present at the start
+  std::vector<InterventionSpec> at;  ///< interventions, in any order of time
+  std::vector<FaultSpec> faults;     ///< faults of robots that are present at tick 0
 
-  /// Whether there is no experiment; then only the caller ends the run.
+  /// Whether the world has no experiment. The run then ends only at its end time or when its program ends it.
   bool empty() const { return stop_when.empty() && at.empty() && faults.empty(); }
 };
 

@@ -10,26 +10,26 @@ namespace troupe::engine {
 
 struct BodyType;
 
-/// The effect of a fault on a body.
+/// The effect of a fault on a body, and how often it occurs.
 struct Impairment {
   std::uint32_t dead = 0;  ///< devices that stop working: one bit each, in the order of the type's devices
-  double speed = 1;        ///< factor on the velocity of its drive; above 0, at most 1
-  bool drops_out = false;  ///< devices, controllers and drive stop
-  double per_s = 0;        ///< mean rate of its occurrence, from FaultSpec::from_s on; 0: at once
-  double lasts_s = 0;      ///< duration of a drop-out, after which it may occur again; 0: for good
+  double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
+  bool drops_out = false;  ///< true: all devices, controllers and the drive stop (a drop-out)
+  double per_s = 0;        ///< mean rate of occurrence, 1/s, from FaultSpec::from_s on; 0: once, at from_s
+  double lasts_s = 0;      ///< duration of a drop-out, s; it may then occur again; 0: it never ends
 };
 
 /// The largest number of devices that can fail: Impairment::dead has as many bits.
 inline constexpr std::size_t k_most_fallible = 32;
 
-/// A kind of fault. It defines the effect only. The world decides which robots fail and when; unimpaired
-/// robots cost no time.
+/// A kind of fault. It defines only the effect. The world decides which robots fail and when. A robot without
+/// a fault takes no extra computing time.
 struct FaultKind {
   std::string_view name;  ///< name in files; unique in the registry
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// Called once per type when the world is built. The error says why bodies of the type cannot have the
-  /// fault.
+  /// Compiles the parameters for the bodies of a type. Called once per type, when the world is built. The
+  /// error says why bodies of the type cannot have the fault.
   Result<Impairment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
 };
 

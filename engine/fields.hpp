@@ -13,25 +13,25 @@ namespace troupe::engine {
 
 struct Value;
 
-/// The values of a parameter block, in the order of its field table.
+/// The values of a parameter block: one for each field of its FieldTable, in that order.
 using Record = std::vector<Value>;
 
 /// The value of a parameter, in SI units.
 struct Value {
   std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
                std::vector<Record>, std::vector<std::string>>
-      v;  ///< std::monostate: not given
+      v;  ///< the value; std::monostate: no value was given
 
-  // None of these is inline: records are made and copied in nearly every source, and each would instantiate
-  // the variant's members again.
-  /// A value that is not given.
+  // None of these functions is inline: nearly every source file makes and copies records, and each would
+  // instantiate the variant's members again.
+  /// No value: given() is false.
   Value();
   Value(const Value&);                 ///< a copy
   Value(Value&&) noexcept;             ///< moves
   Value& operator=(const Value&);      ///< a copy
   Value& operator=(Value&&) noexcept;  ///< moves
   ~Value();
-  /// A value of a field. The type is kept: 1 is an integer and 1.0 a number.
+  /// A given value. Its type is kept: 1 is an integer and 1.0 a number.
   ///@{
   Value(bool x);
   Value(int x);
@@ -46,8 +46,8 @@ struct Value {
 
   /// Whether there is a value.
   bool given() const { return !std::holds_alternative<std::monostate>(v); }
-  /// The value as its type. Throws std::bad_variant_access if it has another type; the reader of a field
-  /// table has checked it.
+  /// The value, of the type that the function names. Throws std::bad_variant_access if it has another type;
+  /// in a record that a reader has checked against a field table, it has the type of its field.
   ///@{
   bool boolean() const { return std::get<bool>(v); }
   std::int64_t integer() const { return std::get<std::int64_t>(v); }
@@ -60,10 +60,11 @@ struct Value {
   friend bool operator==(const Value&, const Value&);  ///< same type and equal value
 };
 
-/// The dimension of a number. A JSON key carries its unit: the field `fov` (rad) is written `fov_rad` or
-/// `fov_deg`, `range` (m) is `range_m`, `range_cm` or `range_mm`; fields without a dimension have no suffix.
+/// The SI unit of a number. In JSON files the unit is part of the key: the field `fov` (rad) is written
+/// `fov_rad` or `fov_deg`, and `range` (m) is written `range_m`, `range_cm` or `range_mm`. Fields without a
+/// unit have no suffix.
 enum class Unit {
-  none,                        ///< dimensionless, or no number
+  none,                        ///< dimensionless, or not a number
   meters,                      ///< m
   radians,                     ///< rad
   seconds,                     ///< s
@@ -80,52 +81,53 @@ enum class Unit {
 /// The type of a parameter.
 enum class FieldType {
   boolean,  ///< true or false
-  integer,  ///< 64 bits
+  integer,  ///< an integer of 64 bits
   number,   ///< a double, of the field's unit
-  text,     ///< one of `choices`, if there are any
-  texts,    ///< a list of texts of any length
-  numbers,  ///< `columns` numbers of one unit; columns 0: any count
-  color,    ///< a colour, also by name in files (stored as numbers: red, green, blue, opacity)
-  colors,   ///< a list of colours of any length (stored as numbers: red, green, blue, opacity, red, ...)
-  record,   ///< one parameter block, described by `record` (stored as a list of one)
-  records,  ///< a list of parameter blocks, described by `record`
+  text,     ///< a string; if Field::choices is not empty, one of these
+  texts,    ///< a list of strings, of any length
+  numbers,  ///< a list of Field::columns numbers of one unit; 0 columns: of any length
+  color,    ///< a colour; files may also give its name (stored as numbers: red, green, blue, opacity)
+  colors,   ///< a list of opaque colours of any length (stored as numbers: red, green, blue, red, ...)
+  record,   ///< one parameter block, described by Field::record (stored as a list of one)
+  records,  ///< a list of parameter blocks, described by Field::record
 };
 
 struct FieldTable;
 struct MemberType;
 
-/// A parameter of a kind. Parsing, validation, error messages, `troupe describe` and the reference page are
-/// derived from it.
+/// The description of a parameter of a kind. Parsing, validation, error messages, `troupe describe` and the
+/// reference page are derived from it.
 struct Field {
-  std::string_view name;               ///< lower case with underscores; files append the unit
+  std::string_view name;               ///< lower case with underscores; keys in files append the unit
   FieldType type = FieldType::number;  ///< type of the value
-  Unit unit = Unit::none;              ///< of number and numbers
+  Unit unit = Unit::none;              ///< unit of fields of type number and numbers
   /// Default value. Not given: the field is required, unless it is optional or a record.
   Value fallback;
-  double min =
-      -std::numeric_limits<double>::infinity();          ///< smallest number, in SI units; in a list, of each
-  double max = std::numeric_limits<double>::infinity();  ///< largest number, included
+  /// Lower limit of the number, or of each number of a list, in SI units; included unless above_min is set.
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();  ///< upper limit, included
   std::string_view text;                  ///< one sentence for `troupe describe`, errors and the schema
-  std::size_t columns = 0;                ///< length of `numbers`; 0: any
-  std::vector<std::string_view> choices;  ///< allowed values of `text`; empty: any text
-  const FieldTable* record = nullptr;     ///< for `record` and `records`; must outlive the field
-  /// The lower limit itself is not allowed (sizes, periods).
+  std::size_t columns = 0;                ///< for type numbers: length of the list; 0: any length
+  std::vector<std::string_view> choices;  ///< for type text: the allowed values; empty: any text
+  const FieldTable* record = nullptr;     ///< for types record and records: fields; must outlive this
+  /// True: the number must be greater than `min` (sizes, periods).
   bool above_min = false;
-  /// For `integer`: a number of readings of a sensor. Their sum limits the memory of a device before it is
-  /// allocated.
+  /// For type integer: the value is a number of readings of a sensor. The sum of these fields is limited, to
+  /// check the memory of a device before it is allocated.
   bool counts_readings = false;
   /// The field may be missing, and then has no value: it is not required and has no default.
   bool optional = false;
-  /// Interventions cannot change it while the world runs.
+  /// True: interventions cannot change the parameter while the world runs.
   bool fixed = false;
-  /// It records the origin of the other fields (a file and a line): it is stored, but not compared.
+  /// The field records where the other fields come from (a file and a line). It is stored, but records that
+  /// differ only in it are equal.
   bool provenance = false;
-  bool sparse = false;      ///< for state: StateField::sparse
+  bool sparse = false;      ///< for state: StateField::sparse; else: a stored record may lack the field
   bool appearance = false;  ///< for state: StateField::appearance
   /// For a described struct (engine/description.hpp): access to the member, and its offset in the struct.
   ///@{
   const MemberType* member = nullptr;
-  std::size_t offset = 0;  ///< bytes
+  std::size_t offset = 0;  ///< offset in the struct, bytes
   ///@}
 
   /// Whether a file must give the field.
@@ -134,24 +136,24 @@ struct Field {
 
 /// The parameters of one kind. Field names are unique.
 struct FieldTable {
-  std::vector<Field> fields;  ///< in the order of the records' values
+  std::vector<Field> fields;  ///< the fields; a Record has its values in the same order
 
-  /// Index of a field, or -1.
+  /// Index of the field with this name; -1 if there is none.
   int find(std::string_view name) const;
-  /// A record of the default values; required fields are not given.
+  /// A record of the default values. It has no values (Value::given() is false) for required fields.
   Record defaults() const;
 };
 
 /// A key suffix for a unit, with the factor to SI: {"_deg", "deg", pi/180}.
 struct UnitSuffix {
   std::string_view suffix;  ///< end of the key: "_deg"; empty for Unit::none
-  std::string_view symbol;  ///< for messages: "rad", "deg", "m/s"
+  std::string_view symbol;  ///< symbol of the unit in messages: "rad", "deg", "m/s"
   double to_si;             ///< factor from this unit to SI
 };
-/// The suffixes of a unit, the SI one first. Never empty; static storage.
+/// The key suffixes for a unit, that of the SI unit first. Never empty. The list has static storage.
 std::span<const UnitSuffix> unit_suffixes(Unit unit);
 
-/// The value of a field by name. The table must have the field.
+/// The value of the field with this name in a record of the table. The table must have the field.
 inline const Value& get(const FieldTable& table, const Record& record, std::string_view name) {
   return record[static_cast<std::size_t>(table.find(name))];
 }

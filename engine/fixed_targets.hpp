@@ -12,19 +12,19 @@ namespace troupe::engine {
 /// A spatial index of the fiducial targets of static bodies.
 class FixedTargets {
  public:
-  /// A marked part.
+  /// A part that fiducial finders detect (Returns::fiducial is not 0).
   struct Target {
     BodyId body;             ///< body of the part
-    std::uint32_t part = 0;  ///< index in the body's type
-    Pose pose_world_part;    ///< with every joint at rest
+    std::uint32_t part = 0;  ///< index of the part in the body's type
+    Pose pose_world_part;    ///< pose of the part's frame with every joint at rest, world frame
   };
 
   FixedTargets() = default;
-  /// Collects the marked parts (Returns::fiducial) of all bodies for which is_fixed returns true.
+  /// Collects the targets of all bodies for which is_fixed(body) is true.
   FixedTargets(const WorldSpec& spec, const std::function<bool(BodyId)>& is_fixed);
 
-  /// Calls visit(target) for all targets whose origin lies in the box. May visit a target more than once, and
-  /// others near the box too.
+  /// Calls visit(target) for all targets whose origin lies in the box, and possibly for others near the box.
+  /// A target may be visited more than once.
   template <class Visit>
   void for_each_near(const Box& box, Visit&& visit) const {
     places_.any_near(box, [&](std::uint32_t i) {

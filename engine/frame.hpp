@@ -11,36 +11,36 @@
 
 namespace troupe::engine {
 
-// The data that a viewer needs to draw one instant. Viewers do not read the engine's tables.
+// The data that a viewer needs to draw a world at one tick. Viewers do not read the state tables.
 
 /// A solid to draw.
 struct FrameShape {
-  Solid solid;                 ///< body frame
-  std::optional<Color> color;  ///< not given: that of the body
+  Solid solid;                 ///< its geometry in the body frame
+  std::optional<Color> color;  ///< colour of the solid; not set: FrameBody::color
 };
 
-/// The shapes of bodies of one appearance.
+/// The shapes of bodies that look alike.
 struct FrameType {
-  std::vector<FrameShape> shapes;  ///< of all parts
-  bool mobile = false;             ///< bodies of the type are robots and get a heading mark
-  double radius = 0;               ///< of the circle about the body's origin that encloses it, m
+  std::vector<FrameShape> shapes;  ///< the solids of all parts
+  bool mobile = false;             ///< true: the bodies are robots and get a mark that shows their heading
+  double radius = 0;               ///< radius of the circle about the body's origin that encloses it, m
   std::string name;                ///< name of the type, for display
 };
 
 /// A body to draw.
 struct FrameBody {
-  std::uint32_t type = 0;  ///< index into FrameScene::types followed by Frame::types
-  Pose pose_world_body;    ///< at the instant; static bodies keep it for the whole run
-  Color color;             ///< of shapes without a colour
+  std::uint32_t type = 0;  ///< index into the list FrameScene::types, extended by Frame::types
+  Pose pose_world_body;    ///< pose at this tick; for static bodies, the pose during the whole run
+  Color color;             ///< colour of the shapes that have none
   bool stalled = false;    ///< its last motion was blocked or out of bounds
-  std::uint32_t id = 0;    ///< BodyId
+  std::uint32_t id = 0;    ///< id of the body (BodyId)
 };
 
 /// The beams of a ranger that start at one place.
 struct FrameTransducer {
-  Pose pose_body;           ///< body frame, with joints at rest
-  double range_max = 0;     ///< m
-  double fov = 0;           ///< from the first beam to the last, rad; the width of a single beam
+  Pose pose_body;           ///< origin of the beams and heading of their middle; body frame, joints at rest
+  double range_max = 0;     ///< length of the beams, m
+  double fov = 0;           ///< angle from the first beam to the last, rad; width of the beam if it is single
   std::size_t first = 0;    ///< index of its first reading among those of the ranger
   std::size_t samples = 1;  ///< number of its readings
 };
@@ -48,38 +48,39 @@ struct FrameTransducer {
 /// A ranger of a type, whose readings can be drawn.
 struct FrameRanger {
   std::uint32_t type = 0;                    ///< index into FrameScene::types
-  std::size_t readings = 0;                  ///< of all transducers
-  std::vector<FrameTransducer> transducers;  ///< together they have all readings
+  std::size_t readings = 0;                  ///< number of readings of all transducers
+  std::vector<FrameTransducer> transducers;  ///< its fans of beams; each reading belongs to one of them
 };
 
-/// The data that is constant during a run.
+/// The data that are constant during a run.
 struct FrameScene {
-  std::vector<FrameType> types;      ///< by TypeId
+  std::vector<FrameType> types;      ///< body types, indexed by TypeId
   std::vector<FrameBody> fixed;      ///< static bodies
-  Box bounds;                        ///< of all bodies at the start, m
+  Box bounds;                        ///< box that contains all bodies at tick 0, m
   std::string title;                 ///< title of the world
-  std::vector<FrameRanger> rangers;  ///< rangers that scans refer to
-  double tile_m = 0;                 ///< edge of the tiles of the spatial index; 0: unknown
-  double cell_m = 0;                 ///< edge of the cells of the tiles; 0: unknown
-  std::optional<Box> limits;         ///< bounds of the world, m; none: not given
+  std::vector<FrameRanger> rangers;  ///< rangers that FrameScan refers to
+  double tile_m = 0;                 ///< edge of the tiles of the spatial index, m; 0: unknown
+  double cell_m = 0;                 ///< edge of the cells of those tiles, m; 0: unknown
+  std::optional<Box> limits;         ///< bounds of the world (WorldSpec::bounds), m
 };
 
-/// The readings of one ranger.
+/// The readings of one ranger of one body.
 struct FrameScan {
   std::uint32_t body = 0;    ///< index into Frame::mobile
   std::uint32_t ranger = 0;  ///< index into FrameScene::rangers
   std::size_t first = 0;     ///< index of its first reading in Frame::ranges
-  Pose moved;                ///< body frame: displacement of the ranger from its rest pose by joints
+  Pose moved;                ///< displacement of the ranger from its rest pose by joints, body frame
 };
 
-/// A detection: a line from a sensor to the body it found, world frame, m.
+/// A detection: a line from a sensor to the part that it detected, world frame, m.
 struct FrameSight {
   std::uint32_t body = 0;                          ///< index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< position of the sensor
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the detected part
 };
 
-/// A blob of one colour that a blob finder sees: the triangle from the sensor to both edges, world frame, m.
+/// A blob of one colour that a blob finder sees: the triangle of the sensor and both edges of the blob, world
+/// frame, m.
 struct FrameBlob {
   std::uint32_t body = 0;                           ///< index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();   ///< position of the sensor
@@ -94,50 +95,50 @@ struct FrameTie {
   enum class Kind : std::uint8_t {
     carries,      ///< from a carrier to a carried body
     holds,        ///< from a gripper to the body it holds
-    beam,         ///< between the paddles of a gripper: uninterrupted
-    broken_beam,  ///< between the paddles of a gripper: interrupted
+    beam,         ///< a light beam between the paddles of a gripper, not interrupted
+    broken_beam,  ///< a light beam between the paddles of a gripper, interrupted by a body
   };
   Kind kind = Kind::carries;                       ///< the relation
-  Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< m, world frame
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< m, world frame
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< one end, world frame, m
+  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< other end, world frame, m
 };
 
 /// A square of the floor that robots have visited: [x, x + 1) times [y, y + 1), in units of Frame::covered_m.
 struct FrameSquare {
-  std::int32_t x = 0;   ///< number of squares east of the origin
-  std::int32_t y = 0;   ///< number of squares north of the origin
-  float freshness = 1;  ///< time of the last visit: 0 is when watching began, 1 is now
+  std::int32_t x = 0;   ///< number of squares from the origin in direction x
+  std::int32_t y = 0;   ///< number of squares from the origin in direction y
+  float freshness = 1;  ///< time of the last visit, from 0 (the viewer's first tick) to 1 (now)
 };
 
 /// Past positions of a body.
 struct FrameTrail {
   std::uint32_t body = 0;  ///< index into Frame::mobile
-  /// World frame, m, from the oldest to now.
+  /// Positions from the oldest to the present one, world frame, m.
   std::vector<Eigen::Vector3d> points;
 };
 
-/// One instant: the bodies that may change, and what a viewer requested in addition.
+/// The data that change with each tick: bodies that can move, and further data that the viewer requested.
 struct Frame {
   double time_s = 0;              ///< world time
-  std::uint64_t tick = 0;         ///< ticks done
-  std::vector<FrameBody> mobile;  ///< bodies that have a row and are present, by id
-  std::vector<FrameType> types;   ///< present shapes of bodies whose parts have moved
+  std::uint64_t tick = 0;         ///< number of completed ticks
+  std::vector<FrameBody> mobile;  ///< bodies that have a row and are in the world, in order of ids
+  std::vector<FrameType> types;   ///< present shapes of bodies whose joints are not at rest
 
   // The following are empty unless the viewer requests them.
-  std::vector<FrameScan> scans;      ///< of rangers, by body
-  std::vector<float> ranges;         ///< of all scans, m
-  std::vector<FrameSight> sights;    ///< of fiducial finders, by body
-  std::vector<FrameBlob> blobs;      ///< of blob finders, by body
+  std::vector<FrameScan> scans;      ///< scans of rangers, in order of bodies
+  std::vector<float> ranges;         ///< ranges of all scans, m
+  std::vector<FrameSight> sights;    ///< detections of fiducial finders, in order of bodies
+  std::vector<FrameBlob> blobs;      ///< blobs that blob finders see, in order of bodies
   std::vector<FrameTie> grips;       ///< beams between paddles, and the bodies that grippers hold
-  std::vector<FrameTie> links;       ///< from carriers to carried bodies
+  std::vector<FrameTie> links;       ///< lines from carriers to carried bodies
   std::vector<FrameTrail> trails;    ///< past positions of bodies
   std::vector<FrameSquare> covered;  ///< squares that robots have visited
-  double covered_m = 0;              ///< edge of those squares
+  double covered_m = 0;              ///< edge of the squares of `covered`, m
   std::vector<std::string> names;    ///< one per body of `mobile`
   std::vector<double> charges;  ///< one per body of `mobile`: charge of its power pack, 0 to 1; NaN: none
-  std::vector<double> values;   ///< one per body of `mobile`: value that colours it; NaN: none
+  std::vector<double> values;   ///< one per body of `mobile`: value that selects its colour; NaN: none
   std::string value_name;       ///< name of `values` with unit: "velocity.x (m/s)"
-  double times_real_time = 0;   ///< speed relative to real time, displayed with the time; 0: none
+  double times_real_time = 0;   ///< speed of the run relative to real time, displayed; 0: not displayed
 };
 
 }  // namespace troupe::engine

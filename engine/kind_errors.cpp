@@ -13,7 +13,8 @@ namespace {
   const auto error = [&](Row row, std::size_t others) {
     const std::string robot =
         row.valid() ? fmt::format(" of \"{}\"", world.spec().name(world.body(row))) : std::string();
-    const std::string batch = others > 0 ? fmt::format(", the first of a batch of {},", others + 1) : "";
+    const std::string batch =
+        others > 0 ? fmt::format(", the first of a batch of {} robots,", others + 1) : "";
     return StepError(fmt::format("tick {}: {}{}{} {}", world.tick(), what, robot, batch, thrown_text()));
   };
   try {

@@ -18,13 +18,14 @@ const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
 }  // namespace
 
 std::vector<StateField> command_fields() {
-  return {{"x", Element::f64, 1, "m/s", "forward, asked of the drive", offsetof(Command, x)},
-          {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
-          {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
-          {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (1/s^2), 2: a goal (m, rad)",
-           offsetof(Command, mode), true},
-          {"off", Element::u32, 1, "", "devices that are switched off: bit d for the d-th of the type",
-           offsetof(Command, off), true}};
+  return {
+      {"x", Element::f64, 1, "m/s", "forward, commanded", offsetof(Command, x)},
+      {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
+      {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
+      {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (m/s^2, rad/s^2), 2: a goal (m, rad)",
+       offsetof(Command, mode), true},
+      {"off", Element::u32, 1, "", "devices that are switched off: bit d for device d of the type, from 0",
+       offsetof(Command, off), true}};
 }
 
 BodyId DeviceBatch::body(std::size_t i) const { return world.body(rows[i]); }

@@ -34,57 +34,67 @@ struct Registry;
 struct TypeSpec;
 struct WorldSpec;
 
-/// The engine calls sensors, drives and controllers through tables of functions and includes none of them.
-/// When the world is built, a kind converts its parameters to data of a type of its choice (`prepare`). It is
-/// then called for batches of rows. Those calls run on several threads at once, so they may write only to
-/// their arguments. An exception ends the step and propagates from World::step().
+/// A *kind* is a table of functions (hooks) that implements one sort of sensor, drive or controller. The
+/// engine calls the hooks and includes no implementation. When the world is built, the hook `prepare`
+/// converts the parameters to data of a type that the kind chooses. The other hooks receive these data, and
+/// the robots in batches of rows. They run on several threads at once, so they may write only to their
+/// arguments. If a hook throws, the step ends with a StepError.
+///
+/// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
+/// its type. The state of a sensor is also called its percepts or readings.
 
-/// A model kind: a kind of model in Stage world files. Part of the registry so that loaders share the
-/// defaults.
+/// A model kind: a kind of model in Stage world files. It is part of the registry so that all loaders use the
+/// same defaults.
 struct ModelKind {
   std::string_view name;                ///< name in Stage files: "position"
   std::string_view text;                ///< one sentence for `troupe describe`
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< default size x, y, z, m
   Color color{1, 0, 0, 1};              ///< default colour
   bool has_default_body = true;         ///< false: a model without blocks has no body
-  std::string_view device;  ///< device kind that each model of this kind is; empty: it is no device
-  FieldTable params;        ///< of that device, or of the model itself
+  std::string_view device;  ///< device kind of each model of this kind; empty: the model is no device
+  FieldTable params;        ///< parameters of that device, or of the model itself
 };
 
-/// Rows of one type whose device senses or acts in a tick, with their data. i is an index into `rows`.
+/// The argument of a device's hooks: rows of one type whose device senses or acts in a tick, with their data.
+/// The argument i of the functions is an index into `rows`.
 struct DeviceBatch {
   const World& world;          ///< the last committed state
   const std::any& data;        ///< result of DeviceKind::prepare
   std::span<const Row> rows;   ///< rows of the batch; all of one type
-  StateTable& state;           ///< the device's rows, by slot; hooks may write to those of `rows`
+  StateTable& state;           ///< state of the device, by slot; hooks may write to the slots of `rows`
   const StateTable* commands;  ///< commands from controllers, by slot; null if the kind takes none
   Effects& effects;            ///< receives effects on other bodies: see emit()
   Links& links;                ///< receives goals of joints: see move_joint()
-  std::uint32_t device = 0;    ///< its index within the type
-  std::uint32_t stream = 0;    ///< of its random numbers
-  double period_s = 0;         ///< time since it last ran
+  std::uint32_t device = 0;    ///< index of the device within the type
+  std::uint32_t stream = 0;    ///< random stream of the device
+  double period_s = 0;         ///< time since the device last ran
 
-  BodyId body(std::size_t i) const;       ///< id of the body
-  std::size_t slot(std::size_t i) const;  ///< of the row in `state` and `commands`
+  BodyId body(std::size_t i) const;       ///< id of the row's body
+  std::size_t slot(std::size_t i) const;  ///< index of the row in `state` and `commands`
   /// The random numbers of a row in this tick.
   Random random(std::size_t i) const;
-  /// An independent random stream per name, for kinds that wrap another kind: their draws do not disturb
-  /// those of the wrapped kind.
+  /// The random numbers of a row in this tick, from an independent stream with a name. For kinds that wrap
+  /// another kind: their draws do not disturb those of the wrapped kind.
   Random random(std::size_t i, std::string_view name) const;
-  /// Pose in the world of the body's frame, as moved by the joint that the device is mounted on.
+  /// Transform from the body frame to the world frame, including the displacement of the joint that the
+  /// device is mounted on.
   Mount mount(std::size_t i) const;
-  /// Displacement from rest of the n-th joint that the device moves.
+  /// Pose, relative to rest, of the n-th of the joints that the device moves.
   const Pose& joint(std::size_t i, std::size_t n) const;
-  /// In `act`: sets the goal of a joint in this tick, relative to rest. Joints of one device, and of all
-  /// bodies of one tree, that move in the same round move together or not at all.
+  /// Sets the goal of a joint for this tick, relative to rest. Only the hook `act` may call this. The joints
+  /// of one device move together or not at all. So do joints of different bodies of one tree (bodies that
+  /// carry one another) that move in the same round of resolution.
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
-  /// In `joints_moved`: whether the joint had a goal in this tick.
+  /// Whether the joint had a goal in this tick. Only the hook `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
-  /// In `joints_moved`: whether the joint moved.
+  /// Whether the joint reached its goal in this tick. Only the hook `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
   /// Emits an effect, which DeviceKind::apply applies after all bodies have moved. Throws std::length_error
-  /// if rows emit more than `Prepared::most_effects` each. sequence: order among the effects of a row in a
-  /// tick; verb, payload: defined by the kind; target: may be invalid
+  /// if there are more effects than Prepared::most_effects allows.
+  ///
+  /// sequence: order among the effects of a row in a tick
+  /// verb, payload: have the meaning that the kind gives them
+  /// target: the affected body; may be invalid if there is none
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
@@ -106,38 +116,39 @@ struct Transducer {
   std::size_t samples = 1;      ///< number of its readings
   Pose pose_sensor_transducer;  ///< origin of the beams and heading of their middle; sensor frame
   double range_max = 0;         ///< m
-  double fov = 0;               ///< from the first beam to the last, rad; the width of a single beam
+  double fov = 0;  ///< angle from the first beam to the last, rad; with a single beam, the width of that beam
 };
 
-/// The images of a camera: their size, and which percepts hold them.
+/// The images of a camera: their size, and the indices of the percepts (Prepared::percepts) that hold them.
 struct Camera {
   std::size_t width = 0;   ///< pixels
   std::size_t height = 0;  ///< pixels
   double range_far = 0;    ///< m: depth of a pixel that shows no surface
-  std::size_t color = 0;   ///< percept: u8 [red green blue opacity] per pixel, row by row from the upper left
-  std::size_t depth = 1;   ///< percept: f32 per pixel, m along the optical axis
+  /// Index of the colour percept: u8 [red green blue opacity] per pixel, row by row from the upper left.
+  std::size_t color = 0;
+  std::size_t depth = 1;  ///< index of the depth percept: f32 per pixel, m along the optical axis
 };
 
 /// The marked parts (Returns::fiducial) that a sensor detects.
 struct SoughtMarks {
   std::int32_t key = 0;       ///< Returns::fiducial_key of the parts
-  bool at_any_height = true;  ///< false: only parts that the height of the sensor intersects
+  bool at_any_height = true;  ///< false: only parts whose height interval contains the height of the sensor
 };
 
-/// Flags that a device holds.
+/// The flags, as in Stage, that a device holds.
 struct HeldFlags {
-  std::size_t count = 0;       ///< number of flags that it holds
-  std::uint64_t received = 0;  ///< number that others gave it since tick 0
+  std::size_t count = 0;       ///< number of flags that it holds now
+  std::uint64_t received = 0;  ///< number of flags that other bodies gave it since tick 0
 };
 
 /// The device of one row, for viewers.
 struct DeviceView {
   const World& world;       ///< the last committed state
   const std::any& data;     ///< result of DeviceKind::prepare
-  const StateTable& state;  ///< the device's rows, by slot
-  std::size_t slot = 0;     ///< of the row in `state`
+  const StateTable& state;  ///< state of the device, by slot
+  std::size_t slot = 0;     ///< index of the row in `state`
   std::uint32_t body = 0;   ///< index into Frame::mobile
-  Pose pose_world_device;   ///< as moved by joints
+  Pose pose_world_device;   ///< present pose, including the displacement of joints
 
   /// Converts a point from the device frame to the world frame, m.
   Eigen::Vector3d at(double x, double y, double z) const;
@@ -146,9 +157,9 @@ struct DeviceView {
 /// The layer of a frame in which devices of a kind are drawn.
 enum class FrameLayer : std::uint8_t {
   none,    ///< not drawn
-  sights,  ///< Frame::sights
-  blobs,   ///< Frame::blobs
-  grips,   ///< Frame::grips
+  sights,  ///< detections: Frame::sights
+  blobs,   ///< blobs of colour: Frame::blobs
+  grips,   ///< gripper beams and held bodies: Frame::grips
 };
 
 /// A kind of device: a sensor, which only reads the world, or another device (gripper, light, power pack),
@@ -161,8 +172,8 @@ struct DeviceKind {
   std::vector<std::string_view> joints;
   /// Whether it can pick up other bodies.
   bool carries = false;
-  /// Whether it is a drive, which controllers of its part, and of parts mounted on that, command. Its
-  /// commands are a Command (command_fields), and its state begins with its estimated pose.
+  /// Whether it is a drive. It is then commanded by the controllers of its part and of the parts mounted on
+  /// that part. Its commands are a Command (command_fields), and its state begins with its estimated pose.
   bool drives = false;
   /// A solid of a device, with its joints at rest.
   struct Fixture {
@@ -175,25 +186,29 @@ struct DeviceKind {
   struct Prepared {
     std::any data;                     ///< the argument `data` of the hooks
     std::vector<StateField> percepts;  ///< fields of the device's state table
-    std::size_t percept_bytes = 0;     ///< size of the struct of a row (memory_fields); 0: no struct
+    std::size_t percept_bytes = 0;  ///< size of the struct of a row (memory_fields); 0: rows are no structs
     std::vector<StateField> commands;  ///< commands from controllers: fields of a struct (memory_fields)
-    std::size_t command_bytes = 0;     ///< size of that struct; 0: it takes no commands
-    double reach_m = 0;                ///< radius of the declared query about the body's origin
-    std::size_t beams = 0;             ///< rays cast each time it runs
-    std::size_t most_effects = 0;      ///< largest number that a row may emit in a tick
-    bool ends_lives = false;           ///< its effects may be deaths
-    double watts = 0;                  ///< power drawn from its supply while it runs
-    std::vector<Pose> joints;          ///< poses of its joints at tick 0, relative to rest; empty: at rest
-    double joint_reach_m = 0;          ///< bound on how far its joints move from rest
-    /// Heading of each reading in the sensor frame, rad. Empty, as are `transducers`, if the sensor is no
-    /// ranger. Percept 0 of a ranger holds the ranges.
+    std::size_t command_bytes = 0;     ///< size of the command struct; 0: the device takes no commands
+    double reach_m = 0;            ///< distance from the body's origin within which the device reads bodies
+    std::size_t beams = 0;         ///< rays that each device casts each time it runs
+    std::size_t most_effects = 0;  ///< largest number of effects that a row may emit in a tick
+    bool ends_lives = false;       ///< whether it may emit deaths: emit_death()
+    double watts = 0;              ///< power drawn from its supply while it runs
+    std::vector<Pose> joints;      ///< poses of its joints at tick 0, relative to rest; empty: at rest
+    double joint_reach_m = 0;      ///< bound on how far its joints move from rest
+    /// For rangers: heading of each reading in the sensor frame, rad. Percept 0 of a ranger holds the ranges.
+    /// Empty for all other devices.
     std::vector<double> bearings;
-    std::vector<Transducer> transducers;  ///< in the order of the readings; together they have all of them
-    std::optional<Camera> camera;         ///< for a sensor whose readings are images
-    std::optional<SoughtMarks> seeks;     ///< for a sensor that detects marked parts
+    /// For rangers: the fans of beams, in the order of the readings. Each reading belongs to one fan. Empty
+    /// for all other devices.
+    std::vector<Transducer> transducers;
+    std::optional<Camera> camera;      ///< for cameras: their images
+    std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
-  /// Compiles the parameters, which are within the limits of their table. A pure function that need not
-  /// throw.
+  /// Compiles the parameters, which the caller has checked against the limits of their table. A pure
+  /// function.
+  ///
+  /// pose_body_device: frame in which the parameters are given
   Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
   /// Called once after `prepare`: completes the data from the type and the part that carries the device. The
   /// error says what is wrong with them. Null: not needed.
@@ -201,42 +216,44 @@ struct DeviceKind {
   /// Called once after `bind_part`: completes the data from the world. The error says what is wrong with it.
   /// Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
-  /// Sets the state of a row when its life begins, at tick 0 or later. All bytes are 0 before. Null: they
-  /// stay 0.
+  /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes are 0 before the
+  /// call. Null: all bytes stay 0.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
-  /// In the sense phase: writes the percepts of every row of the batch. Reads only the last committed state.
-  /// Returns the number of rays cast. Null: it senses nothing.
+  /// Called in the sense phase: writes the percepts of every row of the batch. It must read only the last
+  /// committed state. Returns the number of rays cast. Null: the device senses nothing.
   std::uint64_t (*sense)(const DeviceBatch& batch) = nullptr;
-  /// Before the controllers decide, when drives run: executes the commands of the previous tick. Null: it has
-  /// no actions.
+  /// Called together with the drives, before the controllers decide: executes the commands of the previous
+  /// tick. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
-  /// After bodies and joints have moved, if any joint of the batch had a goal: reads the outcome of its
-  /// joints (moved_joint). Null: not needed.
+  /// Called after bodies and joints have moved, if any joint of the batch had a goal: reads whether the
+  /// joints reached their goals (moved_joint). Null: not needed.
   void (*joints_moved)(const DeviceBatch& batch) = nullptr;
-  /// After the bodies have moved: applies one effect of this kind. Effects are applied one by one, in the
-  /// order of (source, device, sequence), and see the results of earlier ones. Null: it has no effects.
+  /// Called after the bodies have moved: applies one effect of this kind. Effects are applied one by one, in
+  /// the order of (source, device, sequence); each sees the results of those before it. Null: the device has
+  /// no effects.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
-  /// After all other effects of the tick: receives the result of a birth that its row requested. Null: not
-  /// needed.
+  /// Called after all other effects of the tick: receives the result of a birth that the device requested.
+  /// Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
-  /// For power supplies: whether a row is empty, so that the devices it supplies stop. A supply serves its
-  /// part and the parts mounted on it, except those with a supply of their own; on the root part, also the
-  /// drive. Null: it supplies no power.
+  /// For power supplies: whether the supply of a row is empty. The devices that it serves then stop. A supply
+  /// serves the devices of its part and of the parts mounted on that part, except parts with a supply of
+  /// their own. A supply of the root part also serves the drive. Null: the device supplies no power.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
-  bool needs_supply = false;  ///< it is an error if no supply serves its part
-  /// Energy of a row. Null: it stores no energy.
+  bool needs_supply = false;  ///< true: a world in which no power supply serves the device is an error
+  /// The energy account of a row. Null: the device stores no energy.
   Energy (*energy)(const StateTable& state, std::size_t slot) = nullptr;
-  /// Flags of a row. Null: it holds no flags.
+  /// The flags of a row. Null: the device holds no flags.
   HeldFlags (*flags)(const StateTable& state, std::size_t slot) = nullptr;
 
-  /// Its state begins with the colour that its part shows: three f32, red, green and blue, in a field named
-  /// k_shown_color (engine/shown_color.hpp), by which recordings find it.
+  /// True: the device sets the colour of its part. Its state must then begin with that colour: three f32,
+  /// red, green and blue, in a field named k_shown_color (engine/shown_color.hpp). Recordings find it by this
+  /// name.
   bool shows_color = false;
   FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
-  /// Adds the drawing of a row to `layer`. Called for sensors only if they have sensed and still run. Null
-  /// without a layer.
+  /// Adds the drawing of a row to the layer `layer` of a frame. For sensors it is called only if they have
+  /// sensed and still run. Null if `layer` is none.
   void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
   /// True if the device only senses.
@@ -245,20 +262,21 @@ struct DeviceKind {
 
 /// The meaning of the numbers of a command.
 enum class ControlMode : std::uint8_t {
-  velocity,      ///< speeds, m/s and rad/s; for a `car` turn is the steering angle, rad
-  acceleration,  ///< m/s^2 and rad/s^2; for a `car` turn is the steering angle, rad
-  position,      ///< a goal in the frame of the estimate, m and rad
+  velocity,      ///< speeds, m/s and rad/s; for drives of kind `car`, `turn` is the steering angle, rad
+  acceleration,  ///< m/s^2 and rad/s^2; for drives of kind `car`, `turn` is the steering angle, rad
+  position,      ///< a goal pose in the frame of the estimated pose, m and rad
 };
 inline constexpr std::size_t k_control_modes = 3;  ///< values of ControlMode
 
-/// The command of a controller to its drive, in the body frame (a goal: in the frame of the estimate). To
-/// assign `{x, y, turn}` commands a speed; to assign one number keeps the mode.
+/// The command of a controller to its drive. Speeds and accelerations are in the body frame, goals in the
+/// frame of the estimated pose. Assigning `{x, y, turn}` commands a speed; assigning a single member keeps
+/// the mode.
 struct Command {
   double x = 0;                              ///< forward
   double y = 0;                              ///< left
   double turn = 0;                           ///< counter-clockwise
   ControlMode mode = ControlMode::velocity;  ///< meaning of the numbers
-  std::uint32_t off = 0;  ///< devices that the controller has switched off: BodyType::Device::switch_bit
+  std::uint32_t off = 0;  ///< devices that the controller has switched off: bits BodyType::Device::switch_bit
 };
 
 /// The members of Command as state fields.
@@ -271,12 +289,14 @@ struct Velocity {
   double turn = 0;  ///< rad/s
 };
 
-/// Drives of robots of one type that are due in a tick. Sizes are equal.
+/// The argument of DriveKind::drive: robots of one type whose drives run in this tick. All spans have one
+/// entry per robot; `estimates` may be empty instead.
 struct DriveBatch {
   std::span<const Command> commands;  ///< one per robot
-  std::span<Velocity> velocities;     ///< in: of the last tick, if there are `estimates`; out: of this tick
-  std::span<const Pose> estimates;    ///< estimated poses; empty if all commands are speeds
-  double elapsed_s = 0;               ///< time since they were last due
+  /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities of the last tick.
+  std::span<Velocity> velocities;
+  std::span<const Pose> estimates;  ///< estimated poses; empty if all commands are speeds
+  double elapsed_s = 0;             ///< time since these drives ran last
 };
 
 /// A kind of drive, which computes velocities from commands.
@@ -290,11 +310,12 @@ struct DriveKind {
   Result<> (*check)(const Record& params);
   /// Computes the velocities of a batch from the commands, within the limits of the drive.
   void (*drive)(const std::any& data, const DriveBatch& batch);
-  /// Velocity of a robot until its drive is due for the first time. Null: 0.
+  /// Velocity of a robot until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;
   /// Parameters that the engine itself implements.
   ///@{
-  /// The pose estimation of its robots, or why the parameters are inconsistent. Null: the true pose.
+  /// How robots with this drive estimate their poses; the error says why the parameters are inconsistent.
+  /// Null: their estimates are their true poses.
   Result<Localization> (*localization)(const Record& params) = nullptr;
   /// The number of pushable bodies that a robot can push at once, 0 to k_most_pushed. Null: 0.
   std::int64_t (*pushes)(const Record& params) = nullptr;
@@ -310,12 +331,12 @@ class Readings {
   Readings() = default;
   /// A row of a device's table, which must outlive this.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
-  /// A field, by its index among the kind's percepts; one value per column.
+  /// The values of field f (its index among the percepts of the device's kind), one per column.
   template <class T>
   std::span<const T> field(std::size_t f) const {
     return table_->cell<T>(slot_, f);
   }
-  /// The whole row, if the kind's percepts are the members of a struct.
+  /// The whole row as a struct. Only for kinds whose percepts are the members of the struct State.
   template <class State>
   const State& as() const {
     return table_->as<State>(slot_);
@@ -328,7 +349,7 @@ class Readings {
 
 /// The inputs of one robot's controller in a tick.
 struct Percept {
-  std::uint64_t tick = 0;  ///< the tick being decided; 1 is the first
+  std::uint64_t tick = 0;  ///< number of the present tick; the first tick is 1
   double time_s = 0;       ///< world time at the end of the tick
   double tick_s = 0;       ///< length of a tick, s
   std::uint32_t body = 0;  ///< id of the robot
@@ -337,26 +358,28 @@ struct Percept {
   /// Estimated pose of the robot: engine/localization.hpp.
   Pose estimate;
 
-  /// Ranges of a ranger, m.
+  /// Ranges of the ranger with this index in `devices`, m.
   std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
 };
 
-/// The outputs of one robot's controller. They hold the last values.
+/// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
 struct Actions {
-  Command& command;  ///< of its drive
+  Command& command;  ///< command to the robot's drive
   /// Command structs of the chosen devices, in the order of Percept::devices; null for devices that take no
   /// commands.
   std::span<std::byte* const> devices;
-  /// Bits of the chosen devices in Command::off.
+  /// Bits of the chosen devices in Command::off, in the order of Percept::devices.
   std::span<const std::uint32_t> switches;
 
-  /// Switches a chosen device on or off, from the next tick on. A device that is off does nothing, draws no
-  /// power and keeps its readings. It stays off until the command is replaced: set_speed, for example,
-  /// switches all devices on. Only for controllers with ControllerKind::switches.
+  /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
+  /// and keeps its last readings. It stays off until `command` is replaced as a whole: set_speed(), for
+  /// example, switches all devices on again. Only for controllers with ControllerKind::switches.
+  ///
+  /// chosen: index of the device in Percept::devices, here and below
   void switch_device(std::size_t chosen, bool on) const {
     command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
   }
-  /// Whether a chosen device is on, by the present command.
+  /// Whether the present command leaves a device switched on.
   bool is_on(std::size_t chosen) const { return (command.off & switches[chosen]) == 0; }
 
   /// Commands a speed, m/s and rad/s, from the next tick on, until replaced. For a car `turn` is the steering
@@ -373,20 +396,22 @@ struct Actions {
   /// command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
-  /// The command of a chosen device whose kind takes commands of this struct.
+  /// The command to a device, whose kind must take commands of the struct DeviceCommand.
   template <class DeviceCommand>
   DeviceCommand& device(std::size_t chosen) const {
     return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
   }
 };
 
-/// Robots of one type whose controller decides in a tick, with their data. i is an index into `rows`.
+/// The argument of ControllerKind::decide: robots of one type whose controller decides in a tick, with their
+/// data. "Robot i" of the functions is that of rows[i]. A chosen device is one that the controller uses
+/// (ControllerKind::Prepared::devices); its index in that list is the argument `sensor` of the functions.
 struct DecideBatch {
-  std::uint64_t tick = 0;                ///< the tick being decided
+  std::uint64_t tick = 0;                ///< number of the present tick; the first tick is 1
   double time_s = 0;                     ///< world time at the end of the tick
-  double tick_s = 0;                     ///< length of a tick
-  std::uint64_t seed = 0;                ///< of the world
-  std::uint32_t stream = 0;              ///< of the controller's random numbers
+  double tick_s = 0;                     ///< length of a tick, s
+  std::uint64_t seed = 0;                ///< seed of the world
+  std::uint32_t stream = 0;              ///< random stream of the controller
   std::span<const Row> rows;             ///< rows of the batch
   std::span<const BodyId> ids;           ///< id of each row of the world
   std::span<const std::uint32_t> slots;  ///< slot of each row of the world in the tables of its type
@@ -402,56 +427,59 @@ struct DecideBatch {
     std::byte* of(std::size_t slot) const { return first == nullptr ? nullptr : first + slot * row_bytes; }
   };
   std::array<const StateTable*, k_most_devices_read> percepts;  ///< state of the chosen devices
-  std::array<Rows, k_most_devices_read> device_commands;        ///< their commands
-  std::array<std::uint32_t, k_most_devices_read> switches{};    ///< their bits in Command::off
-  std::size_t devices = 0;                                      ///< number of chosen devices
-  Rows memories;  ///< structs of the kind; none if it has no memory
-  /// Commands of the drive device of the controller's part; none: it commands the body's drive, as above.
+  std::array<Rows, k_most_devices_read> device_commands;        ///< commands to the chosen devices
+  std::array<std::uint32_t, k_most_devices_read> switches{};  ///< bits of the chosen devices in Command::off
+  std::size_t devices = 0;                                    ///< number of chosen devices
+  Rows memories;  ///< memory structs of the controller; without rows if its kind has no memory
+  /// Commands to the drive device (DeviceKind::drives) of the controller's part. Without rows if there is no
+  /// such device: the controller then commands the body's drive through `commands`.
   Rows drive_commands = {};
-  /// State of that drive device: begins with its estimated pose.
+  /// State of that drive device, which begins with its estimated pose; null if there is no such device.
   const StateTable* drive_state = nullptr;
 
   std::size_t size() const { return rows.size(); }  ///< number of robots in the batch
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }  ///< id of robot i
   /// Slot of robot i in the tables of its type.
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
-  /// Command of robot i to its drive: that of the controller's part, or else the body's.
+  /// Command that the controller of robot i gives: to the drive device of its part, or else to the body's
+  /// drive.
   Command& command(std::size_t i) const {
     if (drive_commands.first == nullptr) return commands[rows[i].index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
   }
-  /// Estimated pose of robot i: that of the drive of the controller's part, or else that of the body.
+  /// Estimated pose of robot i: that of the drive device of the controller's part, or else that of the body.
   Pose estimate(std::size_t i) const {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
     return estimates.of(rows[i], slots[rows[i].index()]);
   }
-  /// The random numbers of robot i in this tick, at draw 0.
+  /// The random numbers of robot i in this tick, from the first draw on.
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   /// Memory of robot i; null if the kind has none.
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
-  /// Readings of a device of robot i, by its index among the chosen devices.
+  /// Readings of a chosen device of robot i.
   Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }
-  /// Ranges of a ranger of robot i, by the same index: m, one number per beam.
+  /// Ranges of a ranger of robot i, m, one number per beam.
   std::span<const float> ranges(std::size_t sensor, std::size_t i) const {
     return percepts[sensor]->cell<float>(slot(i), 0);
   }
-  /// Command of a device of robot i, by the same index; null if its kind takes no commands.
+  /// Command struct of a chosen device of robot i; null if its kind takes no commands.
   std::byte* device_command(std::size_t sensor, std::size_t i) const {
     return device_commands[sensor].of(slot(i));
   }
 };
 
-/// The exception of a controller that decided for one robot of a batch. ControllerKind::decide may throw this
-/// to name the robot. Other exceptions are reported for the whole batch.
+/// An exception with the robot that it concerns. ControllerKind::decide may throw this, so that the message
+/// names the robot. For any other exception the message names the first robot of the batch and how many
+/// others it has.
 struct DecisionError {
-  Row row;                    ///< of the robot
+  Row row;                    ///< row of the robot
   std::exception_ptr thrown;  ///< the controller's exception
 };
 
 /// A device of a type, as presented to a controller that chooses its inputs.
 struct DeviceInfo {
-  std::string_view name;                 ///< DeviceSpec::name
-  std::string_view kind;                 ///< DeviceKind::name
+  std::string_view name;                 ///< name of the device (DeviceSpec::name)
+  std::string_view kind;                 ///< kind of the device (DeviceKind::name)
   const DeviceKind::Prepared& prepared;  ///< the compiled device
   /// Pose of the device, with its joints at rest, in the frame of the drive that the controller commands.
   Pose pose = {};
@@ -467,18 +495,20 @@ struct ControllerKind {
   /// Fields of the memory struct of each robot. The engine owns its bytes.
   std::vector<StateField> memory;
   std::size_t memory_bytes = 0;  ///< size of that struct; 0: it has no memory
-  /// Starts a memory: sets every field, whatever the bytes held (`troupe check --controllers` tries two
-  /// fills).
+  /// Initialises a memory: must set every field, whatever the bytes held before. `troupe check --controllers`
+  /// tests this by calling it on memories filled with two different bytes.
   void (*start)(std::byte* memory);
 
   /// A controller compiled from its parameters.
   struct Prepared {
     std::any data;  ///< the argument `data` of `decide`
-    /// Indices of the devices it uses. It runs when the first one does; without devices, when its drive does.
+    /// Indices of the devices that the controller uses. It runs in the ticks in which the first of them runs;
+    /// without devices, in the ticks in which its drive runs.
     std::vector<std::size_t> devices;
   };
-  /// Compiles the parameters and chooses devices. `claimed` marks devices that earlier controllers have
-  /// claimed; it may claim more. The error says what the type lacks.
+  /// Compiles the parameters and chooses among `devices` those that the controller uses. claimed[d] is true
+  /// if another controller of the type has reserved device d for itself; this function may set further
+  /// entries. The error says what the type lacks.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed);
   /// Called once after `prepare`: completes the data from the world, the type and the controller's part, for
@@ -500,43 +530,48 @@ struct Registry {
   std::vector<MeasureKind> measures;        ///< measures
   std::vector<FaultKind> faults;            ///< faults
 
-  /// A controller with given parameters, under a name of its own (Stage's expand_swarm).
+  /// A second name for a controller with certain parameters, such as Stage's expand_swarm.
   struct Preset {
     std::string_view name;                                   ///< name in files
-    std::string_view kind;                                   ///< of the controller
+    std::string_view kind;                                   ///< name of the controller kind
     std::string_view text;                                   ///< one sentence for `troupe describe`
     std::vector<std::pair<std::string_view, Value>> params;  ///< parameters that differ from the defaults
   };
   std::vector<Preset> presets;  ///< their names differ from those of the controllers
 
-  /// Finds controllers of plug-ins (troupe/plugins.hpp), which are in no list. unknown: the message for an
-  /// unknown name; the error is this message, with details. Kinds live as long as the registry and its
-  /// copies. Empty: there are no plug-ins.
+  /// A callback that finds controllers of plug-ins (troupe/plugins.hpp), which are not in the lists above.
+  /// `unknown` is the error message for an unknown name; the returned error is this message, extended by
+  /// details. The kinds live as long as the registry and its copies. Empty: there are no plug-ins.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
-  /// Finds sensors and other devices of plug-ins, in the same way.
+  /// A callback that finds sensors and other devices of plug-ins; otherwise like `plugged_controllers`.
   std::function<Result<const DeviceKind*>(std::string_view name, std::string unknown)> plugged_devices;
 
-  /// The kind of this name; null if there is none. Valid as long as the lists are not changed.
+  /// The kind of this name; null if there is none. The pointer is valid as long as the lists are not changed.
   ///@{
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
   ///@}
-  /// The device kind of this name, never null. unknown: the error message if there is none.
+  /// The device kind of this name, in the lists or in a plug-in; never null. If there is none, the error is
+  /// the message `unknown`.
   Result<const DeviceKind*> find_device(std::string_view name, std::string unknown) const;
-  /// The controller kind of this name, never null; else `unknown controller "hover"; known: expand, ...`.
+  /// The controller kind of this name, in the lists or in a plug-in; never null. If there is none, the error
+  /// is `unknown controller "hover"; known: expand, ...`.
   Result<const ControllerKind*> find_controller(std::string_view name) const;
   /// Names of the controllers and presets in the lists, sorted.
   std::vector<std::string_view> controller_names() const;
-  const Preset* preset(std::string_view name) const;        ///< null if there is none
-  const MeasureKind* measure(std::string_view name) const;  ///< null if there is none
-  const FaultKind* fault(std::string_view name) const;      ///< null if there is none
+  /// The preset, measure or fault of this name; null if there is none.
+  ///@{
+  const Preset* preset(std::string_view name) const;
+  const MeasureKind* measure(std::string_view name) const;
+  const FaultKind* fault(std::string_view name) const;
+  ///@}
 
-  /// The devices that only sense.
+  /// The devices that only sense: DeviceKind::is_sensor().
   std::vector<DeviceKind> sensors() const;
-  std::vector<DeviceKind> other_devices() const;  ///< those that are not in sensors()
+  std::vector<DeviceKind> other_devices() const;  ///< the devices for which is_sensor() is false
 };
 
 }  // namespace troupe::engine

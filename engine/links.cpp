@@ -29,7 +29,8 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
-/// Capacity of a tree's shape. It does not count bodies that carried bodies pick up.
+/// Capacity to reserve for the shape of a tree. It does not count bodies that carried bodies pick up
+/// themselves.
 struct Room {
   std::size_t pieces = 0;
   std::size_t corners = 0;
@@ -49,7 +50,7 @@ const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
   return most;
 }
 
-/// The mount of a joint at displacement q, when its parent joint is at `parent`.
+/// Links::Joint::now of a joint at displacement q from rest, if `parent` is that of its parent joint.
 Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q) {
   if (q == Pose{}) return parent;
   return compose(compose(compose(parent, joint.at_rest), Mount(q)), joint.to_body);
@@ -60,8 +61,8 @@ Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q)
 /// A body of a tree, as visited by a walk from the root.
 struct World::TreeBody {
   Row row;
-  Mount place;         // of the body's frame in the root's
-  bool moves = false;  // a joint between the root and the body moves
+  Mount place;         // the body's frame, relative to the root's frame
+  bool moves = false;  // whether a joint between the root and the body moves in this round
 };
 
 void World::build_links() {
@@ -89,7 +90,7 @@ void World::build_links() {
   links.samples.resize(links.composites.size());
   links.refused.resize(links.composites.size());
 
-  // Reserves memory now, so that a grip allocates none unless the gripped body carries something itself.
+  // Reserves memory now, so that gripping a body allocates none, unless that body carries another one.
   constexpr std::size_t k_most_pieces = 64;  // larger shapes allocate when they are needed
   const BodyType* cargo = most_intricate_cargo(types_);
   for (std::size_t c = 0; c < links.composites.size(); ++c) {
@@ -146,7 +147,8 @@ bool World::links_hold() const {
     if (!by.valid() || !type(by).carries || link.joint > type(by).joints.size() || !is_finite(link.pose))
       return false;
   }
-  // Finds cycles of carriers: one walk takes two steps towards the root while the other takes one.
+  // Finds cycles of carriers: one walk takes two steps towards the root while the other takes one step. They
+  // only meet in a cycle.
   for (std::uint32_t r = 0; r < rows(); ++r) {
     Row slow(r);
     for (Row fast(r); fast.valid(); slow = carrier_row(slow.value)) {
@@ -194,13 +196,13 @@ void World::forget_links() {
   links_.asked = true;
 }
 
-/// Clears the goals of a row's joints and places them by the tables.
+/// Clears the goals of a row's joints and computes their poses from the tables.
 void World::rest_joints(Row row) {
   for (Links::Joint& joint : joints(row)) joint.state = Links::Goal::none;
   move_to_joints(row);
 }
 
-/// Computes the places of a row's joints from the tables.
+/// Computes Links::Joint::now of a row's joints from the tables.
 void World::move_to_joints(Row row) {
   const std::span<Links::Joint> all = joints(row);
   for (std::size_t j = 0; j < all.size(); ++j) {
@@ -210,7 +212,8 @@ void World::move_to_joints(Row row) {
   }
 }
 
-/// Inserts by id, so that sums over the cargo do not depend on the order in which it was picked up.
+/// Adds a row to the cargo of a carrier. The cargo is sorted by id, so that sums over it do not depend on the
+/// order in which bodies were picked up.
 void World::link_cargo(std::uint32_t cargo, std::uint32_t carrier) {
   std::uint32_t* at = &links_.first_cargo[carrier];
   while (*at != Links::k_none && row_ids_[*at] < row_ids_[cargo]) at = &links_.next_cargo[*at];
@@ -232,8 +235,8 @@ void World::set_root(std::uint32_t row, std::uint32_t root) {
     set_root(c, root);
 }
 
-/// Adds the obstacle pieces of a body and of all bodies that it carries. then: only the pieces that move in
-/// this round, at their goals.
+/// Adds to `out` the obstacle pieces of a body and of all bodies that it carries. If `then` is true, adds
+/// only the pieces that move in this round, placed by Links::Joint::then.
 void World::add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const {
   const BodyType& t = type(body.row);
   const std::span<const Links::Joint> all = joints(body.row);
@@ -261,7 +264,7 @@ void World::add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, dou
   }
 }
 
-/// Updates the shape and radius of a row that conflict resolution and queries use.
+/// Updates the shape and the radius of a row, which conflict resolution and queries use.
 void World::reshape(std::uint32_t row) {
   if (!is_there(Row(row))) return update_presence(Row(row));
   const BodyType& t = type(Row(row));
@@ -287,7 +290,8 @@ void World::reshape(std::uint32_t row) {
   if (c != Links::k_none)
     for (const Links::Joint& joint : joints(Row(row)))
       shift = std::max(shift, joint.now.transform.position.norm());
-  // An upper bound for all points of the body: joints rotate points about the origin, then shift them.
+  // An upper bound for all points of the body: Joint::now rotates points about the body's origin, which keeps
+  // their distance from it, and then shifts them.
   row_radii_[row] = std::max(t.radius + shift, shape->radius);
 }
 
@@ -316,17 +320,17 @@ void World::for_roots(Work&& work) {
   });
 }
 
-/// Resolves the motions of joints. A round moves the joints of one device per body; parent joints have
-/// earlier rounds than their children. The moving pieces of a tree must be free of the static scene, and of
-/// every other tree at its present pose, with the joints of that tree both at their present places and at
-/// their goals. So the order in which two trees are tested does not matter, and trees do not come to overlap,
-/// whichever of them move.
+/// Resolves the motions of joints. A round moves the joints of one device per body; parent joints move in
+/// earlier rounds than their children. The moving pieces of a tree must be free of the static scene. They
+/// must also be free of every other tree at its present pose, both with the joints of that tree where they
+/// are now and with these joints at their goals. The order in which two trees are tested therefore does not
+/// matter, and they do not come to overlap, whether one of them moves or both.
 void World::resolve_joints() {
   Links& links = links_;
   if (!links.asked.load(std::memory_order_relaxed)) return;
-  // The index still holds each tree as a circle about its old origin. Since then its origin has moved by at
-  // most the longest motion or push. Its radius has grown by at most the joint motions of this tick, those of
-  // this round included. Turns change neither.
+  // The index still contains each tree as a circle about its origin before this tick. Since then its origin
+  // has moved by at most the longest motion or push, and its radius has grown by at most the joint motions of
+  // this tick, including those of this round. Turns of bodies change neither origin nor radius.
   double reach = conflicts_.longest();
   for (std::size_t round = 0; round < links.rounds; ++round) {
     std::atomic<std::uint64_t> longest = 0;  // bits of a non-negative number: they have its order
@@ -347,9 +351,10 @@ void World::resolve_joints() {
   }
 }
 
-/// Computes the places of the joints of a body, and of all bodies that it carries, at a fraction t of their
-/// motions of this round. Returns an upper bound on how far the motions to t = 1 move any point, m; 0: no
-/// joint moves in this round.
+/// Computes Links::Joint::then for the joints of a body and of all bodies that it carries, at a fraction t (0
+/// to 1) of their motions of this round. Returns an upper bound on how far the complete motions (t = 1) move
+/// any point, m; 0 if no joint moves in this round. radius: bound on the distance of any point from the root,
+/// m
 double World::aim_joints(const TreeBody& body, std::size_t round, double t, double radius) {
   const BodyType& type = this->type(body.row);
   const std::span<Links::Joint> all = joints(body.row);
@@ -386,8 +391,8 @@ double World::aim_joints(const TreeBody& body, std::size_t round, double t, doub
   return way;
 }
 
-/// Computes the shape of the moving pieces of a tree at their goals, and the number of samples of the motion.
-/// Returns an upper bound on how far any point moves, m.
+/// Computes the shape of the moving pieces of tree c at their goals, and the number of samples of the motion.
+/// Returns an upper bound on how far any point moves, m; 0 if no joint of the tree moves in this round.
 double World::ask_joints(std::size_t c, Row root, std::size_t round) {
   links_.samples[c] = 0;
   links_.refused[c] = 0;
@@ -435,7 +440,8 @@ bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double re
   return false;
 }
 
-/// Whether the moving pieces of this tree overlap another tree that this tree did not overlap before.
+/// Whether the moving pieces of a tree, at `after`, overlap another tree that the tree did not overlap at
+/// `before`.
 bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape& after, double reach) const {
   const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
     const Transform& at = transform(other);
@@ -444,7 +450,8 @@ bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape
     return body(root) < body(other) ? overlap(mine, theirs) : overlap(theirs, mine);
   };
   bool refuses = false;
-  // Visits whole runs of cells and tests present poses, because the index still holds the old ones.
+  // Visits all bodies of the cells in reach and tests their present poses, because the index still contains
+  // the poses before this tick.
   index_.for_each_run(
       Box::around(after.position(), after.shape().radius + reach),
       [&](std::span<const partition::BodyCircle> run) {
@@ -462,7 +469,7 @@ bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape
   return refuses;
 }
 
-/// Applies the outcome of this round to the joints of a tree.
+/// Applies the outcome of this round to the joints of a body and of all bodies that it carries.
 void World::answer_joints(Row row, std::size_t round, bool refused) {
   const BodyType& type = this->type(row);
   if (round < type.joint_devices.size()) {

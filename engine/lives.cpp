@@ -34,11 +34,11 @@ void World::build_lives() {
   tables_.emplace_back(
       "life", HashGroup::pose, StateTable::Layout::rows,
       sparse({{"birth", Element::u64, 1, "",
-               "tick after which its life began; 0: it was there from the start", offsetof(Life, birth)},
-              {"x", Element::f64, 1, "m",
-               "where it was born, world frame; 0 where it was there from the start", offsetof(Life, x)},
-              {"y", Element::f64, 1, "m", "world frame", offsetof(Life, y)},
-              {"presence", Element::u8, 1, "", "0: it is there, 1: not born yet, 2: dead",
+               "number of ticks completed at its birth; 0: present from the start", offsetof(Life, birth)},
+              {"x", Element::f64, 1, "m", "position at birth, world frame; 0 if present from the start",
+               offsetof(Life, x)},
+              {"y", Element::f64, 1, "m", "position at birth, world frame", offsetof(Life, y)},
+              {"presence", Element::u8, 1, "", "0: in the world, 1: not yet born, 2: dead",
                offsetof(Life, presence)}}),
       row_bodies_, sizeof(Life));
   next_born_.resize(spec_.reserves.size());
@@ -95,7 +95,8 @@ void World::derive_lives() {
   }
 }
 
-/// Updates the shape and radius of a row. For trees and bodies with joints, World::reshape() refines them.
+/// Updates the shape and radius of a row. For trees and bodies with joints, World::reshape() then computes
+/// the exact ones.
 void World::update_presence(Row row) {
   const bool there = is_there(row);
   row_shapes_[row.index()] = there ? &type(row).obstacle : &k_no_shape;
@@ -124,8 +125,8 @@ std::optional<std::size_t> World::reserve(std::string_view population) const {
   return static_cast<std::size_t>(found - spec_.reserves.begin());
 }
 
-/// Spawns the next body of a reserve, if its place is free. The index must hold all bodies present when it
-/// was built, at their current poses; newborn_ holds the bodies born since.
+/// Spawns the next body of a reserve, if its pose is free. The index must contain the current poses of all
+/// bodies in the world, except those that were born since it was built: these are in newborn_.
 Birth World::give_birth(std::size_t reserve, const Pose& pose) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(spec_.reserves[reserve].first.index() + next_born_[reserve]);
@@ -152,7 +153,8 @@ Birth World::give_birth(std::size_t reserve, const Pose& pose) {
   return {BirthStatus::born, id};
 }
 
-/// Ends a life. The row keeps the pose at death and the record of birth; the rest of its state becomes 0.
+/// Removes a body from the world. Its row keeps the pose at death and the component `life`; the rest of its
+/// state becomes 0.
 void World::die(Row row) {
   if (!is_there(row)) return;
   if (links_.any()) {
@@ -174,7 +176,9 @@ void World::die(Row row) {
 /// Applies deaths before births, so that a birth can take the place of a body that died in this tick.
 void World::resolve_lives(std::span<const Effect> effects) {
   if (!life_table_)
-    throw std::logic_error("a device emitted a birth or a death that its kind did not declare");
+    throw std::logic_error(
+        "a device requested a birth or a death, but the world has no reserve and no device kind declares "
+        "ends_lives");
   for (const Effect& effect : effects)
     if (effect.verb == k_death && effect.target.index() < body_rows_.size() && row(effect.target).valid())
       die(row(effect.target));

@@ -14,34 +14,37 @@
 
 namespace troupe::engine {
 
-/// The pose estimation of the robots of one type. Controllers and go-to commands use the estimate.
+/// How the robots of one type estimate their poses. Controllers and position commands (ControlMode::position)
+/// use the estimate.
 ///
-/// gps   The true pose, in the frame of the origin if one is given, else in the world frame.
-/// odom  Wheel odometry since tick 0, with an error: each tick's true motion (none if it was blocked; a
-///       teleport is not a motion) times 1 + error, along the estimated heading. In the frame of the origin,
-///       which is the robot's own first pose unless it is given.
+/// gps   The estimate is the true pose. It is given in the frame `origin` if that is set, else in the world
+///       frame.
+/// odom  Wheel odometry with an error. Each tick adds the robot's true motion times 1 + error, along the
+///       estimated heading. A blocked motion adds nothing, nor does a pose that a program sets. The estimate
+///       is given in the frame `origin` if that is set, else in the frame of the robot's first pose.
 struct Localization {
   /// The source of the estimate.
   enum class Kind : std::uint8_t {
     gps,   ///< the true pose
     odom,  ///< wheel odometry
   };
-  /// Relative errors of odometry.
+  /// Relative errors of odometry: the estimated motion is the true one times 1 + error.
   struct Error {
-    double x = 0;     ///< of forward motion
-    double y = 0;     ///< of motion to the left
-    double turn = 0;  ///< of the turn
+    double x = 0;     ///< error of forward motion
+    double y = 0;     ///< error of motion to the left
+    double turn = 0;  ///< error of the turn
   };
 
   Kind kind = Kind::gps;       ///< source of the estimate
-  std::optional<Pose> origin;  ///< world frame
-  std::optional<Error> error;  ///< not given: random for each robot
-  /// True: a tick's motion is added along the heading after its turn, as in Stage. False: along the heading
-  /// before it, as the robot moves; only then is the estimate without error the true pose.
+  std::optional<Pose> origin;  ///< frame of the estimate, as a pose in the world frame
+  std::optional<Error> error;  ///< errors of all robots; not set: random for each robot
+  /// True: the motion of a tick is added along the heading after its turn, as in Stage. False: it is added
+  /// along the heading before the turn, as the robot really moves; only then does odometry with error 0 give
+  /// the true pose.
   bool along_new_heading = false;
 
-  /// The error of one robot's odometry: as given, or uniform within +-1.5 % of the motions and +-2.5 % of the
-  /// turn, a function of the seed and the id.
+  /// The error of one robot's odometry: `error` if that is set. Otherwise random, a function of the seed and
+  /// the id: uniform from -0.015 to 0.015 for motions and from -0.025 to 0.025 for the turn.
   Error error_of(std::uint64_t seed, BodyId body) const;
 };
 
@@ -52,8 +55,8 @@ constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return 
 struct LocalizationParams {
   /// The heading along which a tick's motion is added; in files "old" and "new".
   enum class Heading : std::uint8_t {
-    old,      ///< the heading before its turn
-    changed,  ///< the heading after it
+    old,      ///< the heading before the turn of the tick
+    changed,  ///< the heading after the turn of the tick
   };
   friend constexpr std::array<std::string_view, 2> names_of(Heading) { return {"old", "new"}; }
 
@@ -67,22 +70,26 @@ struct LocalizationParams {
     using namespace facts;
     using enum Unit;
     d.member<&LocalizationParams::localization>(
-        "localization", fixed, "how the robot estimates its pose: its true pose, or wheel odometry");
+        "localization", fixed,
+        "source of the robot's estimated pose: `gps` is its true pose, `odom` is wheel odometry");
     d.member<&LocalizationParams::localization_origin>(
         "localization_origin", meters, fixed,
-        "[x, y] in the world of the origin of the estimate's frame; [] is, with `gps`, the world frame, "
-        "with `odom`, the pose of the robot at the start");
+        "origin of the frame of the estimated pose: [x, y] in the world frame; without it ([]) that frame is "
+        "the world frame with `gps`, and the robot's first pose with `odom`");
     d.member<&LocalizationParams::localization_origin_heading>(
         "localization_origin_heading", radians, fixed,
-        "heading of that frame, if `localization_origin` is given");
-    d.member<&LocalizationParams::odom_error>(
-        "odom_error", fixed,
-        "relative errors of `odom`, [forward, left, turn]; [] draws them for each robot, at random within "
-        "+-[0.015, 0.015, 0.025]");
+        "heading of the frame of the estimated pose, in the world frame; used only if `localization_origin` "
+        "is "
+        "given");
+    d.member<&LocalizationParams::odom_error>("odom_error", fixed,
+                                              "relative errors of `odom`, [forward, left, turn]; with [] "
+                                              "each robot has random errors, from -0.015 to "
+                                              "0.015 (forward and left) and from -0.025 to 0.025 (turn)");
     d.member<&LocalizationParams::odom_heading>("odom_heading", fixed,
-                                                "heading along which `odom` adds a tick's motion: before its "
-                                                "turn, as the robot moves, or after it, as "
-                                                "in Stage");
+                                                "heading along which `odom` adds the motion of a tick: `old` "
+                                                "is the heading before the turn of that tick, as the robot "
+                                                "really moves; `new` is the heading after the turn, as in "
+                                                "Stage");
   }
 
   /// The localization that the parameters describe, or why they are inconsistent.
@@ -91,20 +98,21 @@ struct LocalizationParams {
 
 /// The component `odometry`: the estimated pose of a robot with odometry.
 struct Odometry {
-  double x = 0;        ///< m, frame of the origin
-  double y = 0;        ///< m, frame of the origin
-  double heading = 0;  ///< rad
+  double x = 0;        ///< estimated x, m, in the frame of the estimate
+  double y = 0;        ///< estimated y, m, in the frame of the estimate
+  double heading = 0;  ///< estimated heading, rad
 
-  /// Adds the motion of one tick: m forward and left, rad. The formula is in docs/driving.md.
+  /// Adds the true motion of one tick: x forward and y to the left, m, and turn, rad. The formula is in
+  /// docs/driving.md.
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 
-/// Converts a pose from the world frame to the frame of the origin. The height does not change.
+/// Converts a pose from the world frame to the frame of `origin`. The height does not change.
 Pose relative_to(const Pose& origin, const Pose& pose);
 
 /// The estimated poses of robots of one type.
 struct Estimates {
-  const Localization* how = nullptr;     ///< null: there are no estimates
+  const Localization* how = nullptr;     ///< how they are estimated; null: there are no estimates
   std::span<const Pose> poses;           ///< true poses, one per row
   std::span<const Odometry> odometries;  ///< one per slot, if the type has odometry
 

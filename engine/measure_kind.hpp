@@ -14,34 +14,36 @@ namespace troupe::engine {
 
 class World;
 
-/// A measure of a run: computes one number from the present state and its memory of earlier ones. It never
-/// changes the world. Its numbers follow the rules for state (docs/determinism.md): the same bits on any
-/// number of threads and tiles.
+/// A measure of a run: computes one number from the present state and its own memory of earlier states. It
+/// never changes the world. Its numbers must follow the rules for state (docs/determinism.md): they have the
+/// same bits for any number of threads and any tile size.
 class Measure {
  public:
   virtual ~Measure() = default;
-  /// Updates the memory. Called for every tick in order, from the first measured one.
+  /// Updates the memory with the present state. Called for every tick in order, starting with the state at
+  /// which measuring begins.
   virtual void see(World& world) { static_cast<void>(world); }
-  /// Value for the present state, after see() was called for it; NaN if there is none.
+  /// Value for the present state, for which see() was called before; NaN if it has no value.
   virtual double value(World& world) = 0;
-  /// The memory as bytes, to be saved and restored; always of the same size.
+  /// The memory as bytes, which a checkpoint saves and overwrites. Its size must never change.
   virtual std::span<std::byte> memory() { return {}; }
 };
 
-/// A kind of measure, taken of all, some or one of the robots. Its name and unit give the column of a table.
+/// A kind of measure, which is taken of all robots, of some of them, or of one.
 struct MeasureKind {
   std::string_view name;        ///< name of the measure and of its column
-  Unit unit = Unit::none;       ///< SI; suffix of the column's name
+  Unit unit = Unit::none;       ///< SI unit, the suffix of the column's name
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
   FieldTable params;            ///< fields of its parameters
-  /// Makes a measure. robots: the measured ones, in order of ids; may be empty. Throws std::length_error if
-  /// the parameters ask for too much, std::invalid_argument if they name something that does not exist.
+  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. Throws
+  /// std::length_error if the parameters need too much memory, and std::invalid_argument if they name
+  /// something that does not exist.
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);
 };
 
-/// The kind of a class M that is constructed from (world, robots), or from (world, params, robots) if it has
-/// a described `struct Params`.
+/// Makes the kind of a class M. Its constructor takes (world, robots), or (world, params, robots) if M has a
+/// described `struct Params` (engine/description.hpp).
 template <class M>
 MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view text,
                               std::string_view definition) {

@@ -9,11 +9,11 @@ namespace troupe::engine {
 
 /// A measure that a run takes (engine/measure_kind.hpp).
 struct MeasureSpec {
-  std::string kind;  ///< a kind of Registry::measures
-  std::string name;  ///< of its column, without the unit; empty: the kind's, followed by `:of`
+  std::string kind;  ///< name of a kind of Registry::measures
+  std::string name;  ///< name of its column, without the unit; empty: `kind`, or `kind:of` if `of` is set
   std::string of;    ///< name of a type, a population or a robot; empty: all robots
   Record params;     ///< one value for each field of the kind's table
-  Where where;       ///< for messages
+  Where where;       ///< position in the file, for messages
 };
 
 }  // namespace troupe::engine

@@ -16,29 +16,29 @@
 
 namespace troupe::engine {
 
-/// The measures of one run, one column each. Not thread-safe; computes on the world's workers.
+/// The measures of one run, one column each. Not thread-safe; it computes on the worker threads of the world.
 class MeasureSet {
  public:
-  /// Reports, at the positions of the specs, unknown kinds and robots, two columns of one name, and
-  /// parameters that ask for too much. Measuring begins with the present state. World and registry must
-  /// outlive it.
+  /// Measuring begins with the present state. Errors are reported to `diagnostics` at the positions of the
+  /// specs: unknown kinds and robots, two columns with one name, and parameters that need too much memory.
+  /// World and registry must outlive the set.
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
              Diagnostics& diagnostics);
 
-  /// Names with SI units as suffixes, as in the keys of JSON worlds: `displacement_m`, `stalls:leaders`.
+  /// Names of the columns, with the SI unit as a suffix: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const { return columns_; }
-  /// To be called after every step. If the tick does not follow the last one, as after a reset, all measures
-  /// begin again.
+  /// Updates the measures. Call this after every step. If the present tick does not follow that of the last
+  /// call, for example after a reset, all measures begin again.
   void see();
-  /// One number per column, for the state of the last see(); NaN if a measure has none.
+  /// Values for the state of the last see(), one per column; NaN if a measure has no value.
   std::vector<double> values();
-  /// One number of values(); the others are not computed.
+  /// Value of one column, as in values(). Does not compute the other columns.
   double value(std::size_t column);
 
   /// Memory of all measures, for a checkpoint.
   std::vector<std::byte> memory() const;
-  /// Restores memory() of a set of the same specs; the world must be in the saved state. Returns false and
-  /// changes nothing if the size is wrong.
+  /// Restores the result of memory(), which must come from a set with the same specs. The world must be in
+  /// the state in which the memory was saved. Returns false and changes nothing if the size is wrong.
   bool remember(std::span<const std::byte> memory);
 
  private:
@@ -56,17 +56,17 @@ class MeasureSet {
   std::uint64_t seen_ = 0;                          // tick of the last see()
 };
 
-/// The robots that `of` names, in order of ids: those of a type or a population, or a single robot. All
-/// robots if `of` is empty. No robots if nothing has that name.
+/// Returns the robots that `of` names, in order of ids: those of a type, those of a population, or a single
+/// robot. Returns all robots if `of` is empty, and none if no type, population or robot has that name.
 std::vector<Row> robots_of(const World& world, std::string_view of);
 /// Names of all types and populations of robots, sorted.
 std::vector<std::string> names_of_robots(const World& world);
 
-/// Number of the rows that are in the world.
+/// Number of these rows whose bodies are in the world.
 std::size_t count_there(const World& world, std::span<const Row> rows);
 
-/// term(0) + ... + term(count - 1), rounded once: the result depends on neither the number of threads nor the
-/// order of the terms.
+/// Returns term(0) + ... + term(count - 1), computed on the worker threads of the world and rounded once: the
+/// result depends on neither the number of threads nor the order of the terms.
 template <class Term>
 double exact_sum(World& world, std::size_t count, Term&& term) {
   constexpr std::size_t k_block = 1024;

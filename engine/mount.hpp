@@ -4,25 +4,28 @@
 
 namespace troupe::engine {
 
-/// A frame relative to another, like a Pose but with its rotation computed, for chains of frames.
+/// A frame relative to another frame. Like a Pose, but with sine and cosine of the heading already computed,
+/// so that chains of frames are cheap.
 struct Mount {
-  Transform transform;  ///< in the plane, m
-  double z = 0;         ///< m
-  double heading = 0;   ///< rad; not wrapped
+  Transform transform;  ///< position and rotation in the plane, m
+  double z = 0;         ///< height, m
+  double heading = 0;   ///< heading of the rotation, rad; not wrapped
 
   Mount() = default;  ///< the identity
   Mount(const Transform& at, double height, double turned)
-      : transform(at), z(height), heading(turned) {}  ///< m and rad; `turned` is the heading of the transform
+      : transform(at), z(height), heading(turned) {}  ///< height in m; `turned`: heading of `at`, rad
   /// The frame at a pose.
   explicit Mount(const Pose& pose) : Mount(Transform(pose), pose.z, pose.heading) {}
 
-  /// As a pose, with the heading wrapped into [-pi, pi]. Contains no -0, so equal poses have equal bits.
+  /// The frame as a pose, with the heading wrapped into [-pi, pi]. No member is -0, so equal poses have equal
+  /// bits.
   Pose pose() const {
     return {transform.position.x() + 0.0, transform.position.y() + 0.0, z + 0.0, wrap_angle(heading) + 0.0};
   }
 };
 
-/// mount_a_c from mount_a_b and mount_b_c. If one of them is the identity, it is the other, bit for bit.
+/// Returns mount_a_c (frame c relative to frame a) from mount_a_b and mount_b_c. If one argument is the
+/// identity, the result equals the other argument bit for bit.
 inline Mount compose(const Mount& a, const Mount& b) {
   const Rotation& r = a.transform.rotation;
   const Rotation& s = b.transform.rotation;
@@ -32,14 +35,14 @@ inline Mount compose(const Mount& a, const Mount& b) {
   return {Transform(a.transform * b.transform.position, both), a.z + b.z, a.heading + b.heading};
 }
 
-/// pose_a_c from mount_a_b and pose_b_c; the heading is wrapped. For a mount made from a body's pose and
-/// transform it has the same bits as compose() of these.
+/// Returns pose_a_c from mount_a_b and pose_b_c; the heading is wrapped. For a mount that is made from a
+/// body's pose and transform, the result has the same bits as compose(pose, transform, pose_b_c).
 inline Pose compose(const Mount& a, const Pose& b) {
   const Vec2 p = a.transform * b.position();
   return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};
 }
 
-/// mount_b_a from mount_a_b.
+/// Returns mount_b_a from mount_a_b.
 inline Mount inverse(const Mount& mount) {
   Rotation back;
   back.cos = mount.transform.rotation.cos;

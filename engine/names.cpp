@@ -11,13 +11,13 @@
 namespace troupe::engine {
 namespace {
 
-constexpr std::size_t k_most_digits = 9;  // any number of so many digits fits 32 bits
+constexpr std::size_t k_most_digits = 9;  // any number with this many digits fits into 32 bits
 constexpr std::uint32_t k_numbers_end = 1000000000;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Position at which the number at the end of a text begins: the longest of at most k_most_digits without
-/// leading zeros, so that each text has exactly one name.
+/// Position at which the number at the end of a text begins. It is the longest number of at most
+/// k_most_digits digits without leading zeros, so that each text has exactly one name.
 std::size_t number_begin(std::string_view text) {
   std::size_t begin = text.size();
   while (begin > 0 && text.size() - begin < k_most_digits && is_digit(text[begin - 1])) --begin;

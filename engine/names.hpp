@@ -13,33 +13,34 @@
 
 namespace troupe::engine {
 
-/// A body's name in eight bytes: a word of a Names table, followed by a number. "r17" is word "r", number 17.
-/// Within one table, names are equal exactly if their texts are.
+/// A body's name in eight bytes: a word of a Names table, and a number that follows it. "r17" is word "r",
+/// number 17. Two names of one table are equal if and only if their texts are equal.
 struct Name {
   static constexpr std::uint32_t k_no_number = ~0u;  ///< no number follows the word
   std::uint32_t word = 0;                            ///< index into Names::words(); 0 is the empty text
-  std::uint32_t number = k_no_number;                ///< written without leading zeros
+  std::uint32_t number = k_no_number;  ///< the number after the word, which has no leading zeros
   friend bool operator==(Name, Name) = default;
 };
 
-/// The words of names. A population shares one, so a million names need no text. (A string per body was
-/// rejected: it took 32 bytes each, and most of the loading time of a large population.)
+/// The table of the words that names consist of. All names of a population share one word, so a million names
+/// take no memory for texts. (A string per body was rejected: it took 32 bytes per body, and most of the
+/// loading time of a large population.)
 class Names {
  public:
-  /// A table of the empty word, so that Name() is the empty text.
+  /// A table that contains only the empty word, so that Name() is the empty text.
   Names() { intern(""); }
-  /// A copy of the table that had these words(): its names are valid here. Throws std::invalid_argument if
-  /// the first word is not empty or a word occurs twice.
+  /// A copy of the table whose words() these are: the names of that table are valid for the copy. Throws
+  /// std::invalid_argument if the first word is not empty or a word occurs twice.
   explicit Names(std::vector<std::string> words);
 
   /// All words in the order in which they were added; the first is empty.
   std::span<const std::string> words() const { return words_; }
 
-  /// The name of a text; adds its word.
+  /// Returns the name with this text. Adds its word if the table lacks it.
   Name add(std::string_view text);
-  /// The name of a text followed by a number: add("r", 17) is add("r17").
+  /// Returns the name with this text and number: add("r", 17) equals add("r17").
   Name add(std::string_view text, std::uint32_t number);
-  /// The name of a text; not set if its word was never added.
+  /// Returns the name with this text; std::nullopt if the table lacks its word.
   std::optional<Name> find(std::string_view text) const;
   std::string text(Name name) const;  ///< the text that was given to add()
 
@@ -52,8 +53,8 @@ class Names {
 
 /// A name and the body that has it.
 struct NamedBody {
-  Name name;    ///< of the world's table
-  BodyId body;  ///< not valid: no body
+  Name name;    ///< the name, in the table WorldSpec::names
+  BodyId body;  ///< the body; not valid(): none
 };
 
 /// Bodies by name: a hash table with open addressing.
@@ -62,11 +63,11 @@ class NameMap {
   std::size_t size() const { return size_; }  ///< number of names
   /// Allocates memory for a number of names.
   void reserve(std::size_t names);
-  /// Gives the name to `body` unless another body has it. Returns the body that has it then.
+  /// Gives the name to `body` unless another body has it. Returns the body that has the name after the call.
   BodyId add(Name name, BodyId body);
   /// Gives the name to `body`, even if another body has it.
   void set(Name name, BodyId body);
-  /// The body that has the name; not valid if there is none.
+  /// The body that has the name; not valid() if there is none.
   BodyId find(Name name) const;
 
  private:

@@ -14,8 +14,8 @@ namespace {
 constexpr unsigned k_tile_bits = 2;  // a tile's 16 cells fill a cache line
 constexpr int k_finest = -10;        // cells of 2^-10 m, also for narrower bodies
 
-/// Bodies whose circles are apart cannot overlap. The margin covers the rounding of the distance, so that
-/// this cull never changes an answer.
+/// Whether the enclosing circles of two bodies overlap; if not, the bodies cannot overlap. The margin covers
+/// the rounding of the distance, so that skipping such bodies never changes an answer.
 bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b) {
   const double dx = a.x - b.x;
   const double dy = a.y - b.y;
@@ -25,7 +25,7 @@ bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b
 
 double cells_along(double length, double pitch) {
   return std::floor(length / pitch + 1e-9) +
-         1;  // 1e-9: 3 m at a pitch of 0.1 m are 31 cells, despite rounding
+         1;  // 1e-9, so that 3 m at a pitch of 0.1 m are 31 cells in spite of rounding
 }
 
 double box_cells(const Box& box, double pitch) {
@@ -46,10 +46,11 @@ class Candidates {
 
   /// Number of cells of a grid rule.
   std::uint64_t cells() const { return cells_; }
-  /// Whether poses depend on random draws, that is on body and trial, and not only on the cell.
+  /// Whether poses depend on random numbers, and so on body and trial, and not only on the cell.
   bool draws() const { return !is_grid_ || rule_.jitter_m > 0 || !rule_.heading; }
 
-  /// The draws of a trial have a fixed order (x, y, heading), so that a fixed heading changes no position.
+  /// The pose that the rule tries for a body. The random numbers of a trial are drawn in a fixed order (x, y,
+  /// heading), so that a fixed heading does not change the positions.
   Pose pose(std::uint64_t cell, std::uint32_t body, std::uint32_t trial) const {
     const bool spilt = is_grid_ && cell >= region_cells_;
     const Box& box = spilt ? rule_.spill : rule_.region;
@@ -210,7 +211,7 @@ class Spaced {
   std::unordered_map<std::uint64_t, std::vector<Vec2>> cells_;
 };
 
-/// A candidate that was tested before its turn.
+/// A candidate pose that was tested before its turn.
 struct Ahead {
   Pose pose;
   std::uint32_t trial = 0;
@@ -260,7 +261,7 @@ bool Crowd::each_near(double radius, const Pose& pose, Visit visit) const {
   bool goes_on = true;
   for (const Level& level : levels_) {
     const double reach =
-        radius + 0.5 * level.grid.cell_m + 1e-6;  // margin as in circles_meet, for coordinates up to 100 km
+        radius + 0.5 * level.grid.cell_m + 1e-6;  // margin for rounding, for coordinates up to 100 km
     const auto visit_run = [&](std::uint32_t slot, std::size_t begin, std::size_t end, partition::Cell) {
       const std::uint32_t* first = &level.first[slot * level.grid.cells_per_tile()];
       for (std::size_t cell = begin; goes_on && cell < end; ++cell)
@@ -314,7 +315,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
   if (rule.kind == PlacementRule::Kind::free_floor && count > 0) floor.emplace(rule, shape, scene, parallel);
   std::optional<Spaced> spaced;
   if (rule.kind == PlacementRule::Kind::poisson_disc) spaced.emplace(rule.distance_m);
-  const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;  // draws may be outside of the region
+  const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;  // draws may lie outside the region
   const auto is_open = [&](const Pose& pose) {
     const Vec2 at = pose.position();
     return (!bounds || bounds->contains(at)) && (!may_leave || rule.region.contains(at)) &&
@@ -331,8 +332,8 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
     poses.push_back(pose);
   };
 
-  // Many candidates are tested against the static scene ahead and in parallel. The tests against other bodies
-  // then follow one by one, in order.
+  // Many candidates are tested against the static scene in advance and in parallel. The tests against other
+  // bodies then follow one by one, in order.
   std::vector<Ahead> ahead;
   const auto test_ahead = [&](std::size_t size, auto&& test) {
     constexpr std::size_t k_batch = 128;
@@ -349,7 +350,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
         if (const Pose pose = candidates.pose(0, body, trial); is_open(pose)) return Ahead{pose, trial, true};
       return Ahead{{}, trial, false};
     };
-    std::size_t size = 64;  // doubled each time, so that little work is lost if there is no room at all
+    std::size_t size = 64;  // doubled each time, so that little work is lost if there is no free place
     for (std::size_t i = 0; poses.size() < count; ++i) {
       const auto body = static_cast<std::uint32_t>(poses.size());
       if (i == ahead.size()) {
@@ -371,8 +372,8 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
   for (std::uint64_t cell = 0; cell < candidates.cells() && poses.size() < count; ++cell, ++i) {
     const auto body = static_cast<std::uint32_t>(poses.size());
     if (i == ahead.size()) {
-      // Without draws, the pose of a cell does not depend on its body, so cells can be tested ahead. At least
-      // as many cells as remaining bodies will be needed.
+      // Without random numbers, the pose of a cell does not depend on its body, so cells can be tested in
+      // advance. At least one cell per remaining body will be needed.
       const std::uint64_t left = std::min<std::uint64_t>(candidates.cells() - cell, count - poses.size());
       test_ahead(candidates.draws() ? 1 : std::min<std::uint64_t>(left, k_most_ahead), [&](std::size_t k) {
         const Pose pose = candidates.pose(cell + k, body, trial);

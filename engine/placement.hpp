@@ -15,18 +15,20 @@
 
 namespace troupe::engine {
 
-/// Obstacle solids of all parts of a type, for overlap tests; empty if no part is an obstacle.
-/// Throws std::length_error if an outline is too complex (convex_pieces).
+/// Returns the solids of those parts of a type that are obstacles, as a shape for overlap tests; empty if no
+/// part is an obstacle. Throws std::length_error if an outline is too complex for convex_pieces().
 partition::ObstacleShape obstacle_shape(const TypeSpec& type);
-/// Solids of the parts for which counts(part) is true; throws as obstacle_shape() does.
+/// Returns the solids of the parts for which counts(part) is true, as a shape for overlap tests. Throws
+/// std::length_error if an outline is too complex for convex_pieces().
 partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const PartSpec& part));
 
-/// A spatial index of bodies. A body is in the cell of its centre, at the level whose cells are about as wide
-/// as the body, so that a single large body does not slow every query. The cells change no answer.
+/// A spatial index of placed bodies. It has a grid of cells for each power of two of the body width (a
+/// level). A body is in the cell of its centre, at the level whose cells are about as wide as the body. A
+/// single large body therefore does not slow every query. The cells do not affect any answer.
 class Crowd {
  public:
-  /// Adds body number size(). Keeps a reference to the shape, which must outlive the crowd. A body whose
-  /// shape is empty is counted, but overlaps nothing.
+  /// Adds a body. Its number is size() before the call. The shape is kept as a reference and must outlive the
+  /// crowd. A body whose shape is empty is counted, but overlaps nothing.
   void add(const partition::ObstacleShape& shape, const Pose& pose_world_body);
   std::size_t size() const { return bodies_.size(); }  ///< number of bodies
 
@@ -63,42 +65,45 @@ class Crowd {
 struct PlacementRule {
   /// Kinds of rules.
   enum class Kind : std::uint8_t {
-    grid,  ///< cells of `pitch_m`, column by column from the region's min corner; taken cells are skipped
-    // All others draw up to `trials` positions for each body.
-    uniform,       ///< anywhere in the region
+    /// A grid of cells with the edge `pitch_m`, filled column by column from the region's lower corner. Cells
+    /// in which the body would overlap an obstacle are skipped.
+    grid,
+    // All other kinds draw random positions, at most `trials` for each body, until one is free.
+    uniform,       ///< uniformly distributed in the region
     gaussian,      ///< normally distributed around `mean`
-    poisson_disc,  ///< anywhere, at least `distance_m` from all others of the population
-    free_floor,    ///< anywhere that a disc as wide as the body can reach
+    poisson_disc,  ///< in the region, at least `distance_m` from all other bodies of the population
+    free_floor,    ///< on the floor that a disc as wide as the body can reach from `from`
   };
-  Kind kind = Kind::grid;         ///< kind of this rule
-  Box region;                     ///< contains the bodies' origins, m
-  Ring polygon;                   ///< also contains the bodies' origins, m; empty: no restriction
-  Box spill;                      ///< grid: filled cell by cell after the region's cells are used up
-  double pitch_m = 1;             ///< grid: distance between neighbouring cells
-  double jitter_m = 0;            ///< grid: greatest random displacement of each coordinate
-  Vec2 mean{0, 0};                ///< gaussian: mean position, m
-  Vec2 deviation{1, 1};           ///< gaussian: standard deviations along x and y, m
-  double distance_m = 1;          ///< poisson_disc: least distance between origins
-  std::optional<Vec2> from;       ///< free_floor: start of reach; not set: the largest connected floor
-  double cell_m = 0;              ///< free_floor: step of the search; 0: half the body's radius
-  std::optional<double> heading;  ///< rad; not set: uniformly random
-  double z = 0;                   ///< m
-  std::uint32_t trials = 1000;    ///< most draws for each body
+  Kind kind = Kind::grid;    ///< kind of this rule
+  Box region;                ///< box that must contain the bodies' origins, m
+  Ring polygon;              ///< polygon that must contain the bodies' origins, m; empty: not restricted
+  Box spill;                 ///< grid: second box, filled when all cells of `region` are used, m
+  double pitch_m = 1;        ///< grid: edge of the cells
+  double jitter_m = 0;       ///< grid: x and y are displaced randomly by at most this distance each way
+  Vec2 mean{0, 0};           ///< gaussian: mean position, m
+  Vec2 deviation{1, 1};      ///< gaussian: standard deviations along x and y, m
+  double distance_m = 1;     ///< poisson_disc: smallest distance between origins
+  std::optional<Vec2> from;  ///< free_floor: point on that floor, m; not set: the largest connected floor
+  double cell_m = 0;         ///< free_floor: step of the search; 0: half the body's radius
+  std::optional<double> heading;  ///< heading of all bodies, rad; not set: uniformly random
+  double z = 0;                   ///< height of the bodies' origins, m
+  std::uint32_t trials = 1000;    ///< largest number of draws for each body
 };
 
 /// Number of cells of a grid rule; a double, because it may exceed every integer.
 double grid_cells(const PlacementRule& rule);
 
-/// Number of positions that a free_floor rule tests for bodies of a shape.
+/// Number of positions that a free_floor rule tests for bodies of a shape; a double, because it may exceed
+/// every integer.
 double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape);
 
-/// Poses for bodies 0, 1, ... of a population, one after another, each within `bounds` and free of the static
-/// scene, the crowd and the bodies before it. Adds the bodies to the crowd. Stops at the first body without a
-/// free pose: the result is then shorter than `count`. The pose of body k does not depend on `count` nor on
-/// any cell size: its draws are those of (seed, population, k, trial).
-/// Time is linear in the count plus the skipped grid cells. Reachability of the free floor is computed within
-/// the region, in steps along x and y, with only the static scene as obstacles.
-/// grid_cells() and floor_cells() must be below 2^32.
+/// Returns poses for bodies 0, 1, ... of a population, computed one after another. Each is within `bounds`
+/// and free of the static scene, of the crowd and of the bodies before it. Adds the bodies to the crowd.
+/// Stops at the first body without a free pose: the result is then shorter than `count`. The pose of body k
+/// does not depend on `count` or on the cells of the spatial index: its random numbers follow from (seed,
+/// population, k, trial). The time is linear in `count` plus the number of skipped grid cells. For
+/// free_floor, the reachable floor is computed within the region, in steps along x and y, with only the
+/// static scene as obstacles. grid_cells() and floor_cells() must be below 2^32.
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);

@@ -11,11 +11,11 @@
 namespace troupe::engine {
 namespace {
 
-constexpr double k_max_cells = 100000000;       // of all grid rules: each may be tested
-constexpr double k_max_floor_cells = 25000000;  // of a floor: each is tested
+constexpr double k_max_cells = 100000000;       // limit for all grid rules together: each cell may be tested
+constexpr double k_max_floor_cells = 25000000;  // limit for one free_floor rule: each cell is tested
 constexpr double k_scene_cell_m = 0.5;
 
-/// Whether bodies of the type stay where they are.
+/// Whether bodies of the type never move: they have no drive, and cannot be gripped or pushed.
 bool is_static(const TypeSpec& type) {
   return !is_mobile(type) && std::ranges::none_of(type.parts, [](const PartSpec& part) {
     return part.returns.gripper || part.returns.pushable;
@@ -45,9 +45,10 @@ std::string too_few_places(const PopulationSpec& population, std::size_t placed)
   const PlacementRule& rule = population.rule;
   const std::string why =
       rule.kind == PlacementRule::Kind::grid
-          ? fmt::format("the region has no more free cells (of {:.0f})", grid_cells(rule))
-          : fmt::format("{} draws found no free place for the next{}", rule.trials,
-                        rule.kind == PlacementRule::Kind::free_floor ? " on the reachable floor" : "");
+          ? fmt::format("the region has no further free cell (it has {:.0f} cells)", grid_cells(rule))
+          : fmt::format(
+                "{} random poses for the next body were not free{}", rule.trials,
+                rule.kind == PlacementRule::Kind::free_floor ? ", or not on the reachable floor" : "");
   return fmt::format("placed {} of {} bodies: {}", placed, population.count, why);
 }
 
@@ -118,7 +119,8 @@ void Placer::check_rules() {
   double cells_so_far = 0;
   for (const PopulationSpec& population : populations_) {
     const PlacementRule& rule = population.rule;
-    if (rule.region.empty()) error(population, "the region is empty");
+    if (rule.region.empty())
+      error(population, "the region is empty: x_min must not exceed x_max, and y_min must not exceed y_max");
     if (rule.kind != PlacementRule::Kind::grid) continue;
     const double cells = grid_cells(rule);
     cells_so_far += cells;
@@ -126,9 +128,11 @@ void Placer::check_rules() {
       error(population, fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are allowed",
                                     cells, rule.pitch_m, k_max_cells));
     else if (cells_so_far > k_max_cells)
-      error(population,
-            fmt::format("the regions of all populations have {:.4g} cells so far; at most {:.0f} are allowed",
-                        cells_so_far, k_max_cells));
+      error(
+          population,
+          fmt::format("the regions of this population and of those before it have {:.4g} cells in total; at "
+                      "most {:.0f} are allowed",
+                      cells_so_far, k_max_cells));
   }
 }
 

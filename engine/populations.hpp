@@ -17,30 +17,30 @@ namespace troupe::engine {
 
 /// A population: bodies NAME0, NAME1, ... of one type, placed by a rule.
 struct PopulationSpec {
-  std::string name;           ///< NAME; also selects the random stream
+  std::string name;           ///< NAME, without number; also selects the random stream
   TypeId type;                ///< index into WorldSpec::types
-  std::size_t count = 0;      ///< bodies at tick 0
-  std::size_t reserve = 0;    ///< bodies that may be born later, numbered after the others: ReserveSpec
-  Color color{1, 0, 0, 1};    ///< BodySpec::color
+  std::size_t count = 0;      ///< number of bodies at tick 0
+  std::size_t reserve = 0;    ///< further bodies that may be born later, with the next numbers: ReserveSpec
+  Color color{1, 0, 0, 1};    ///< colour of the bodies (BodySpec::color)
   bool random_color = false;  ///< each body gets a random opaque colour instead
   PlacementRule rule;         ///< where they are placed
-  std::string path;           ///< path of `rule`, for messages; empty: `populations[INDEX].rule`
-  Where where;                ///< BodySpec::where
+  std::string path;           ///< path of `rule` in the file, for messages; empty: `populations[INDEX].rule`
+  Where where;                ///< position in the file, for messages (BodySpec::where)
   Where where_place;          ///< position of `rule`, for messages
 };
 
-/// The obstacles while populations are placed: solids of static geometry, and a crowd of other bodies.
+/// The obstacles while populations are placed: the solids of static bodies, and a crowd of other bodies.
 class Occupancy {
  public:
-  /// Makes the static scene from the first `fixed` bodies of the spec. Keeps a reference to the types of the
-  /// spec: none may be added or changed during its lifetime.
+  /// Makes the static scene from the first `fixed` bodies of the spec, without a crowd. Keeps a reference to
+  /// the types of the spec: no type may be added or changed during the lifetime of this object.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
-  /// Makes the static scene from all bodies that never move, and the crowd from the others at tick 0. Throws
-  /// std::length_error as shape() does.
+  /// Makes the static scene from all static bodies of the spec, and the crowd from its other bodies at tick
+  /// 0. Throws std::length_error as shape() does.
   explicit Occupancy(const WorldSpec& spec);
 
-  const partition::StaticScene& scene() const { return scene_; }  ///< obstacle solids only
-  Crowd& crowd() { return crowd_; }  ///< the other bodies; empty after the first constructor
+  const partition::StaticScene& scene() const { return scene_; }  ///< the static solids that are obstacles
+  Crowd& crowd() { return crowd_; }                               ///< the bodies that are not static
   /// Obstacle shape of a type. Throws std::length_error as obstacle_shape() does.
   const partition::ObstacleShape& shape(TypeId type);
 
@@ -51,30 +51,30 @@ class Occupancy {
   std::vector<std::optional<partition::ObstacleShape>> shapes_;  // in the order of types_, made on demand
 };
 
-/// Options of place(). None of them changes a pose.
+/// Options of place(). They do not affect the poses.
 struct PlaceOptions {
-  unsigned threads = 0;           ///< 0: one per processor that the process may use
-  double most_bodies = 10000000;  ///< limit of bodies in the world
+  unsigned threads = 0;           ///< number of threads; 0: one per processor that the process may use
+  double most_bodies = 10000000;  ///< largest number of bodies in the world; more are an error
 };
 
-/// Appends populations to a world in their order: the bodies of each, then its reserve. Each body is placed
-/// free of the static scene, the crowd and the bodies before it, and is added to the crowd. The poses depend
-/// only on the spec and the populations, not on the number of threads.
-/// errors   reported at PopulationSpec::where and where_place: too many bodies, a rule with too many cells, a
-///          population with too little room. The world is then incomplete
+/// Appends populations to a world in their order, and for each population first its bodies and then its
+/// reserve. Each body is placed free of the static scene, the crowd and the bodies before it, and is added to
+/// the crowd. The poses depend only on the spec and the populations, not on the number of threads. Errors are
+/// reported at PopulationSpec::where and where_place: too many bodies, a rule with too many cells, a
+/// population with too little room. The world is then incomplete.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
            const PlaceOptions& options, Diagnostics& diagnostics);
-/// Appends populations to a world; the obstacles are all bodies that the spec has at tick 0.
+/// Appends populations to a world, as above; the obstacles are all bodies that the spec has at tick 0.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
-/// Sets the poses and random colours of bodies that place() has appended to those for another seed. Of the
-/// reserves only the colours change.
-/// bodies      of these populations and their reserves, in the order in which place() appended them
+/// Places bodies again that place() has appended: sets their poses and random colours to those that another
+/// seed gives. Of the bodies of a reserve, which have no pose yet, only the random colours change.
+/// A population with too little room is an error, reported at PopulationSpec::where_place. Thread-safe.
+///
+/// bodies      the bodies of these populations and their reserves, in the order of place()
 /// occupancy   as after place(), so that it has all shapes; only its scene and shapes are read
 /// crowd       as before place()
-/// errors      reported at PopulationSpec::where_place: a population with too little room
-/// Thread-safe.
 void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
                  const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,
                  Diagnostics& diagnostics);

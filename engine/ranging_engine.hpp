@@ -6,11 +6,11 @@
 
 namespace troupe::engine {
 
-/// Method that computes the ranges of a world: exact geometry, or a walk through a grid into which outlines
-/// are rasterised (docs/sensing.md).
+/// Method by which rangers compute their ranges (docs/sensing.md). `grid` rasterises all outlines into a grid
+/// of cells and walks along each ray through it.
 enum class RangingEngine : std::uint8_t {
-  exact,  ///< computed distance to the first edge
-  grid,   ///< distance to the first occupied cell, quantised to `resolution`
+  exact,  ///< exact distance to the first edge of an outline
+  grid,   ///< distance to the first occupied cell, quantised to WorldSpec::resolution_m
 };
 
 /// Names in world files and on the command line, in the order of the enumeration.
@@ -21,7 +21,7 @@ inline std::string_view ranging_engine_name(RangingEngine engine) {
   return k_ranging_engines[static_cast<std::size_t>(engine)];
 }
 
-/// Default edge of the grid's cells, m: that of Stage.
+/// Default edge of the grid's cells, m: the same as in Stage.
 inline constexpr double k_resolution_m = 0.02;
 inline constexpr double k_min_resolution_m = 1e-4;  ///< smallest edge of the grid's cells, m
 inline constexpr double k_max_resolution_m = 100;   ///< largest edge of the grid's cells, m

@@ -9,7 +9,7 @@
 namespace troupe::engine {
 namespace {
 
-/// Copies field by field, as files store them: bytes between the fields are not state.
+/// Copies tables field by field, as files store them, because the bytes between fields are not state.
 void copy_fields(const StateTable& from, StateTable& to) {
   for (std::size_t f = 0; f < from.fields().size(); ++f) {
     const std::size_t bytes = from.fields()[f].columns * element_size(from.fields()[f].element);

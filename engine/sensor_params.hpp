@@ -8,9 +8,9 @@
 
 namespace troupe::engine {
 
-// Parameters of sensors whose members the reader and the writer of Stage worlds also use.
+// Parameters of those sensors whose parameter structs the reader and the writer of Stage worlds also use.
 
-/// Parameters of a transducer of a ranger.
+/// Parameters of a transducer of a ranger, which is a fan of beams that start at one place.
 struct TransducerParams {
   Pose pose;
   double range_min = 0;
@@ -29,8 +29,9 @@ struct TransducerParams {
     using enum Unit;
     constexpr double k_most_m = 10000;
     d.member<&TransducerParams::pose>("pose", "pose of the transducer in the sensor's frame");
-    d.member<&TransducerParams::range_min>("range_min", meters, at_least(0),
-                                           "lower limit of readings; applied only with apply_range_min");
+    d.member<&TransducerParams::range_min>(
+        "range_min", meters, at_least(0),
+        "lower limit of readings; it has an effect only if apply_range_min is true");
     d.member<&TransducerParams::range_max>(
         "range_max", meters, above(0), at_most(k_most_m),
         "length of the beams, and the reading of a beam that meets nothing");
@@ -40,20 +41,24 @@ struct TransducerParams {
     d.member<&TransducerParams::samples>("samples", within(1, 100000), counts_readings, "number of beams");
     d.member<&TransducerParams::noise_stddev>(
         "noise_stddev", meters, within(0, k_most_m),
-        "standard deviation of the normal error of each reading below range_max");
+        "standard deviation of the normally distributed error of each reading below range_max");
     d.member<&TransducerParams::noise_proportional>(
         "noise_proportional", within(0, 1),
-        "greatest error of each reading below range_max as a fraction of it, uniformly distributed");
-    d.member<&TransducerParams::noise_angular>("noise_angular", radians, within(0, k_pi),
-                                               "greatest angular error of each beam, uniformly distributed");
+        "bound on the uniformly distributed error of each reading below range_max, as a fraction of the "
+        "reading");
+    d.member<&TransducerParams::noise_angular>(
+        "noise_angular", radians, within(0, k_pi),
+        "bound on the uniformly distributed angular error of each beam");
     d.member<&TransducerParams::apply_range_min>("apply_range_min",
                                                  "raise readings below range_min to range_min");
-    d.member<&TransducerParams::beam_width>(
-        "beam_width", radians, within(0, k_pi),
-        "opening angle of each beam, as of a sonar: the reading is the nearest surface anywhere in it");
+    d.member<&TransducerParams::beam_width>("beam_width", radians, within(0, k_pi),
+                                            "opening angle of each beam, as of a sonar: the reading is the "
+                                            "distance to the nearest surface within "
+                                            "this angle");
     d.member<&TransducerParams::noise_relative>(
         "noise_relative", within(0, 1),
-        "standard deviation of the normal error of each reading below range_max, as a fraction of it");
+        "standard deviation of the normally distributed error of each reading below range_max, as a fraction "
+        "of the reading");
   }
 
   /// Angle of beam i from the transducer's heading, rad.
@@ -70,12 +75,14 @@ struct RangerParams {
   static constexpr void describe(Description<RangerParams>& d) {
     using namespace facts;
     d.member<&RangerParams::transducers>("transducers", required, "fans of beams, each with its own pose");
-    d.member<&RangerParams::intensity>("intensity",
-                                       "also report the ranger_return of the surface that each beam meets");
+    d.member<&RangerParams::intensity>(
+        "intensity",
+        "also report an intensity per beam: the ranger_return of the surface that the "
+        "beam hits");
   }
 };
 
-/// Parameters of a strip of a bumper.
+/// Parameters of a contact strip of a bumper.
 struct BumperStripParams {
   Pose pose;
   double length = 0;
@@ -101,7 +108,7 @@ struct BumperParams {
     using enum Unit;
     d.member<&BumperParams::bumpers>("bumpers", required, "contact strips, each with its own pose");
     d.member<&BumperParams::thickness>("thickness", meters, within(0, 10),
-                                       "distance from a strip within which it detects a body");
+                                       "distance up to which a strip detects bodies");
   }
 };
 

@@ -8,8 +8,8 @@
 
 namespace troupe::engine {
 
-/// An obstacle shape that is rebuilt often, from pieces at given mounts. It keeps its memory, so that it
-/// allocates only for more pieces, or more corners of a piece, than ever before or than were reserved.
+/// An obstacle shape that is rebuilt often, from convex pieces. It keeps its memory: it allocates only if a
+/// shape has more pieces, or a piece more corners, than any before and than reserve() was called for.
 class ShapeBuffer {
  public:
   /// The shape that finish() completed; valid until begin().
@@ -18,9 +18,9 @@ class ShapeBuffer {
   /// Allocates memory for a number of pieces of up to `corners` corners.
   void reserve(std::size_t pieces, std::size_t corners);
   void begin();  ///< removes all pieces, keeps their memory
-  /// Adds a piece of another body; `mount` places that body's frame in the shape's.
+  /// Adds a piece of a body, given in the body's frame. `mount` is that frame relative to the shape's frame.
   void add(const ConvexPrism& piece, const Mount& mount);
-  /// Completes the shape. thinnest: smallest width of any piece, m, which no mount changes.
+  /// Completes the shape. `thinnest` is the smallest width of any piece, m.
   void finish(double thinnest);
 
  private:

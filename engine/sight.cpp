@@ -8,7 +8,8 @@
 namespace troupe::engine {
 namespace {
 
-/// Margin of culls, m: far above the rounding of doubles within the 100 km of a world.
+/// Margin for tests that exclude surfaces early, m: far above the rounding of doubles within the 100 km of a
+/// world.
 constexpr double k_slack = 1e-9;
 
 /// Finds the nearest surface among the chains that it is given.

@@ -8,18 +8,19 @@
 
 namespace troupe::engine {
 
-/// A piece of an outline of any body, world frame, m: edges from each vertex to the next, and from the last
-/// to the first if it is closed. Ranger rays may pass through it: `ranger_return`.
+/// An outline of any body, or a piece of one, in the world frame, m: edges from each vertex to the next, and
+/// from the last to the first if it is closed.
 struct OutlineChain {
-  std::span<const Vec2> vertices;  ///< in order; valid until the next step
-  bool closed = false;             ///< true: a whole ring; false: a section of one
-  ZInterval z;                     ///< world frame
-  BodyId body;                     ///< that it belongs to
-  std::uint32_t part = 0;          ///< of the body's type
-  std::uint32_t solid = 0;         ///< contours with equal body and number form one even-odd region
-  std::uint32_t piece =
-      0;  ///< distinguishes chains of one solid that rangers see, and those that they do not
-  float ranger_return = 1;  ///< intensity that rangers read; below 0: their rays pass through
+  std::span<const Vec2> vertices;  ///< vertices along the outline; valid until the next step
+  bool closed = false;             ///< true: a whole closed outline; false: a section of one
+  ZInterval z;                     ///< height interval, world frame, m
+  BodyId body;                     ///< the body that it belongs to
+  std::uint32_t part = 0;          ///< the part that it belongs to: index in the body's type
+  std::uint32_t solid = 0;         ///< chains with equal `body` and `solid` form one even-odd region
+  /// Distinguishes the chains of one solid. Chains that rangers see are numbered apart from those that
+  /// rangers do not see.
+  std::uint32_t piece = 0;
+  float ranger_return = 1;  ///< intensity that rangers read; below 0: rays of rangers pass through the chain
 };
 
 /// Calls visit(begin, end) for each edge of the chain.
@@ -29,7 +30,7 @@ void for_each_edge(const OutlineChain& chain, Visit&& visit) {
   if (chain.closed && !chain.vertices.empty()) visit(chain.vertices.back(), chain.vertices.front());
 }
 
-/// A piece of the outlines of the static scene, as a chain.
+/// Piece number `piece` of outlines of the static scene, as a chain.
 inline OutlineChain fixed_chain(const partition::StaticScene& scene, const partition::FixedOutlines& outlines,
                                 std::uint32_t piece) {
   const partition::FixedSolid& solid = scene.solids()[outlines.solid(piece)];
@@ -37,8 +38,8 @@ inline OutlineChain fixed_chain(const partition::StaticScene& scene, const parti
           outlines.solid(piece), piece, solid.ranger_return};
 }
 
-/// Calls visit(chain), once or more, for each outline of the static scene whose circle may touch the box and
-/// for which wanted(circle) is true.
+/// Calls visit(chain), once or more, for each piece of an outline of the static scene whose enclosing circle
+/// may touch the box and for which wanted(circle) is true.
 template <class Wanted, class Visit>
 void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, Visit&& visit) {
   const partition::StaticScene& scene = world.scene();
@@ -53,7 +54,7 @@ void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, V
   }
 }
 
-/// Calls visit(chain) for each outline of a row's body.
+/// Calls visit(chain) for each outline of a row's body, including those that rangers do not see.
 template <class Visit>
 void for_each_chain_of(const World& world, Row row, Visit&& visit) {
   const std::span<const Vec2> vertices = world.outline(row);
@@ -66,8 +67,9 @@ void for_each_chain_of(const World& world, Row row, Visit&& visit) {
                          outline.part, outline.solid, outline.first, outline.ranger_return});
 }
 
-/// As for_each_fixed_chain(), for bodies that have rows. Skips `own` and the bodies that move as one with it;
-/// if `own` is not valid, it skips none.
+/// Calls visit(chain) for each outline of each body that has a row, whose enclosing circle may touch the box,
+/// and for which wanted(circle) is true. Skips the row `own` and the bodies that carry it or that it carries;
+/// if `own` is not valid(), it skips no row.
 template <class Wanted, class Visit>
 void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
   world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
@@ -79,51 +81,52 @@ void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& w
 
 /// A ray of a sensor that casts few rays.
 struct SightRay {
-  Vec2 origin = Vec2::Zero();      ///< world frame, m
+  Vec2 origin = Vec2::Zero();      ///< start of the ray, world frame, m
   Vec2 direction = Vec2::UnitX();  ///< unit vector, world frame
-  double length = 0;               ///< m; surfaces at this range or farther are not met
-  Row own;  ///< passes through it and bodies that move as one with it; not valid: through none
-  std::optional<double> z;  ///< its height, world frame, m; not set: it meets surfaces of any height
-  bool (*stops)(const Returns&) = nullptr;  ///< whether it stops at a part; null: at all parts
+  double length = 0;               ///< length, m; surfaces at this range or farther are not hit
+  /// Row of the sensor's body. The ray passes through this body and the bodies that carry it or that it
+  /// carries. Not valid(): the ray passes through no body.
+  Row own;
+  std::optional<double> z;  ///< height of the ray, world frame, m; not set: it hits surfaces at any height
+  bool (*stops)(const Returns&) = nullptr;  ///< whether a part stops the ray; null: all parts do
 };
 
-/// The first surface that a ray meets.
+/// The first surface that a ray hits.
 struct RayHit {
-  double range = 0;        ///< m; the ray's length if it met nothing
-  BodyId body;             ///< not valid: the ray met nothing
-  std::uint32_t part = 0;  ///< of the body's type
+  double range = 0;        ///< distance to the surface, m; the ray's length if it hit nothing
+  BodyId body;             ///< body of the surface; not valid(): the ray hit nothing
+  std::uint32_t part = 0;  ///< part of the surface: index in the body's type
 
-  bool met() const { return body.valid(); }  ///< whether the ray met a surface
-  /// The part that the ray met; only if met() is true.
+  bool met() const { return body.valid(); }  ///< whether the ray hit a surface
+  /// The part that the ray hit. Call this only if met() is true.
   const PartSpec& part_spec(const World& world) const {
     return world.spec().types[world.spec().bodies[body.index()].type.index()].parts[part];
   }
 };
 
-/// Present colour of the part that a ray met.
+/// Present colour of the part that a ray hit.
 Color color_of(const World& world, const RayHit& hit);
 
-/// Finds the first surface along a ray.
-/// meets   outlines whose closed z interval contains the ray's height, from both sides
-/// ties    of two surfaces at the same range, the lower (body, part)
-/// errors  none; a ray that starts on an outline meets it at range 0
-/// cost    a walk along the ray through the grid that ends at the first surface; in doubles. Sensors that
-/// cast
-///         several rays from one point use VisibilityQuery (engine/visibility_query.hpp); rangers, which cast
-///         many beams at once, use the kernels of partition/ranging.hpp.
+/// Finds the first surface along a ray, in double precision.
+/// hits    A ray hits outlines whose closed z interval contains its height. It hits them from inside and from
+///         outside the body. A ray that starts on an outline hits it at range 0.
+/// ties    If two surfaces are at the same range, the one with the lower (body, part) is returned.
+/// cost    The function walks along the ray through the grid and ends at the first surface. Sensors that cast
+///         several rays from one point use VisibilityQuery (engine/visibility_query.hpp). Rangers, which cast
+///         many beams at once, use the functions of partition/ranging.hpp.
 RayHit first_met(const World& world, const SightRay& ray);
 
 /// A vertex relative to a ray.
 struct SeenVertex {
-  Vec2 to;      ///< from the ray's origin, world frame, m
-  double side;  ///< signed distance from the ray, negative to its left, m, times the length of its direction
-  /// Origin and unit direction of the ray, and vertex, world frame.
+  Vec2 to;      ///< vector from the ray's origin to the vertex, world frame, m
+  double side;  ///< signed distance of the vertex from the ray's line, m; negative to the left of the ray
+  /// Origin and unit direction of the ray, and the vertex, all in the world frame.
   SeenVertex(const Vec2& origin, const Vec2& direction, const Vec2& vertex)
       : to(vertex - origin), side(cross(to, direction)) {}
 };
 
-/// Range at which a ray with the unit vector `direction` meets an edge, ends included, m; negative if it does
-/// not. A ray never passes between two edges that share a vertex.
+/// Range at which a ray with the unit vector `direction` hits the edge from a to b, m; negative if it does
+/// not. The ends belong to the edge, so a ray never passes between two edges that share a vertex.
 inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
   constexpr double k_missed = -1;
   if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;
@@ -135,13 +138,14 @@ inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const Se
   const double range = along_a + a.side / (a.side - b.side) * (along_b - along_a);
   return std::clamp(range, near, far) < 0 ? k_missed : std::clamp(range, near, far);
 }
-/// The range for an edge that is given by its ends, world frame.
+/// Range at which a ray with an origin and a unit direction hits the edge from a to b, m; negative if it does
+/// not. All arguments are in the world frame.
 inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
   return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
 }
 
-/// Updates `nearest`, the first surface that a ray has met so far, with the edges of a chain; ties as in
-/// first_met().
+/// Tests a ray against the edges of a chain, and updates `nearest`, the first surface that the ray has hit so
+/// far. Ties are resolved as in first_met().
 inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
                        RayHit& nearest) {
   if (chain.vertices.empty()) return;

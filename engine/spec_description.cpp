@@ -173,8 +173,8 @@ constexpr void describe(Description<WatchSpec>& d) {
   d.member<&WatchSpec::paused>("paused");
 }
 
-// An experiment is stored as in a JSON world, with file positions of whole entries only: errors inside of
-// entries were reported when the world was made.
+// An experiment is stored as in a JSON world, but with the file positions of whole entries only: errors
+// inside an entry were reported when the world was made.
 
 constexpr void describe(Description<StopSpec>& d) {
   d.member<&StopSpec::measure>("measure");
@@ -226,7 +226,7 @@ constexpr void describe(Description<ExperimentSpec>& d) {
   d.member<&ExperimentSpec::faults>("faults");
 }
 
-/// Provenance: comparisons of worlds compare the texts of names, not their words.
+/// Words and numbers are marked as provenance, because comparisons of worlds compare the texts of names.
 constexpr void describe(Description<Name>& d) {
   d.member<&Name::word>("word", facts::provenance);
   d.member<&Name::number>("number", facts::provenance);

@@ -7,9 +7,9 @@
 
 namespace troupe::engine {
 
-// The members of a WorldSpec, described once (engine/description.hpp): storing, restoring, comparing and
-// checking worlds (worldio/json/) is ordinary code over these tables. The limits are those of a world that
-// runs and can be stored; each file format has narrower limits of its own.
+// The members of a WorldSpec, described once (engine/description.hpp). The code that stores, restores,
+// compares and checks worlds (worldio/json/) uses these tables. Their limits are those of a world that runs
+// and can be stored. Each file format has narrower limits of its own.
 
 const FieldTable& world_fields();       ///< fields of WorldSpec
 const FieldTable& type_fields();        ///< fields of TypeSpec

@@ -41,7 +41,7 @@ std::uint64_t bits_at(const std::byte* place, std::size_t size) {
   }
 }
 
-/// `first` and `second` point at the same field of two rows.
+/// Compares one field of two rows; `first` and `second` point at the field in each of them.
 void compare_fields(const StateField& field, const std::byte* first, const std::byte* second,
                     const ReportValue& report) {
   const std::size_t size = element_size(field.element);
@@ -53,7 +53,7 @@ void compare_fields(const StateField& field, const std::byte* first, const std::
   }
 }
 
-/// Rows of a table sorted by id, so that two tables can be compared entity by entity.
+/// Rows of a table sorted by the id of their bodies, so that two tables can be compared body by body.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
   std::vector<std::size_t> rows(table.rows());
   for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = r;
@@ -67,7 +67,7 @@ bool same_fields(const StateTable& a, const StateTable& b) {
   });
 }
 
-/// Difference between two tables of one component; `entities` is 0 if their entities or fields differ.
+/// Difference between two tables of one component; `entities` is 0 if their lists of bodies or fields differ.
 ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
   ComponentDifference found{.component = a.component(), .group = a.group()};
   if (a.component() != b.component() || a.rows() != b.rows() || !same_fields(a, b)) return found;
@@ -106,7 +106,8 @@ void merge(ComponentDifference& into, const ComponentDifference& other) {
   into.entities = entities;
 }
 
-/// Order in which the phases of a tick compute the groups: the first difference is nearest to the cause.
+/// Order in which the phases of a tick compute the groups. Differences are sorted by it, because the first
+/// one is nearest to the cause.
 int phase_order(HashGroup group) {
   switch (group) {
     case HashGroup::sensor: return 0;
@@ -156,7 +157,8 @@ std::vector<ComponentDifference> state_differences(World& first, World& second) 
 }
 
 std::string difference_text(const World& world, const ComponentDifference& difference) {
-  if (difference.entities == 0) return fmt::format("{}: entities or fields differ", difference.component);
+  if (difference.entities == 0)
+    return fmt::format("{}: the states have different bodies or fields", difference.component);
   return fmt::format(
       "{}: {} of \"{}\" (id {}) is {}, not {}; {}", difference.component, difference.field,
       world.spec().name(difference.body), difference.body.value, value_text(difference.second),

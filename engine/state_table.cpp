@@ -52,7 +52,7 @@ std::vector<StateField> sparse(std::vector<StateField> fields) {
 namespace {
 
 bool is_zero(const std::byte* first, std::size_t bytes) {
-  // Compares the bytes with themselves shifted by one: as fast as memory is read.
+  // The first byte is 0, and each byte equals the next. memcmp tests this as fast as memory is read.
   return bytes == 0 || (first[0] == std::byte{0} && std::memcmp(first, first + 1, bytes - 1) == 0);
 }
 
@@ -121,7 +121,7 @@ std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
 std::uint64_t StateTable::Sparse::hash_rows(std::span<const BodyId> ids, const std::byte* data,
                                             std::size_t first, std::size_t last) const {
   const std::byte* const begin = data + place.start;
-  // Nearly always it is 0 in all rows: a contiguous column is then tested in one call.
+  // A sparse field is nearly always 0 in all rows. If its column is contiguous, one call tests this.
   if (place.stride == place.bytes && is_zero(begin + first * place.stride, (last - first) * place.bytes))
     return 0;
   std::uint64_t sum = 0;
@@ -140,7 +140,7 @@ std::uint64_t StateTable::hash_dense(std::size_t first, std::size_t last) const 
                              data_.data() + row.start + first * row.stride, row.stride, row.bytes,
                              component_hash_);
   }
-  // Rows are gathered stretch by stretch, so that the hash depends on neither padding nor layout.
+  // The fields of a row are copied into one buffer, so that the hash depends on neither padding nor layout.
   std::array<std::byte, 1024> small;
   std::vector<std::byte> large;
   const std::size_t bytes = sizeof(BodyId) + hashed_bytes_;

@@ -12,7 +12,7 @@
 
 namespace troupe::engine {
 
-/// Type of the values of a field. A bool is a u8 of 0 or 1.
+/// Type of the values of a field. A bool is stored as a u8 with the value 0 or 1.
 enum class Element : std::uint8_t {
   f64,  ///< double
   f32,  ///< float
@@ -25,7 +25,7 @@ enum class Element : std::uint8_t {
 std::size_t element_size(Element element);       ///< bytes: 8, 4 or 1
 std::string_view element_name(Element element);  ///< NumPy's name: "float64", "int32", "uint8", ...
 
-/// The element type of a T; other types do not compile.
+/// The element type for a C++ type T. Does not compile if T is none of the types listed at Element.
 template <class T>
 constexpr Element element_of() {
   if constexpr (std::is_same_v<T, double>)
@@ -49,73 +49,77 @@ constexpr Element element_of() {
 
 /// One array of the state: name, element type, columns per row, unit and meaning.
 struct StateField {
-  std::string name;                ///< unique in the component
+  std::string name;                ///< name, unique in the component
   Element element = Element::f64;  ///< type of each column
   std::uint32_t columns = 1;       ///< values per row
-  std::string unit;                ///< "m", "rad/s"; empty: none
+  std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
   std::string text;                ///< meaning, in one line, for `troupe describe` and recordings
-  std::uint32_t offset = 0;        ///< within a row, bytes; set by the table unless rows are structs
-  /// Optional state: if all its bytes are zero, the hash is that of an entity without the field. A world that
-  /// does not use the field therefore keeps the hashes that it had before the field was introduced.
+  /// Offset of the field within a row, bytes. StateTable sets it, unless its rows are structs.
+  std::uint32_t offset = 0;
+  /// True: a field whose bytes are all zero adds nothing to the hash. When such a field is added to a version
+  /// of Troupe, worlds that do not use it keep their hashes.
   bool sparse = false;
-  /// The appearance of a body depends on it; recorded whenever poses are.
+  /// True: the appearance of a body depends on the field, so it is recorded whenever poses are recorded.
   bool appearance = false;
 };
-/// Makes all fields of a component sparse: a row of zeros adds nothing to the hash.
+/// Returns the fields with StateField::sparse set: a row of zeros then adds nothing to the hash.
 std::vector<StateField> sparse(std::vector<StateField> fields);
 
-/// Column of the hash log to which a component belongs.
+/// Groups of components. A hash log has one column per group, with the hash of its components.
 enum class HashGroup : std::uint8_t {
-  pose,      ///< poses of bodies and joints, carriers, lives
-  velocity,  ///< velocities, commands of drives and devices, stalls
+  pose,      ///< poses of bodies and joints, which body carries which, births and deaths
+  velocity,  ///< velocities, commands of drives and devices, whether motions were blocked
   sensor,    ///< readings, and state of other devices
-  memory,    ///< memories of controllers, odometry, conditions (faults)
+  memory,    ///< memories of controllers, odometry, disabled and faulty bodies
 };
 inline constexpr std::size_t k_hash_groups = 4;     ///< number of hash groups
 std::string_view hash_group_name(HashGroup group);  ///< name of its column in a hash log
 
-/// The state of one component, one row per entity. Allocation, hash and all generic readers of state use its
-/// description, so that no array can be missing from the determinism tests.
+/// The state of one component ("pose", "ranger/0", ...): a table with one row per body. Allocation, hashing
+/// and all code that reads state generically use the list of its fields. No part of the state can therefore
+/// be missing from the determinism tests.
 ///
-/// Two layouts: `columns` keeps each field contiguous (for loops that read one field of every robot);
-/// `rows` keeps each row contiguous (sensor readings, controller memories).
+/// There are two layouts: `columns` keeps each field contiguous, for loops that read one field of every
+/// robot; `rows` keeps each row contiguous, for sensor readings and controller memories.
 class StateTable {
  public:
   /// Memory layout of the rows.
   enum class Layout : std::uint8_t {
-    columns,  ///< field by field, each with all rows
-    rows,     ///< row by row, each with all fields
+    columns,  ///< field by field: each field has the values of all rows
+    rows,     ///< row by row: each row has the values of all fields
   };
 
-  StateTable() = default;  ///< without rows
-  /// With Layout::rows and row_bytes > 0, each row is a struct of that size, with the given field offsets.
+  StateTable() = default;  ///< a table without rows
+  /// A table with one row for each of `ids`. With Layout::rows and row_bytes > 0, each row is a struct of
+  /// that size, and the fields have the offsets that `fields` gives. All bytes are 0.
   StateTable(std::string component, HashGroup group, Layout layout, std::vector<StateField> fields,
              std::vector<BodyId> ids, std::size_t row_bytes = 0);
 
   /// Name of the component: "pose", "ranger/0". Tables of several types may share it.
   const std::string& component() const { return component_; }
   HashGroup group() const { return group_; }                      ///< its column of the hash log
-  std::span<const StateField> fields() const { return fields_; }  ///< in declared order
-  std::size_t rows() const { return ids_.size(); }                ///< number of rows, also of absent bodies
-  std::span<const BodyId> ids() const { return ids_; }            ///< entity of each row
+  std::span<const StateField> fields() const { return fields_; }  ///< fields in declared order
+  /// Number of rows, including those of unborn and dead bodies.
+  std::size_t rows() const { return ids_.size(); }
+  std::span<const BodyId> ids() const { return ids_; }  ///< body of each row
 
-  /// A field of all rows; Layout::columns only.
+  /// The values of a field in all rows, row after row; Layout::columns only.
   template <class T>
   std::span<T> column(std::size_t field) {
     return {reinterpret_cast<T*>(data_.data() + starts_[field]), rows() * fields_[field].columns};
   }
-  /// A field of all rows, read-only; Layout::columns only.
+  /// The values of a field in all rows, read-only; Layout::columns only.
   template <class T>
   std::span<const T> column(std::size_t field) const {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field]), rows() * fields_[field].columns};
   }
-  /// A field of one row, either layout.
+  /// The values of a field in one row; for both layouts.
   template <class T>
   std::span<T> cell(std::size_t row, std::size_t field) {
     return {reinterpret_cast<T*>(data_.data() + starts_[field] + row * strides_[field]),
             fields_[field].columns};
   }
-  /// A field of one row, read-only, either layout.
+  /// The values of a field in one row, read-only; for both layouts.
   template <class T>
   std::span<const T> cell(std::size_t row, std::size_t field) const {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field] + row * strides_[field]),
@@ -141,9 +145,9 @@ class StateTable {
     return *reinterpret_cast<const T*>(row(r));
   }
 
-  /// Sum of the hash of (component name, id, fields in declared order), without sparse fields, and the hashes
-  /// of (component and field name, id, field) of each sparse field that is not zero. It does not depend on
-  /// the layout.
+  /// Hash of a row, which does not depend on the layout. It is the hash of (component name, id, all fields
+  /// that are not sparse, in declared order), plus the hash of (component name and field name, id, field) for
+  /// each sparse field that is not zero, modulo 2^64.
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
@@ -153,7 +157,7 @@ class StateTable {
   void clear_row(std::size_t row);  ///< sets every byte of a row's fields to 0
 
  private:
-  /// Part of the hash of the fields that are not sparse.
+  /// Sum of the hashes of the fields that are not sparse.
   std::uint64_t hash_dense(std::size_t first, std::size_t last) const;
 
   std::string component_;
@@ -161,8 +165,8 @@ class StateTable {
   Layout layout_ = Layout::columns;
   std::vector<StateField> fields_;
   std::vector<BodyId> ids_;
-  std::vector<std::size_t> starts_;   // of row 0, bytes
-  std::vector<std::size_t> strides_;  // between rows, bytes
+  std::vector<std::size_t> starts_;   // one per field: its offset in row 0, bytes
+  std::vector<std::size_t> strides_;  // one per field: distance between rows, bytes
   std::size_t row_bytes_ = 0;
   std::size_t hashed_bytes_ = 0;
   struct Stretch {  // fields of a row that are consecutive both in memory and in the hash

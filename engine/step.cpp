@@ -12,7 +12,7 @@ namespace {
 
 // Rows per task. Crowded tiles are split and sparse ones merged so that every task is worth waking a thread.
 constexpr std::size_t k_batch = 64;   // for work that reads neighbours
-constexpr std::size_t k_block = 256;  // for work that does not
+constexpr std::size_t k_block = 256;  // for work that does not read neighbours
 
 std::string_view asked_for(ControlMode mode) {
   switch (mode) {
@@ -41,8 +41,8 @@ std::string_view phase_name(Phase phase) {
   return "index";
 }
 
-/// Each phase reads the state that the phase before it has written; each task writes only its own rows.
-/// Drives run before controllers: a command takes effect one tick after the readings that it is based on.
+/// Each phase reads the state that the phase before it has written. Each task writes only its own rows.
+/// Drives run before controllers, so a command takes effect one tick after the readings that it is based on.
 void World::step() {
   require_whole();
   const Completion completion(*this);
@@ -101,7 +101,8 @@ template <class Work>
 void World::for_types(std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return row_types_[row.index()]; };
   if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); })) {
-    // A stable sort by type: neighbours stay together, because they read the same data.
+    // Sorts the rows by type. The sort is stable, so that neighbours, which read the same data, stay
+    // together.
     std::array<Row, k_block> mixed;
     std::ranges::copy(rows, mixed.begin());
     std::size_t done = 0;
@@ -123,8 +124,8 @@ void World::for_types(std::span<Row> rows, Work&& work) {
   }
 }
 
-/// Calls work(rows) for the rows for which something with this period, counted from birth, is due. Without
-/// lives that is all rows or none.
+/// Calls work(rows) for those of `rows` that are due: the number of ticks since the birth of their bodies is
+/// a multiple of `period`. In a world without births these are all rows or none.
 template <class Work>
 void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !life_table_) {
@@ -139,7 +140,7 @@ void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work
   }
 }
 
-/// Calls work(rows) for the rows whose device is due and runs, see runs().
+/// Calls work(rows) for those of `rows` whose device is due in this tick and runs, see runs().
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   for_due(rows, device.period, [&](std::span<const Row> due_rows) {
@@ -265,13 +266,13 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   }
 }
 
-/// Stops robots that are disabled or dropped out, whatever their commands are.
+/// Sets the velocity of disabled and dropped-out robots to 0, whatever their commands are.
 void World::halt_disabled(std::span<const Row> rows) {
   for (const Row row : rows)
     if (condition(row).out != 0) as<Velocity>(k_velocity)[row.index()] = {};
 }
 
-/// Stops robots whose supply is spent, whatever their commands are.
+/// Sets the velocity of robots whose power supply is empty to 0, whatever their commands are.
 void World::halt_spent(std::span<const Row> rows, const BodyType::Drive& drive) {
   for (const Row row : rows)
     if (!is_supplied(row, drive.supply)) as<Velocity>(k_velocity)[row.index()] = {};
@@ -314,7 +315,7 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
 
 void World::move() {
   propose();
-  Pushables pushables = pushables_;  // sizes with joints at rest and nothing carried; widened below
+  Pushables pushables = pushables_;  // sizes with joints at rest and without cargo; extended below
   if (pushables.any())
     for (const std::uint32_t row : links_.composites) {
       if (row_pushable_[row] == 0) continue;
@@ -350,7 +351,8 @@ void World::apply_effects() {
   effects_.clear();
 }
 
-/// Tells devices the outcomes of the joint motions that they asked for.
+/// Calls the hook joints_moved of devices, so that they read the outcomes of the joint motions that they
+/// commanded.
 void World::report_joints() {
   if (!links_.asked.exchange(false, std::memory_order_relaxed)) return;
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {

@@ -11,27 +11,27 @@
 
 namespace troupe::engine {
 
-/// Conditions on measures that end the run of a world. They never change the world. Not thread-safe; computes
-/// on the world's workers.
+/// Conditions on measures that end the run of a world. They never change the world. Not thread-safe; they are
+/// computed on the worker threads of the world.
 class StopConditions {
  public:
-  /// Reports the errors of MeasureSet, at the positions of the conditions. Measuring begins with the present
-  /// state, without evaluating the conditions. World and registry must outlive it.
+  /// Measuring begins with the present state; the conditions are not yet evaluated. Reports the same errors
+  /// as MeasureSet, at the positions of the conditions. World and registry must outlive the object.
   StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
                  Diagnostics& diagnostics);
 
-  /// Updates the measures and evaluates the conditions; to be called after every step.
+  /// Updates the measures and evaluates the conditions. Call this after every step.
   void see();
-  /// Evaluates the conditions for the state that the measures saw last.
+  /// Evaluates the conditions for the state of the last see(), without updating the measures.
   void ask();
-  /// Begins again with the present state; to be called after a reset.
+  /// Begins measuring again with the present state. Call this after a reset.
   void begin();
-  /// Index of the first condition that held at the last evaluation; not set if none did.
+  /// Index of the first condition that was true at the last evaluation; std::nullopt if none was.
   std::optional<std::size_t> holding() const { return holding_; }
 
-  /// Name of memory() in a checkpoint; it differs between different conditions.
+  /// Name under which a checkpoint stores memory(). Different conditions have different names.
   std::string memory_name() const;
-  /// Memory of the measures, for a checkpoint, and its restoration: see MeasureSet.
+  /// Saves and restores the memory of the measures, for a checkpoint: see MeasureSet.
   ///@{
   std::vector<std::byte> memory() const { return measures_.memory(); }
   bool remember(std::span<const std::byte> memory) { return measures_.remember(memory); }

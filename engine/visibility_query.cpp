@@ -9,16 +9,19 @@ namespace {
 
 using partition::BodyCircle;
 
-// Flags of circles of static pieces; rows are smaller than both.
+// Marks of circles: a row, or the index of a static piece with one of these flags. Rows are smaller than
+// both.
 constexpr std::uint32_t k_seen = 1u << 31;    // in StaticScene::outlines()
 constexpr std::uint32_t k_hidden = 1u << 30;  // in StaticScene::hidden_outlines()
 constexpr std::size_t k_room = 1024;          // circles: initial size of the arrays
-constexpr std::size_t k_crowd = 512;          // with more circles, the walk along the ray tests fewer
+// With more circles than this, walking along each ray (first_met) tests fewer circles.
+constexpr std::size_t k_crowd = 512;
 constexpr float k_far = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-/// Adds the circles within the reach, relative to the origin and widened by more than the rounding error.
+/// Adds the circles that are within the reach of the origin. They are stored relative to the origin, and
+/// widened by more than the rounding error.
 void VisibilityQuery::add_near(std::span<const BodyCircle> run, std::uint32_t mark) {
   const auto margin = static_cast<float>(1e-6 + 3e-6 * reach_);
   const auto reach = static_cast<float>(reach_) + margin;

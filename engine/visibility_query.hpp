@@ -12,24 +12,27 @@ namespace troupe::engine {
 /// A ray from the origin of a VisibilityQuery.
 struct SightLine {
   Vec2 direction = Vec2::UnitX();  ///< world frame, unit length
-  double length = 0;               ///< m; outlines at this distance or farther are not hit
+  double length = 0;               ///< length, m; outlines at this distance or farther are not hit
 };
 
-/// Casts many rays from one origin. It looks up the bodies near the origin once for all rays. The results
-/// equal those of first_met() bit for bit. first_met() walks each ray through the grid; here each ray is
-/// tested against all nearby circles at once, and the remaining candidates are intersected from near to far.
-/// Keep one per thread: its arrays only grow.
+/// Casts many rays from one origin, with the results of first_met(), bit for bit. first_met() walks along
+/// each ray through the grid. This class looks up the bodies near the origin once for all rays, tests each
+/// ray against the enclosing circles of all of them, and intersects the remaining candidates from near to
+/// far. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
 class VisibilityQuery {
  public:
-  /// Sets the origin and looks up the bodies near it. reach: the largest ray length, m; own, z: as in
-  /// SightRay. The world must not change until the last ray is cast.
+  /// Sets the origin (world frame, m) and looks up the bodies near it. The world must not change until the
+  /// last ray is cast.
+  ///
+  /// reach: the largest ray length, m
+  /// own, z: for all rays, as in SightRay
   void stand(const World& world, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
-  /// Rows of the bodies whose circles are within the reach, each once, and possibly of bodies slightly beyond
-  /// it. The own tree is excluded.
+  /// Rows of the bodies whose enclosing circles are within the reach, each once. Some may be slightly beyond
+  /// the reach. The row `own` and the bodies that carry it or that it carries are excluded.
   std::span<const std::uint32_t> bodies() const { return {circles_.row.data(), bodies_}; }
 
-  /// Sets found[i] to the first hit of ray i. Sizes are equal.
+  /// Sets found[i] to the first surface that rays[i] hits. Both spans must have the same size.
   void first_met(std::span<const SightLine> rays, std::span<RayHit> found);
 
  private:
@@ -51,7 +54,7 @@ class VisibilityQuery {
   partition::CircleArrays circles_;  // relative to the origin: bodies, then pieces of the static scene
   std::size_t bodies_ = 0;
   std::size_t size_ = 0;
-  double fixed_reach_ = 0;  // pieces are known up to this distance, m; negative: none
+  double fixed_reach_ = 0;  // pieces of the static scene are listed up to this distance, m; negative: none
   std::vector<float> near_;
   std::vector<Hit> hits_;
 };

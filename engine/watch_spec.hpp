@@ -9,12 +9,13 @@ namespace troupe::engine {
 inline constexpr double k_most_rate = 1e9;                      ///< limit of WatchSpec::rate
 inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< limit of WatchSpec::clock_ticks
 
-/// Pace of a run, and reports of its time, as the world asks for them. No member changes a result.
+/// The pace of a run, and reports of its time, as the world file gives them. No member affects the results.
 struct WatchSpec {
-  bool clock = false;               ///< report the time during the run
+  bool clock = false;               ///< whether the time is reported during the run
   std::uint64_t clock_ticks = 100;  ///< ticks between two reports of the time
-  double rate = 1;      ///< pace for `--rate world`, as a multiple of real time; 0: as fast as possible
-  bool paused = false;  ///< a window starts paused
+  /// Speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible.
+  double rate = 1;
+  bool paused = false;  ///< whether a window starts paused
   friend bool operator==(const WatchSpec&, const WatchSpec&) = default;
 
   static constexpr void describe(Description<WatchSpec>& d) {
@@ -22,13 +23,14 @@ struct WatchSpec {
     d.member<&WatchSpec::clock>("clock", "report the time during the run");
     d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks),
                                       "ticks between two reports of the time");
-    d.member<&WatchSpec::rate>("rate", within(0, k_most_rate),
-                               "pace for `--rate world`, as a multiple of real time; 0: as fast as possible");
-    d.member<&WatchSpec::paused>("paused", "start a window paused");
+    d.member<&WatchSpec::rate>(
+        "rate", within(0, k_most_rate),
+        "speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible");
+    d.member<&WatchSpec::paused>("paused", "whether a window starts paused");
   }
 };
 
-/// Its fields in files: `clock`, `clock_ticks`, `rate`, `paused`.
+/// Fields of WatchSpec in files: `clock`, `clock_ticks`, `rate`, `paused`.
 const FieldTable& watch_fields();
 Record watch_record(const WatchSpec& watch);  ///< a record of watch_fields()
 WatchSpec watch_spec(const Record& record);   ///< from a record of watch_fields()

@@ -19,8 +19,8 @@
 namespace troupe::engine {
 namespace {
 
-constexpr double k_most_beams = 10e6;  // of all types: some hundred bytes each
-const Localization k_true_pose;        // of bodies without a drive
+constexpr double k_most_beams = 10e6;  // limit for all types together: a beam takes some hundred bytes
+const Localization k_true_pose;        // used for bodies without a drive
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
 
@@ -28,9 +28,10 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
-/// The width of a cell is an eighth of the mean sensor reach, so that the reach of a body, and its own width,
-/// end at the border of a cell: small enough to exclude most bodies out of reach, large enough that a query
-/// visits few cells. The mean, not the maximum: a few robots of long range do not coarsen the grid.
+/// Chooses the cells of the spatial index. Their width is an eighth of the mean sensor reach (body width
+/// included). Such cells are small enough to exclude most bodies out of reach, and large enough that a query
+/// visits few of them. The mean is used, not the maximum, so that a few robots of long range do not coarsen
+/// the grid.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
                                         double tile_size_m) {
   double sum = 0;
@@ -52,9 +53,9 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     ++count;
   }
   // Cells are at least as wide as the bodies that cover most of the ground (mean width, weighted by width),
-  // so that few bodies overlap several cells, and at least an eighth of the widest body, so that none
-  // overlaps more than some hundred. The factor 1 + 1e-9 covers rounding of the sums: bodies of equal width
-  // fit.
+  // so that few bodies overlap several cells. They are also at least an eighth as wide as the widest body, so
+  // that no body overlaps more than some hundred cells. The factor 1 + 1e-9 covers the rounding of the sums:
+  // if all bodies have the same width, they fit into a cell.
   const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
   const double least = std::max({0.05, own_width, width / 8});
   const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
@@ -77,9 +78,10 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
     if (beams <= k_most_beams) continue;
     diagnostics.error(
         type.parts.front().where,
-        fmt::format("too large: the sensors of the types up to this one have more than {:.0f} beams; bodies "
-                    "of one type share them",
-                    k_most_beams));
+        fmt::format(
+            "too large: the sensors of this type and of the types before it have more than {:.0f} beams "
+            "in total (each type is counted once, however many bodies it has)",
+            k_most_beams));
     diagnostics.throw_if_errors();
   }
   check_size(diagnostics);
@@ -96,8 +98,8 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   report_overlaps(diagnostics);
 }
 
-/// A file of some kilobytes can ask for more memory than the machine has, and a process without memory is
-/// killed without a message.
+/// Reports worlds that need too much memory. A file of some kilobytes can ask for more memory than the
+/// machine has, and the operating system would then kill the process without a message.
 void World::check_size(Diagnostics& diagnostics) const {
   constexpr double k_most_bytes = 16e9;
   double fixed_vertices = 0;
@@ -122,12 +124,15 @@ void World::check_size(Diagnostics& diagnostics) const {
   if (fixed_vertices > k_most_vertices)
     diagnostics.error(
         where,
-        fmt::format("too large: with this body the outlines of the static scene have more than {} corners",
-                    k_most_vertices));
+        fmt::format(
+            "too large: with this body, the outlines of all static bodies have more than {} corners in "
+            "total",
+            k_most_vertices));
   if (bytes > k_most_bytes)
     diagnostics.error(
         where,
-        fmt::format("too large: with this body readings, memories and outlines take more than {:.0f} GB",
+        fmt::format("too large: with this body, the sensor readings, controller memories and outlines of all "
+                    "bodies take more than {:.0f} GB",
                     k_most_bytes / 1e9));
 }
 
@@ -142,9 +147,10 @@ void World::check_reserves(Diagnostics& diagnostics) const {
   }
 }
 
-/// Bodies that are neighbours at tick 0 become neighbours in memory, and remain so for a long time: with
-/// 100,000 robots in a building, arbitrary order costs half as much again. Only speed depends on the order,
-/// which is that of the default cells, independent of WorldOptions::tile_size_m.
+/// Returns the bodies that have rows, in the order of their rows: bodies that are neighbours in space at tick
+/// 0 become neighbours in memory, and remain so for a long time. With 100,000 robots in a building, a step in
+/// arbitrary order takes half as much time again. The order affects only the speed. It is that of the default
+/// cells, independent of WorldOptions::tile_size_m.
 std::vector<BodyId> World::rows_by_place() const {
   struct Place {
     std::uint64_t key;
@@ -262,7 +268,8 @@ void World::build_tables() {
   tables_.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
       std::vector<StateField>{
-          {"stalled", Element::u8, 1, "", "1: last motion blocked, 2: it would have ended out of bounds"}},
+          {"stalled", Element::u8, 1, "",
+           "1: last motion was blocked, 2: last motion would have ended out of bounds, 0: neither"}},
       row_bodies_);
 
   if (std::ranges::any_of(types_, &BodyType::carries)) {
@@ -306,8 +313,8 @@ void World::build_tables() {
     }
     for (BodyType::Device& sensor : types_[t].devices) {
       sensor.table = tables_.size();
-      // Component names do not contain the type: types only save memory, and two files may divide the same
-      // bodies into types differently.
+      // Component names do not contain the name of the type: types only save memory, and two files may divide
+      // the same bodies into types differently.
       const std::string component = fmt::format("{}/{}", sensor.kind->name, sensor.name);
       tables_.emplace_back(component, HashGroup::sensor, Layout::rows, sensor.prepared.percepts, bodies[t],
                            sensor.prepared.percept_bytes);
@@ -452,9 +459,9 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
   redraw_ray_grid();
 }
 
-/// Thousands of bodies at one place are millions of pairs, and to count them all would take a minute. The
-/// search therefore ends once it has found more than k_most_counted pairs. The number found by then does not
-/// depend on the number of threads.
+/// Reports bodies that overlap at tick 0. Thousands of bodies at one place are millions of pairs, and
+/// counting them all would take a minute. The search therefore ends once it has found more than
+/// k_most_counted pairs. The number found by then does not depend on the number of threads.
 void World::report_overlaps(Diagnostics& diagnostics) {
   constexpr std::size_t k_most_counted = 10'000;
   constexpr std::size_t k_most_listed = 100;
@@ -535,8 +542,8 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   if (!diagnostics.thorough()) {
     const auto [first, second] = listed.front();
     diagnostics.warning(where(first),
-                        fmt::format("{} at the start, first \"{}\" and \"{}\"; they may move apart, but not "
-                                    "closer",
+                        fmt::format("{} at the start, for example \"{}\" and \"{}\"; bodies that overlap may "
+                                    "move apart, but not closer",
                                     count_of(counted, ""), spec_.name(first), spec_.name(second)));
     return;
   }
@@ -628,7 +635,7 @@ void World::remember_placed(Row row) {
   placed_[at - 1].pose = poses()[row.index()];
 }
 
-/// Poses that were set so far were set before the step that begins.
+/// Called when a step begins: the poses that were set since the last step become placed_before_.
 void World::begin_placing() {
   for (const Placed& place : placed_) placed_at_[place.row.index()] = 0;
   placed_before_.swap(placed_);
@@ -765,7 +772,8 @@ double World::mean_displacement() const {
   return robots_ > 0 ? sum.value() / static_cast<double>(robots_) : 0;
 }
 
-/// Appearance of the body of a row; if `row` is not valid, of all bodies of the type with joints at rest.
+/// Appearance of the body of a row of type t. If `row` is not valid, the appearance of bodies of type t with
+/// joints at rest.
 FrameType World::look_of(std::size_t t, Row row) const {
   FrameType look{
       .mobile = types_[t].drive.has_value(), .radius = types_[t].radius, .name = spec_.types[t].name};

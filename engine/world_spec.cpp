@@ -107,7 +107,8 @@ void check_reserves(const WorldSpec& spec, const Report& report) {
       report({}, fmt::format("reserves[{}]: reserve \"{}\" {}", r, reserve.population, what));
     };
     if (first < end || last > spec.bodies.size() || reserve.count == 0)
-      return error("refers to bodies outside the body list or to bodies of another reserve");
+      return error(
+          "refers to bodies outside the body list or to bodies of another reserve, or has no bodies");
     for (std::size_t b = first; b < last; ++b)
       if (spec.bodies[b].type != spec.bodies[first].type) return error("has bodies of several types");
     end = last;

@@ -22,125 +22,131 @@ namespace troupe::engine {
 // The expanded contents of a world file: plain data that a loader makes from any format, that a program can
 // fill by hand, and that engine::World is built from. Lengths in metres, angles in radians, times in seconds.
 
-/// Most corners that the outlines of a world may have: all its types together, and all its static bodies
-/// together.
+/// Largest number of corners of all outlines in a world. It limits the sum over all types, and also the sum
+/// over all static bodies.
 inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a model interacts with other bodies and with their sensors.
 struct Returns {
   bool obstacle = true;           ///< takes part in collisions
   float ranger = 1;               ///< intensity that a ranger reads; below 0: its rays pass through
-  std::int32_t fiducial = 0;      ///< value that fiducial finders read; 0: they do not find it
-  std::int32_t fiducial_key = 0;  ///< only finders with this key find it
+  std::int32_t fiducial = 0;      ///< value that fiducial finders read; 0: they do not detect the model
+  std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the model
   bool gripper = false;           ///< grippers detect it and can grip it
   bool pushable = false;          ///< robots can push the whole body: docs/pushing.md
-  bool blob = true;               ///< blob finders see its colour; false: it only occludes
+  bool blob = true;               ///< true: blob finders report its colour; false: it only occludes others
   friend bool operator==(const Returns&, const Returns&) = default;
 };
 
-/// In place of the index of a joint: rigidly attached to the body.
+/// Value in place of the index of a joint: the part or device is not on a joint, but fixed to the body.
 inline constexpr std::int32_t k_rigid = -1;
 
-/// A frame of a type that one of its devices moves: an actuator, or a paddle of a gripper. Poses of parts,
-/// devices and further joints on it are given with every joint at rest.
+/// A joint: a frame of a body type that one of its devices, such as an actuator or a gripper, moves. The
+/// poses of the parts, devices and further joints on it are given with every joint at rest.
 struct JointSpec {
-  std::string name;               ///< its component is `joint/<name>`
+  std::string name;               ///< name; the joint's state is the component `joint/<name>`
   std::int32_t parent = k_rigid;  ///< index of the joint that it is mounted on; lower than its own
-  Pose pose_body_joint;           ///< at rest; the joint moves in this frame
+  Pose pose_body_joint;           ///< frame at rest, in the body frame; displacements are given in it
 };
 
-/// The image that a part's solids are made from. Only writers of worlds need it: the solids hold all else.
+/// The image that a part's solids are made from. Only code that writes world files needs it: the simulation
+/// uses the solids.
 struct ImageSpec {
   std::string file;               ///< path of the image; for a ROS map, of its YAML file
   bool keeps_margins = false;     ///< the whole image is scaled to the part's size, not only its solid area
-  bool unknown_is_solid = false;  ///< ROS map: unknown cells are solid
-  bool boundary = false;          ///< adds four walls just inside its edges
+  bool unknown_is_solid = false;  ///< for ROS maps: unknown cells are solid
+  bool boundary = false;          ///< adds four walls just inside the edges of the image
   Pose origin;                    ///< centre of the image, or frame of the map, in the part's frame
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
 };
 
-/// The blocks that a part's solids are made from, as in Stage: scaled together to fill the part's size,
-/// centred in x and y, and placed at `origin` in the part's frame. Only writers of worlds need it.
+/// The blocks that a part's solids are made from, as in Stage: all blocks together are scaled to fill the
+/// part's size, centred in x and y, and placed at `origin` in the part's frame. Only code that writes world
+/// files needs it.
 struct FittedBlocks {
-  std::vector<Solid> blocks;  ///< in a common frame, in any unit of length
+  std::vector<Solid> blocks;  ///< blocks before scaling, in a common frame and any unit of length
   Pose origin;                ///< pose of their centre
 };
 
-/// One model of a type's tree.
+/// A part of a body type: one model of a Stage model tree.
 struct PartSpec {
   std::string name;              ///< relative to the body's name: "ranger:0"; empty for the root (part 0)
-  std::string alias;             ///< its generated name if the world gives it another; else empty
+  std::string alias;             ///< the generated name, if the world file gives the part another name
   std::string kind;              ///< model kind: "position", "ranger", ...
   std::uint32_t parent = 0;      ///< index of its parent part; the root's is 0
   std::int32_t joint = k_rigid;  ///< index of the joint that moves it
-  Pose pose_body_part;           ///< pose of the part's frame
-  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< as declared; GetGeom returns it in Stage
-  std::vector<Solid> solids;            ///< in the body's frame, scaled, also in z
+  Pose pose_body_part;           ///< pose of the part's frame in the body frame
+  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m; GetGeom returns it in Stage
+  std::vector<Solid> solids;            ///< in the body frame, m, after all scaling
   Returns returns;                      ///< how it interacts with other bodies
-  bool floor_plan = false;              ///< its outline comes from an image
-  std::optional<ImageSpec> image;       ///< source of its solids; not set: no image
-  std::optional<FittedBlocks> fitted;   ///< source of its solids; not set: they are used as given
-  std::optional<Color> color;           ///< not set: the body's colour
-  Where where;                          ///< for messages
+  bool floor_plan = false;              ///< whether its outline comes from an image
+  std::optional<ImageSpec> image;       ///< the image that `solids` are made from; not set: no image
+  std::optional<FittedBlocks> fitted;   ///< the blocks that `solids` are made from; not set: none
+  std::optional<Color> color;           ///< colour of the part; not set: the body's colour
+  Where where;                          ///< position in the file, for messages
 };
 
-/// A device that each body of a type carries.
+/// A device that each body of a type has.
 struct DeviceSpec {
-  std::string name;              ///< that of its part, unless the type gives it another
-  std::string kind;              ///< a kind of Registry::devices
+  std::string name;              ///< the name of its part, unless the type gives the device another name
+  std::string kind;              ///< name of a kind of Registry::devices
   std::uint32_t part = 0;        ///< index of the part that carries it
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
   std::int32_t moves = k_rigid;  ///< index of the first joint that it moves (DeviceKind::joints)
   Record params;                 ///< one value for each field of the kind's table
   Pose pose_body_device;         ///< frame in which the kind's parameters are given
-  double period_s = 0;           ///< 0: every tick
-  bool active = true;            ///< true: runs without a subscriber
-  Where where;                   ///< for messages
+  double period_s = 0;           ///< time from one run to the next, s; 0: it runs in every tick
+  bool active = true;            ///< true: it also runs if no controller or program reads it
+  Where where;                   ///< position in the file, for messages
 };
 
 /// The drive of the bodies of a type.
 struct DriveSpec {
-  std::string kind;     ///< a kind of Registry::drives
+  std::string kind;     ///< name of a kind of Registry::drives
   Record params;        ///< one value for each field of the kind's table: FieldTable::defaults()
-  double period_s = 0;  ///< 0: every tick
-  Where where;          ///< for messages
+  double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
+  Where where;          ///< position in the file, for messages
 };
 
 /// A controller of the bodies of a type.
 struct ControllerSpec {
-  std::string kind;        ///< a kind of Registry::controllers or of a plug-in
-  std::uint32_t part = 0;  ///< index of its part: it uses the devices of that part and of the parts on it
+  std::string kind;        ///< name of a kind of Registry::controllers or of a plug-in
+  std::uint32_t part = 0;  ///< index of its part: it uses the devices of this part and of parts mounted on it
   Record params;           ///< one value for each field of the kind's table: FieldTable::defaults()
-  double period_s = 0;     ///< used if it reads no sensor and has no drive; 0: every tick
-  Where where;             ///< for messages
+  /// Time from one decision to the next, s; 0: every tick. Used only if the controller has neither a sensor
+  /// nor a drive: otherwise it decides when its first sensor, or its drive, runs.
+  double period_s = 0;
+  Where where;  ///< position in the file, for messages
 };
 
 /// A body type: everything that identical bodies share.
 struct TypeSpec {
-  std::string name;                         ///< unique in the world
-  std::vector<PartSpec> parts;              ///< depth first; part 0 is the root
-  std::vector<JointSpec> joints;            ///< each after its parent joint
-  std::optional<DriveSpec> drive;           ///< not set: the bodies have no drive
-  std::vector<DeviceSpec> devices;          ///< a device that moves a joint comes before the devices on it
-  std::vector<ControllerSpec> controllers;  ///< in the order in which they decide: the last command counts
+  std::string name;                 ///< name, unique in the world
+  std::vector<PartSpec> parts;      ///< parts in depth-first order; part 0 is the root
+  std::vector<JointSpec> joints;    ///< joints; each comes after its parent joint
+  std::optional<DriveSpec> drive;   ///< not set: the bodies have no drive
+  std::vector<DeviceSpec> devices;  ///< a device that moves a joint comes before the devices on it
+  /// In the order in which they decide. If several controllers command one drive, the last command counts.
+  std::vector<ControllerSpec> controllers;
 };
 
 /// One body of the world.
 struct BodySpec {
   Name name;             ///< made of the words of WorldSpec::names
   TypeId type;           ///< index into WorldSpec::types
-  Pose pose_world_body;  ///< at tick 0, with all joints at rest
+  Pose pose_world_body;  ///< pose at tick 0, world frame
   Color color;           ///< colour of the parts that set none
-  /// Replaces Returns::fiducial of the root part if that is not 0, so that robots with different fiducial
-  /// values can share a type. 0: the type's value.
+  /// Fiducial value of the body's root part, in place of the type's Returns::fiducial, so that robots with
+  /// different fiducial values can share a type. Ignored if the type's value is 0. 0: the type's value.
   std::int32_t fiducial = 0;
-  Where where;  ///< for messages
+  Where where;  ///< position in the file, for messages
 };
 
-/// Bodies of a population that are unborn at tick 0: [first, first + count), born one after another
-/// (docs/lives.md). All are of one type. Their poses are given at birth.
+/// A reserve: bodies of a population that are unborn at tick 0 and can be born later, in ascending order of
+/// ids (docs/lives.md). They have the ids [first, first + count) and one type. Their poses are given at
+/// birth.
 struct ReserveSpec {
-  std::string population;   ///< its population: NAME of NAME0, NAME1, ...
+  std::string population;   ///< name of the population, without number: NAME of NAME0, NAME1, ...
   BodyId first;             ///< lowest id of the reserve
   std::uint32_t count = 0;  ///< number of bodies in the reserve
 };
@@ -148,7 +154,7 @@ struct ReserveSpec {
 /// A part to which the world gives a name that is independent of its body's name.
 struct PartName {
   BodyId body;       ///< the body that has the part
-  std::string part;  ///< PartSpec::name
+  std::string part;  ///< name of the part (PartSpec::name)
 };
 
 /// The recording that the world asks for (docs/recordings.md).
@@ -156,39 +162,42 @@ struct RecordSpec {
   std::string file;                 ///< path; empty: recorded only if the command line names a file
   std::vector<std::string> fields;  ///< fields to record; empty: the default ones
   std::optional<double> every_s;    ///< world time between two recorded ticks; not set: 0.1
-  Where where;                      ///< for messages
+  Where where;                      ///< position in the file, for messages
   Where where_fields;               ///< position of `fields`, for messages
 };
 
 /// A whole world, from which engine::World is built. A program that fills it by hand calls add_ground()
 /// first.
 struct WorldSpec {
-  std::string title;                             ///< for people
+  std::string title;                             ///< title of the world, for display
   std::shared_ptr<SourceFiles> files;            ///< files that the `Where` values refer to; may be null
-  std::uint64_t seed = 1;                        ///< of all random numbers, and of the priorities of motions
+  std::uint64_t seed = 1;                        ///< seed of all random numbers and of motion priorities
   double tick_s = 0.1;                           ///< length of a tick; above 0
   std::optional<double> quit_time_s;             ///< world time at which a run ends by default
-  std::optional<RecordSpec> record;              ///< not set: no recording
+  std::optional<RecordSpec> record;              ///< the recording that the world asks for; not set: none
   RangingEngine ranging = RangingEngine::exact;  ///< how ranges are computed: docs/sensing.md
-  double resolution_m = k_resolution_m;          ///< edge of the grid engine's cells
+  double resolution_m = k_resolution_m;          ///< edge of the cells of the grid ray engine
   Where resolution_where;                        ///< position of `resolution_m`, for messages
-  /// Area in which body origins stay: a motion that would end outside is not made. Not set: +-100 km.
+  /// Box in which the origins of bodies must stay, m: a motion that would end outside is not made. Not set:
+  /// from -100 km to 100 km in x and y.
   std::optional<Box> bounds;
   std::vector<TypeSpec> types;  ///< TypeId is the position in this list
   Names names;                  ///< words of the bodies' names
   /// BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
-  std::vector<ReserveSpec> reserves;  ///< in ascending order of ids, without overlap
-  bool mortal = false;  ///< programs may remove and disable bodies even if the world itself never does
-  /// Further names of bodies, each once. In Stage, generated names remain as aliases.
+  std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
+  /// True: a program may remove and disable bodies, even if nothing in the world file does.
+  bool mortal = false;
+  /// Further names of bodies; no name occurs twice. In Stage, generated names remain as aliases.
   std::vector<NamedBody> aliases;
-  /// Parts by their independent names (Stage: `name "/x"` in a child).
+  /// Parts whose names are independent of their body's name, by that name (Stage: `name "/x"` in a child
+  /// model).
   std::unordered_map<std::string, PartName> part_aliases;
   /// Measures that a run takes, unless its options say otherwise.
   std::vector<MeasureSpec> measures;
-  double measure_every_s = 1;    ///< seconds between two lines of measures
+  double measure_every_s = 1;    ///< world time between two lines of measures, s
   WatchSpec watch;               ///< pace of a run, and reports of its time
-  std::optional<Record> window;  ///< view that it asks for: worldio/window_fields.hpp
+  std::optional<Record> window;  ///< initial view of a window: worldio/window_fields.hpp
   ExperimentSpec experiment;     ///< interventions, faults and stop conditions
 
   /// Name of a body, as text.
@@ -204,16 +213,18 @@ struct WorldSpec {
 /// Adds the ground, body 0 of every world: the body `_ground_model` of type `ground`, without solids.
 void add_ground(WorldSpec& spec);
 
-/// Reports inconsistencies between members of a world: a part whose parent comes later, a body whose type
-/// does not exist, reserves that overlap, ... Each message begins with the path of the value:
-/// `types[0].parts[2].parent: ...`. The limits of single members are in spec_description.cpp.
+/// Checks the members of a world against one another and calls `report` for each inconsistency: a part whose
+/// parent comes later, a body whose type does not exist, reserves that overlap, ... Each message begins with
+/// the path of the value: `types[0].parts[2].parent: ...`. Limits of single members are not checked here, but
+/// by the tables of spec_description.cpp.
 void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
 
-/// Appends a reserve of `count` bodies for each population of robots that has none. A population is here all
-/// bodies named NAME0, NAME1, ... if they have one type, with a drive.
+/// Appends a reserve of `count` bodies for each population of robots that has no reserve. Here a population
+/// is the set of all bodies named NAME0, NAME1, ..., provided that they have one type and that it has a
+/// drive.
 void add_spare(WorldSpec& spec, std::uint32_t count);
 
-/// Value that fiducial finders read from a part of a body; 0: they do not find it.
+/// Value that fiducial finders read from a part of a body; 0: they do not detect the part.
 inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_t part) {
   const BodySpec& b = spec.bodies[body.index()];
   const std::int32_t of_type = spec.types[b.type.index()].parts[part].returns.fiducial;

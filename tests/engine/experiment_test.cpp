@@ -431,7 +431,7 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(at(1, Action::enable, model("r9"))),
               HasSubstr("unknown model \"r9\"; known: r0, r1, r2"));
   EXPECT_THAT(doing(at(1, Action::remove, model("wall4"))),
-              HasSubstr("\"wall4\" never moves, senses or decides"));
+              HasSubstr("\"wall4\" is a static body: interventions and faults can only act on bodies that"));
   EXPECT_THAT(doing(at(1.5, Action::add, population("r"))),
               HasSubstr("w.json:7: error: at 1.5 s: no body can be added to \"r\": no population has a "
                         "\"reserve\""));
@@ -446,9 +446,11 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "pushes", 2)),
               HasSubstr("\"pushes\" cannot change while the world runs"));
   const FieldTable& ranger = test::registry().device("ranger")->params;
-  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
-                            get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
-              HasSubstr("device \"eye\": a setting must not change its devices, readings or state fields"));
+  EXPECT_THAT(
+      doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
+                    get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
+      HasSubstr("device \"eye\": \"set\" must keep the number and layout of its readings and state fields, "
+                "and the devices that it uses"));
 
   const auto failing = [&](FaultSpec spec) {
     return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });

@@ -126,14 +126,13 @@ TEST(Populations, ReservesFollowWithoutAPlace) {
 TEST(Populations, ErrorsNameFileLineAndPopulation) {
   EXPECT_THAT(
       errors_of({row_of("a", 1), row_of("b", 9)}),
-      ElementsAre("room.txt:8: error: populations[1].rule: placed 7 of 9 bodies: the region has no more free "
-                  "cells (of 10)"));
+      ElementsAre("room.txt:8: error: populations[1].rule: placed 7 of 9 bodies: the region has no further "
+                  "free cell (it has 10 cells)"));
   PopulationSpec named = row_of("b", 9);
   named.path = "/populations/0/place";
-  EXPECT_THAT(
-      errors_of({named}),
-      ElementsAre("room.txt:8: error: /populations/0/place: placed 8 of 9 bodies: the region has no more "
-                  "free cells (of 10)"));
+  EXPECT_THAT(errors_of({named}),
+              ElementsAre("room.txt:8: error: /populations/0/place: placed 8 of 9 bodies: the region has no "
+                          "further free cell (it has 10 cells)"));
   EXPECT_THAT(errors_of({row_of("a", 3)}, room(), {.most_bodies = 5}),
               ElementsAre("room.txt:7: error: the world would hold 6 bodies; at most 5 are allowed"));
   PopulationSpec dense = row_of("a", 1);
@@ -144,8 +143,10 @@ TEST(Populations, ErrorsNameFileLineAndPopulation) {
                           "of 1e-05 m; at most 100000000 are allowed"));
   PopulationSpec nowhere = row_of("a", 1);
   nowhere.rule.region = Box();
-  EXPECT_THAT(errors_of({nowhere}),
-              ElementsAre("room.txt:8: error: populations[0].rule: the region is empty"));
+  EXPECT_THAT(
+      errors_of({nowhere}),
+      ElementsAre("room.txt:8: error: populations[0].rule: the region is empty: x_min must not exceed "
+                  "x_max, and y_min must not exceed y_max"));
 }
 
 }  // namespace

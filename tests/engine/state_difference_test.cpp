@@ -114,7 +114,7 @@ TEST(StateDifferences, TellOfOtherEntities) {
   test::SceneBuilder more = crowd();
   more.body("late", TypeId(std::size_t{1}), {9, 9, 0, 0});
   World second = more.world();
-  EXPECT_THAT(texts(first, second), ::testing::Contains("pose: entities or fields differ"));
+  EXPECT_THAT(texts(first, second), ::testing::Contains("pose: the states have different bodies or fields"));
 }
 
 }  // namespace

@@ -105,9 +105,9 @@ TEST(World, TwoSensorsOfOneNameAreToldApart) {
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
   EXPECT_EQ(world.types()[type.index()].devices[1].name, "ir#2");
-  EXPECT_THAT(
-      diagnostics.warnings(),
-      testing::ElementsAre("warning: the robot already has a sensor \"ir\": this one is named \"ir#2\""));
+  EXPECT_THAT(diagnostics.warnings(),
+              testing::ElementsAre(
+                  "warning: the robot already has a sensor \"ir\": this sensor is renamed \"ir#2\""));
 }
 
 TEST(World, AWaferThinRobotIsAWarning) {
@@ -118,7 +118,8 @@ TEST(World, AWaferThinRobotIsAWarning) {
   EXPECT_THAT(
       diagnostics.warnings(),
       testing::ElementsAre("warning: a part of type \"wafer\" is only 1e-05 m thick: each motion is tested "
-                           "at steps of a quarter of that, which is slow; make it 0.0005 m or more"));
+                           "in steps of a quarter of this thickness, which is slow; make the part at least "
+                           "0.0005 m thick"));
 }
 
 TEST(World, ABodyBelowTheFloorIsAWarning) {
@@ -228,8 +229,8 @@ TEST(World, OverlapsAtTheStartAreOneCountedWarning) {
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
   EXPECT_THAT(
       diagnostics.warnings(),
-      testing::ElementsAre("warning: 3 pairs of bodies overlap at the start, first \"a\" and \"b\"; they may "
-                           "move apart, but not closer"));
+      testing::ElementsAre("warning: 3 pairs of bodies overlap at the start, for example \"a\" and \"b\"; "
+                           "bodies that overlap may move apart, but not closer"));
 }
 
 TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
@@ -242,9 +243,8 @@ TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
   const std::string floor =
       "warning: a body extends below the floor (z = 0), which is not an obstacle (and 349 more)";
   const std::string pairs = fmt::format(
-      "warning: {} pairs of bodies overlap at the start, first \"r700\" and \"r699\"; they may move apart, "
-      "but "
-      "not closer",
+      "warning: {} pairs of bodies overlap at the start, for example \"r700\" and \"r699\"; bodies that "
+      "overlap may move apart, but not closer",
       699 + 698 + 7);
   for (const unsigned threads : {1u, 2u, 3u, 8u})
     for (const double tile_m : {0.0, 1.0, 100.0}) {
@@ -263,10 +263,10 @@ TEST(World, OverlapsBeyondTenThousandAreNotCounted) {
   for (const unsigned threads : {1u, 3u}) {
     Diagnostics diagnostics;
     const World world(scene.spec, test::registry(), {.threads = threads}, diagnostics);
-    EXPECT_THAT(
-        diagnostics.warnings(),
-        testing::ElementsAre("warning: more than 10000 pairs of bodies overlap at the start, first \"r0\" "
-                             "and \"r1\"; they may move apart, but not closer"));
+    EXPECT_THAT(diagnostics.warnings(),
+                testing::ElementsAre(
+                    "warning: more than 10000 pairs of bodies overlap at the start, for example \"r0\" "
+                    "and \"r1\"; bodies that overlap may move apart, but not closer"));
   }
   Diagnostics thorough(true);
   const World world(scene.spec, test::registry(), {.threads = 2}, thorough);

@@ -236,7 +236,7 @@ TEST_F(PluginsTest, WhoseControllersThrowAreNamedWithTickAndRobot) {
     EXPECT_THAT(
         thrown_by("for_many", threads),
         MatchesRegex("tick 3: controller \"thrower:for_many\" of \"r[0-9]+\", the first of a batch of "
-                     "12, threw: the map is missing"));
+                     "12 robots, threw: the map is missing"));
   }
   EXPECT_THAT(
       error_of(json_world(R"({"kind": "thrower:when_made"})"), options({folder_of("plugins")})),
@@ -402,7 +402,7 @@ TEST_F(PluginSensors, ThatThrowAreNamedWithTickAndRobot) {
   } catch (const engine::StepError& error) {
     EXPECT_THAT(error.what(),
                 MatchesRegex("tick 3: device \"eye\" .thrower:sensor. of \"r[0-2]\", the first of a "
-                             "batch of 3, threw an exception that is no std::exception"));
+                             "batch of 3 robots, threw an exception that is no std::exception"));
   }
   EXPECT_EQ(error(bots("unpreparable")),
             ":2: error: device \"eye\" (thrower:unpreparable) threw: the map is missing");

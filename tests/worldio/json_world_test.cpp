@@ -591,8 +591,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("count": 4,)", "",
               R"(maze.json:17: error: /populations/0: missing "count": number of bodies)"},
         Wrong{R"("count": 4)", R"("count": 26)",
-              "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no more "
-              "free cells (of 25)"},
+              "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no "
+              "further free cell (it has 25 cells)"},
         Wrong{
             R"("rule": "grid", )", "",
             R"(maze.json:18: error: /populations/0/place: missing "rule": grid, uniform, gaussian, poisson_disc or free_floor)"},
@@ -604,8 +604,8 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:18: error: /populations/0/place: unknown key "pitch_m"; known: heading_deg, heading_rad, polygon_m, region_m, rule, z_cm, z_m, z_mm)"},
         Wrong{R"("rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25)",
               R"("rule": "uniform", "region_m": [[0, 0], [0.1, 0.1]])",
-              "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: 1000 draws found no free "
-              "place for the next"},
+              "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: 1000 random poses "
+              "for the next body were not free"},
         Wrong{
             R"("region_m": [[0, 0], [1, 1]], )", "",
             R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]], or "polygon_m": the world has neither bounds nor floor plans)"},
@@ -781,8 +781,8 @@ TEST(JsonWorld, RobotsSetAPopulation) {
   EXPECT_THAT(
       load(k_world, {{"", 100}}).found,
       ElementsAre(
-          "maze.json:18: error: /populations/0/place: placed 25 of 100 bodies: the region has no more free "
-          "cells (of 25)"));
+          "maze.json:18: error: /populations/0/place: placed 25 of 100 bodies: the region has no further "
+          "free cell (it has 25 cells)"));
 }
 
 TEST(JsonWorld, AReserveFollowsItsPopulation) {

@@ -172,12 +172,14 @@ TEST_F(Limits, SamplesAndReadings) {
       HasSubstr("w.world:1: error: too large: sensor \"ranger:0\" has 1100000 samples, at most 1000000"));
   std::string many =
       "define bot position( ranger( alwayson 1 " + repeated("sensor( samples 100000 ) ", 9) + ") )\n";
-  EXPECT_THAT(refusal("many.world", many + repeated("bot( obstacle_return 0 )\n", 6000)),
-              HasSubstr("too large: with this body readings, memories and outlines take more than 16 GB"));
+  EXPECT_THAT(
+      refusal("many.world", many + repeated("bot( obstacle_return 0 )\n", 6000)),
+      HasSubstr("too large: with this body, the sensor readings, controller memories and outlines of all "
+                "bodies take more than 16 GB"));
   std::string types = many;
   for (int i = 1; i < 14; ++i) types += "bot( size [1 1 " + std::to_string(i) + "] )\n";
   EXPECT_THAT(refusal("types.world", types),
-              HasSubstr("too large: the sensors of the types up to this one have more than"));
+              HasSubstr("too large: the sensors of this type and of the types before it have more than"));
 }
 
 TEST_F(Limits, Populations) {
@@ -195,7 +197,8 @@ TEST_F(Limits, Populations) {
   EXPECT_THAT(
       refusal("w.json", world("1", "0.08")),
       HasSubstr(
-          "w.json:3: error: /populations/1/place: the regions of all populations have 1.125e+08 cells"));
+          "w.json:3: error: /populations/1/place: the regions of this population and of those before it have "
+          "1.125e+08 cells"));
 }
 
 TEST_F(Limits, ErrorsAndWhatTheyQuote) {
