@@ -100,7 +100,7 @@ class TreeBuilder {
       if (const std::size_t end = message.find(": "); end != std::string_view::npos)
         message.remove_prefix(end + 2);
     std::string what(message);
-    // The parser names only the closing bracket, although a comma would be valid too.
+    // The parser's message names only the closing bracket, although a comma would be valid there too.
     for (const std::string_view end : {"expected '}'", "expected ']'"})
       if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
     Where where = start_;
@@ -125,7 +125,7 @@ class TreeBuilder {
     return {start_.file, progress_.line - (passed ? 1 : 0)};
   }
 
-  /// The JSON pointer of the next value.
+  /// The JSON pointer of the value that the parser reads next.
   std::string next_pointer() const {
     std::string pointer;
     for (const JsonNode* node : open_) {
@@ -193,7 +193,8 @@ std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointe
   return tokens;
 }
 
-/// Position in a list; its size for `-`. Empty if the token is not a number.
+/// The list index that a token of a JSON pointer stands for; `size` for `-`, which appends. Empty if the
+/// token is neither a number nor `-`.
 std::optional<std::size_t> list_index(const std::string& token, std::size_t size) {
   if (token == "-") return size;
   std::size_t index = 0;
@@ -219,7 +220,7 @@ std::string JsonNode::describe() const {
     std::string operator()(std::uint64_t x) const { return fmt::format("the number {}", x); }
     std::string operator()(double x) const { return fmt::format("the number {}", x); }
     std::string operator()(const std::string& x) const { return fmt::format("the text \"{}\"", x); }
-    std::string operator()(const List& x) const { return fmt::format("a list of {}", x.size()); }
+    std::string operator()(const List& x) const { return fmt::format("a list of length {}", x.size()); }
     std::string operator()(const Object&) const { return "an object"; }
   } words;
   return std::visit(words, value);
@@ -242,7 +243,7 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
   const Where where{diagnostics.files()->add("--set " + pointer), 0};
   const auto tokens = pointer_tokens(pointer);
   if (!tokens) {
-    diagnostics.error(where, "not a JSON pointer: write it as in --set /populations/0/count=500");
+    diagnostics.error(where, "this is not a JSON pointer: write it as in --set /populations/0/count=500");
     return;
   }
 

@@ -34,7 +34,7 @@ struct JsonNode {
   const JsonNode* find(std::string_view key) const;
   JsonNode* find(std::string_view key) { return const_cast<JsonNode*>(std::as_const(*this).find(key)); }
   ///@}
-  /// For messages: `the number 3`, `the text "abc"`, `a list of 2`, `an object`, `null`, ...
+  /// For messages: `the number 3`, `the text "abc"`, `a list of length 2`, `an object`, `null`, ...
   std::string describe() const;
 };
 

@@ -49,8 +49,8 @@ bool is_changeable(std::string_view pointer) {
   return token(at) == "period_s" || (token(at) == "active" && !is_drive);
 }
 
-/// Reads a text as spec_to_json() writes it; the characters of {"latin1": ...} are bytes. Empty if it is
-/// wrong.
+/// Reads a text as spec_to_json() writes it: a JSON text, or {"latin1": ...} with one character per byte.
+/// Empty if the node is neither.
 std::optional<std::string> text_of(const JsonNode& node) {
   if (const std::string* text = node.text()) return *text;
   const JsonNode* latin1 = node.find("latin1");
@@ -82,13 +82,14 @@ std::vector<std::string> texts_of(const JsonCursor& at, std::string_view what) {
   return texts;
 }
 
-/// A field of `columns` numbers within the limits of `field`.
+/// Returns the description of a list of `columns` numbers with the limits of `field`.
 Field numbers_like(const Field& field, std::size_t columns) {
   return {
       .name = field.name, .type = FieldType::numbers, .min = field.min, .max = field.max, .columns = columns};
 }
 
-/// Reads a member that is neither a block nor a list of points. Not given, with an error, if it is wrong.
+/// Reads a member that is neither a block nor a list of points. If the value is wrong, reports an error and
+/// returns a value that is not given.
 Value scalar(const JsonCursor& at, const Field& field) {
   if (field.type == FieldType::texts) return texts_of(at, "a text");
   if (field.type == FieldType::color) return read_value(at, numbers_like(field, 4));  // names are not used
@@ -106,7 +107,8 @@ Value scalar(const JsonCursor& at, const Field& field) {
   return {};
 }
 
-/// Sets a struct that consists only of numbers from the front of `numbers`, and removes these from it.
+/// Sets a struct that consists only of numbers from the first elements of `numbers`, and removes these
+/// elements from the span.
 void set_numbers(const FieldTable& table, void* object, std::span<const double>& numbers) {
   for (const Field& field : table.fields) {
     if (field.type == FieldType::record) {
@@ -136,7 +138,7 @@ struct NamedPart {
   }
 };
 
-/// Reads what spec_writer.cpp writes. Reports errors; the spec is then well-formed but meaningless.
+/// Reads what spec_writer.cpp writes. If errors are reported, the spec is well-formed but must not be used.
 class SpecReader {
  public:
   SpecReader(const engine::Registry& registry, Where file, Diagnostics& diagnostics)
@@ -316,8 +318,9 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
       c.color.size() != 4 * count || (!c.fiducial.empty() && c.fiducial.size() != count) ||
       c.file.size() != count || c.line.size() != count || c.alias_word.size() != aliases ||
       c.alias_number.size() != aliases)
-    return error("the columns of the bodies differ in length");
-  if (count == 0) return error("there are no bodies: the first body of every world is the ground");
+    return error("the file is damaged: the columns of the bodies differ in length");
+  if (count == 0)
+    return error("the file is damaged: it has no bodies, but every world has at least the ground");
   const FieldTable& table = engine::body_fields();
   const Field& pose = table.fields[static_cast<std::size_t>(table.find("pose"))];
   // Compared with the two limits only: they are finite, so NaN and infinity fail too. Checking everything
@@ -352,8 +355,9 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
     if (is_changeable(pointer))
       set_json_value(*document, pointer, value, diagnostics);
     else
-      diagnostics.error({diagnostics.files()->add("--set " + pointer), 0},
-                        fmt::format("cannot be changed in a stored world; allowed are: {}", k_changeable));
+      diagnostics.error(
+          {diagnostics.files()->add("--set " + pointer), 0},
+          fmt::format("this value of a stored world cannot be changed; --set can change {}", k_changeable));
   }
   if (diagnostics.has_errors()) return {};
   SpecReader reader(registry, where, diagnostics);
