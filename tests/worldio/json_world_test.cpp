@@ -437,7 +437,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{
             R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})",
-            R"(maze.json:11: error: /types/crate: has no body: give "size_m" (a box), "blocks", "bitmap" or "device")"},
+            R"(maze.json:11: error: /types/crate: the type has no body: give "size_m" (a box), "blocks", "bitmap" or "device")"},
         Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)",
               "maze.json:11: error: /types/crate: expected an object, found the number 3"},
         Wrong{"[1, 1, 1]", "[1, 0, 1]",
@@ -543,7 +543,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:11: error: /types/crate/blocks/0: missing "points_m": the outline, [[x, y], ...])"},
         Wrong{
             R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [1, 1]}])",
-            R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must rise from min to max, found 1 and 1)"},
+            R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must be [min, max] with min below max, found 1 and 1)"},
         Wrong{R"("size_m": [1, 1, 1])",
               R"("blocks": [{"points_m": [[0, 0], [1, 0.1], [2, 0.2]], "z_m": [0, 1]}])",
               "maze.json:11: error: /types/crate/blocks/0/points_m: the outline has no area"},
