@@ -144,9 +144,9 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
     const Loaded loaded("\"at\": [\n" + entry + "]");
     return loaded.found.empty() ? std::string("nothing") : loaded.found.front();
   };
-  EXPECT_THAT(
-      found(R"({"remove": {"population": "r"}})"),
-      HasSubstr("maze.json:11: error: /at/0: missing \"time_s\" or \"time_ms\": time of the intervention"));
+  EXPECT_THAT(found(R"({"remove": {"population": "r"}})"),
+              HasSubstr("maze.json:11: error: /at/0: missing \"time_s\" or \"time_ms\": simulated time of "
+                        "the intervention"));
   EXPECT_THAT(found(R"({"time": 3, "remove": {"population": "r"}})"), HasSubstr("\"time\" needs its unit"));
   EXPECT_THAT(found(R"({"time_s": -1, "remove": {"population": "r"}})"), HasSubstr("/at/0/time_s: must be"));
   EXPECT_THAT(found(R"({"time_s": 1})"),

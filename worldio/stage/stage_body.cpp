@@ -90,7 +90,8 @@ void StageBodies::check_map(const StageModel& model, const FloorImage& map, cons
                                 size_m.y()));
   if (!blocks.empty())
     values_.error(blocks.front().where,
-                  "a model whose \"bitmap\" is a ROS map cannot have blocks: the map is not stretched");
+                  "a model whose \"bitmap\" is a ROS map cannot have blocks, because the map is not "
+                  "stretched to \"size\"");
 }
 
 const FloorImage* StageBodies::read_image(const StageProperty& property, engine::ImageSpec& spec) {
@@ -132,7 +133,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   for (const StageEntity* layer : block.layers) written += layer->properties.count;
   if (*count > written + k_most_missing) {
     values_.error(values_.where(*points),
-                  fmt::format("\"points\" is {}, but the block has far fewer", *count));
+                  fmt::format("\"points\" is {}, but the block has far fewer points", *count));
     return;
   }
   std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
@@ -170,7 +171,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
     if (!v) return;
     z = {(*v)[0] * values_.length_unit(), (*v)[1] * values_.length_unit()};
     if (z.min > z.max) {
-      values_.error(values_.where(*property), "\"z\" needs [min max] with min at most max");
+      values_.error(values_.where(*property), "\"z\" needs [min max], and min must not exceed max");
       return;
     }
   }

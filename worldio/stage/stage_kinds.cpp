@@ -25,7 +25,8 @@ std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
   return names;
 }
 
-/// Checks a number against a field's limits. The error reads "must be above 0 m".
+/// Checks a number, in SI units, against the limits of a field. The error is a predicate such as "must be
+/// above 0 m".
 Result<> check_limits(const Field& field, double value) {
   const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
   const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
@@ -36,7 +37,8 @@ Result<> check_limits(const Field& field, double value) {
   return {};
 }
 
-/// Reads an angle, rad, slightly above a whole turn as a whole turn: files write 6.2832.
+/// Returns an angle, rad. If it is slightly above a whole turn, returns a whole turn, because files write a
+/// whole turn as 6.2832.
 double within_a_turn(double angle) {
   constexpr double k_turn = 2 * k_pi;
   constexpr double k_rounding = 1e-5;
@@ -102,8 +104,8 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
   };
 
   Eigen::Vector3d size(0.02, 0.02, 0.02);
-  const bool is_the_ranger = !sensor.alias.empty();  // then the body has pose and size
-  if (sensor.alias == "laser") {                     // the defaults of older files
+  const bool is_the_ranger = !sensor.alias.empty();  // then pose and size are those of the body
+  if (sensor.alias == "laser") {                     // defaults of the lasers of older files
     params.range_max = 8;
     params.fov = radians(180);
     params.samples = 180;
@@ -192,7 +194,7 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
 std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
                                                      const std::vector<StageModel>& sensors) {
   if (registry_.device("ranger") == nullptr) {
-    values_.error(model.where, "this build has no ranger");
+    values_.error(model.where, "this build of Troupe has no device of kind \"ranger\"");
     return {};
   }
   const bool is_sensor = !model.alias.empty() && sensors.empty();
@@ -222,8 +224,9 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
     const auto v = values_.tuple(*property, 3, 3, "[x y z], fractions of the gripper's size");
     if (!v) return {};
     if (!std::ranges::all_of(*v, [](double part) { return part > 0 && part < 1; }) || (*v)[1] >= 0.5) {
-      values_.error(values_.where(*property),
-                    "\"paddle_size\" needs fractions of the gripper's size, between 0 and 1, y below 0.5");
+      values_.error(
+          values_.where(*property),
+          "\"paddle_size\" needs fractions of the gripper's size, above 0 and below 1, and y below 0.5");
       return {};
     }
     set(kind.params, spec->params, "paddle_size", *v);
@@ -277,7 +280,8 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
   return spec;
 }
 
-/// Reads a property as a value of this field. Empty, with an error, if it is wrong.
+/// Reads a property as a value of `field`. A number is multiplied by `to_si`; `column` is the index into a
+/// tuple of two, or -1 for the whole property. Empty, with an error, if the value is wrong.
 std::optional<Value> StageKinds::value(const StageProperty& property, const Field& field, double to_si,
                                        int column) {
   const auto checked = [&](std::optional<double> given) -> std::optional<double> {
@@ -549,8 +553,8 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
   }
   for (std::size_t i = 0; i < fields.size(); ++i)
     if (!spec.params[i].given() && !fields[i].optional) {
-      values_.error(
-          where, fmt::format("controller \"{0}\" needs \"{1}\": ctrl \"{0} {1}=...\"", name, fields[i].name));
+      values_.error(where, fmt::format("controller \"{0}\" needs the parameter \"{1}\": ctrl \"{0} {1}=...\"",
+                                       name, fields[i].name));
       return {};
     }
   return spec;

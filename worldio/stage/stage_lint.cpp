@@ -11,7 +11,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_deepest = 200;  // the limit of the parser and of macros
+constexpr std::size_t k_deepest = 200;  // levels; the parser and the macros have the same limit
 
 std::string with_article(std::string_view type) {
   if (type == "world") return "the world";
@@ -46,9 +46,9 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (!model) return;
   if (model->type == "window") add(window_only_, model->where, "window");
   if (macros_.is_only_a_body(model->type))
-    values_.warning_once(
-        model->where,
-        fmt::format("this program does not implement {}; it is only a body here", with_article(model->type)));
+    values_.warning_once(model->where,
+                         fmt::format("this program does not implement {}; the model is only a body",
+                                     with_article(model->type)));
   if (values_.thorough()) check_overruled(*model);
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
@@ -67,8 +67,9 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
     const bool is_transducers = type == "ranger" && find_stage_row("sensor", key) != nullptr;
     const std::vector<std::string_view> known = stage_property_names(type);
     values_.warning_once(
-        where, fmt::format("{} has no property \"{}\"; it is ignored{}", with_article(type), key,
-                           is_transducers ? ": it belongs in a sensor( ... )" : did_you_mean(key, known)));
+        where,
+        fmt::format("{} has no property \"{}\"; the property is ignored{}", with_article(type), key,
+                    is_transducers ? ": it must be inside a sensor( ... )" : did_you_mean(key, known)));
     return;
   }
   switch (row->support) {
@@ -115,10 +116,10 @@ void StageLint::check_overruled(const StageModel& model) {
       children, [&](const StageModel::Child& child) { return document_.word(*child.entity) == "sensor"; });
   if (!model.alias.empty() && has_sensors)
     for (const std::string_view key : {"samples", "fov", "range", "range_min", "range_max"})
-      report(key, "the sensors in it have their own");
+      report(key, "the sensors inside this model have their own");
   if (!is_position) return;
   const StageProperty* drive = model.find(document_, "drive");
-  if (!drive || values_.text(*drive) != "car") report("wheelbase", "only a car has one");
+  if (!drive || values_.text(*drive) != "car") report("wheelbase", "only a car has a wheelbase");
 }
 
 void StageLint::finish() {

@@ -102,8 +102,9 @@ void StageText::texts(std::string_view key, std::span<const std::string> values)
 std::string StageText::spelt(double value) {
   constexpr double k_largest = 9007199254740992.0;  // 2^53, the largest number that is read
   if (!(std::abs(value) <= k_largest))
-    diagnostics_.error(where_,
-                       fmt::format("{:g} is too large for a .world file; numbers are at most 2^53", value));
+    diagnostics_.error(
+        where_,
+        fmt::format("{:g} is out of range for a .world file; numbers must be from -2^53 to 2^53", value));
   std::array<char, 1200> digits{};  // the smallest double has 1074 digits after the point
   const auto [end, error] =
       std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::fixed);

@@ -58,14 +58,15 @@ class TypeText {
   bool is_property(const DeviceSpec& device) const {
     return device.kind == "power_pack" || device.kind == "power_contact" || device.kind == "flags";
   }
-  /// Whether this is the drive of a position model inside another model.
+  /// Whether this device is the drive of a position model that is inside another model.
   bool is_wheels(const DeviceSpec& device) const {
     return device.kind == "wheels" && device.part != 0 && type_.parts[device.part].kind == "position";
   }
   const DeviceSpec* own_device(std::uint32_t p) const;
   /// The joint that the children of a part move with.
   std::int32_t joint_of(std::uint32_t p) const;
-  /// The part to write a child of `part` in, so that it moves with this joint: `part` itself if possible.
+  /// The part in whose model a child of `part` must be written so that the child moves with `joint`: `part`
+  /// itself if possible.
   std::uint32_t carrier(std::uint32_t part, std::int32_t joint) const;
   bool is_brought(std::uint32_t p) const;
 
@@ -80,8 +81,8 @@ class TypeText {
   void write_controllers(std::uint32_t p);
   void write_power(std::uint32_t p);
   void write_children(std::uint32_t p);
-  /// Writes the name of a child of `parent` unless it is the generated one. `generated` counts the children
-  /// of each kind.
+  /// Writes the name of a child of `parent`, unless it is the name that the reader generates. `generated`
+  /// counts the children of each kind that were written before.
   void write_name(std::uint32_t parent, const std::string& name, const std::string& kind,
                   std::map<std::string, std::size_t>& generated);
 
@@ -148,7 +149,7 @@ void TypeText::write_part(std::uint32_t p) {
     lacks(part.where, "a model of kind \"position\" always has a drive, and no other model has one");
   write_body(part, own);
   write_returns(part.returns);
-  if (part.returns.pushable) lacks(part.where, "bodies that can be pushed");
+  if (part.returns.pushable) lacks(part.where, "a \"pushable\" body");
   const engine::DriveKind* drive = p == 0 && type_.drive ? registry_.drive(type_.drive->kind) : nullptr;
   if (drive) write_stage_drive(*type_.drive, *drive, text_);
   write_power(p);
@@ -181,8 +182,8 @@ bool TypeText::is_default_box(const PartSpec& part, const engine::ModelKind& kin
   return part.solids == std::vector{placed(box, part.pose_body_part)};
 }
 
-/// Writes the image of a part if the image, stretched to the part's size or to the extent of its solids,
-/// makes exactly its solids. Else false.
+/// Writes the image of a part. Writes nothing and returns false if the image, stretched to the size of the
+/// part or to the extent of its solids, does not give exactly its solids.
 bool TypeText::write_image(const PartSpec& part) {
   if (!part.image) return false;
   const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
@@ -218,7 +219,7 @@ void TypeText::write_blocks(const PartSpec& part) {
   const Rotation& turn = frame.rotation;
   Pose origin{middle.x() * turn.cos + middle.y() * turn.sin, middle.y() * turn.cos - middle.x() * turn.sin, 0,
               0};
-  constexpr double k_centred = 1e-9;  // fraction of the extent; less is rounding
+  constexpr double k_centred = 1e-9;  // fraction of the extent; smaller offsets are rounding errors
   if (origin.position().norm() <= k_centred * whole.size().norm()) origin = Pose();
   const Pose pose_body_blocks = compose(part.pose_body_part, origin);
   std::vector<Solid> solids = part.solids;
@@ -241,7 +242,7 @@ void TypeText::write_blocks(const PartSpec& part) {
 }
 
 void TypeText::write_block(const Solid& block, Where where) {
-  if (block.contours.size() != 1) return lacks(where, "a body with holes: Stage's blocks have none");
+  if (block.contours.size() != 1) return lacks(where, "a body with holes: Stage's blocks have no holes");
   const Ring& ring = block.contours.front();
   text_.open("block");
   text_.number("points", static_cast<double>(ring.size()));

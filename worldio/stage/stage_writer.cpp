@@ -78,7 +78,7 @@ class WorldText {
 
  private:
   bool says(std::string_view key) const { return document_ && document_->says(key); }
-  /// The line of a key, which is given without its unit; the whole file if the file does not have the key.
+  /// The place of a key, which is given without its unit; the file as a whole if it does not have the key.
   Where where_of(std::string_view key) const {
     return says(key) ? document_->where_of(key) : Where{spec_.resolution_where.file, 0};
   }
@@ -107,11 +107,11 @@ class WorldText {
 
 void WorldText::refuse_what_stage_lacks() {
   if (spec_.ranging != engine::RangingEngine::exact)
-    lacks("ranging", "the ray engine is an option of the run, --raytracer");
-  if (spec_.record) lacks("record", "recording is an option of the run, --record");
-  if (!spec_.measures.empty()) lacks("measures", "they are options of the run, --measure");
+    lacks("ranging", "choose the ray engine with troupe run --raytracer");
+  if (spec_.record) lacks("record", "record with troupe run --record");
+  if (!spec_.measures.empty()) lacks("measures", "choose measures with troupe run --measure");
   if (spec_.measure_every_s != WorldSpec().measure_every_s)
-    lacks("measure_every", "it is an option of the run, --measure-every");
+    lacks("measure_every", "set the interval with troupe run --measure-every");
   if (!spec_.reserves.empty())
     lacks(says("populations") ? "populations" : "models",
           "Stage has no \"reserve\" of bodies that are born later");
