@@ -12,8 +12,8 @@
 
 namespace troupe::worldio {
 
-/// Finds a number x with read(x) == value, to the last bit, among the guess and its nearest doubles. Returns
-/// the guess if there is none.
+/// Returns a number x for which read(x) == value to the last bit. It tries `guess` and the nearest doubles
+/// above and below it. Returns `guess` if none of these fits.
 template <class Read>
 double solved(double value, double guess, Read read) {
   constexpr int k_neighbours = 8;
@@ -29,8 +29,8 @@ double solved(double value, double guess, Read read) {
   return guess;
 }
 
-/// Returns pose_b_c with compose(pose_a_b, pose_b_c) == pose_a_c: to the last bit if such numbers are found,
-/// else up to rounding.
+/// Returns the pose of c in frame b: compose(pose_a_b, result) == pose_a_c. This holds to the last bit if
+/// such numbers are found, else up to rounding.
 Pose relative_pose(const Pose& pose_a_b, const Pose& pose_a_c);
 
 /// Builds the text of a world in Stage's syntax. Numbers have the fewest digits that read back as the same
@@ -39,7 +39,8 @@ class StageText {
  public:
   explicit StageText(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Sets the place that errors name for texts and numbers that Stage's syntax cannot express.
+  /// Sets the place of the errors that later calls report, for texts and numbers that Stage's syntax cannot
+  /// express.
   void at(Where where) { where_ = where; }
   void comment(std::string_view text);
   /// Writes `word (`, or with define() `define word base (`. close() writes the `)`.
