@@ -188,10 +188,11 @@ ReplayData replay_data(const RecordingReader& recording, const ReplayOptions& op
       return data;
     }
     if (frames.size() <= 2)
-      throw InputError(fmt::format(
-          "{}: error: not even two frames of {} bodies fit: give more room with --max-mb, or show less with "
-          "--fields pose",
-          recording.file().string(), plan.order.size()));
+      throw InputError(
+          fmt::format("{}: error: not even two frames of {} bodies fit into the page: give more room with "
+                      "--max-mb, or show less with "
+                      "--fields pose",
+                      recording.file().string(), plan.order.size()));
     data.stride = next_stride(data.stride, page.excess, data.recorded);
   }
 }
