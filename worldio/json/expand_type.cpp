@@ -161,7 +161,7 @@ void TypeExpander::expand_contents(const PartDocument& document, const DocumentP
        [&](const PartDocument& part, const DocumentPath& path) { expand_part(part, path, stand); });
 }
 
-/// Mounts `device` on the device named `on`, which must have a joint and come earlier in the type.
+/// Mounts `device` on the device named `on`, which must have a joint and must already be in the type.
 Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on) const {
   std::vector<std::string_view> known;
   for (const engine::DeviceSpec& other : type_.devices) {
