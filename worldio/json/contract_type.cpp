@@ -25,8 +25,8 @@ const Kind& known(const Kind* kind, const std::string& name) {
   return *kind;
 }
 
-/// Writes the document of a type, without the values that expand_type() assumes: the part, the joint and the
-/// pose of a part or device that does not give them.
+/// Makes the document of a type. It omits every value that expand_type() would assume anyway, such as the
+/// pose of a device that is at the origin of its part.
 class TypeContractor {
  public:
   TypeContractor(const engine::TypeSpec& type, const engine::Registry& registry,

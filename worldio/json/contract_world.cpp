@@ -29,7 +29,7 @@ using engine::WorldSpec;
 
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 
-/// Which violations the document treats as errors; the others are warnings.
+/// Which violations the document treats as errors. If a member is false, the violation is a warning.
 struct Checks {
   bool overlaps = true;    ///< bodies that overlap at the start
   bool same_names = true;  ///< bodies of the same name
@@ -63,7 +63,7 @@ class WorldContractor {
   const engine::Registry& registry_;
   std::filesystem::path file_;
   std::filesystem::path folder_;
-  Diagnostics image_findings_;  // ignored: images that can no longer be read are written as outlines
+  Diagnostics image_findings_;  // ignored: an image that can no longer be read is written as outlines
   FloorImages images_;
   std::vector<std::string> keys_;             // of the types
   std::vector<std::optional<Color>> colors_;  // of the types: the colour of their first body
@@ -142,7 +142,7 @@ void WorldContractor::contract_settings(const Checks& checks, bool with_bounds,
   document.resolution = spec_.resolution_m;
   if (with_bounds) document.bounds = spec_.bounds;
   for (const engine::NamedBody& alias : spec_.aliases)
-    if (alias.body == BodyId(0) && !document.ground)  // a document can have only one
+    if (alias.body == BodyId(0) && !document.ground)  // a document can have only one other name of the ground
       document.ground.emplace().alias = spec_.names.text(alias.name);
   if (const auto& record = spec_.record) {
     document.record.emplace();

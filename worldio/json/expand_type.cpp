@@ -89,7 +89,8 @@ void TypeExpander::expand_root(const TypeDocument& document, const DocumentPath&
       at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, stands.error().text));
   }
   order_devices(document, at);
-  // Controllers of parts are not checked: they may command wheels.
+  // Only controllers of the root part are checked: those of other parts may command wheels, which are
+  // devices.
   const auto needs_drive = [&](const engine::ControllerSpec& controller) {
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
     return controller.part == 0 && (kind == nullptr || kind->needs_drive);
@@ -184,7 +185,7 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
 /// the size and blocks in the document.
 engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                            const engine::DeviceKind& kind) const {
-  // The kinds of parts are model kinds, and not every kind of device with a joint is one ("wheels").
+  // The kind of a part must be a model kind. Some kinds of devices with a joint, such as "wheels", are not.
   engine::PartSpec part{.name = device.name,
                         .kind = registry_.model(device.kind) ? device.kind : "model",
                         .pose_body_part = device.pose_body_device,

@@ -167,7 +167,7 @@ void WorldExpander::expand_floorplan(const FloorplanDocument& document, const Do
         spec_.bounds->extend(transform * Vec2(x, y));
   } else if (!spec_.bounds) {
     spec_.bounds.emplace().extend(
-        Vec2::Zero());  // avoids the error that a population has no floor plan to fill
+        Vec2::Zero());  // prevents a later error that there is no floor plan for the population to fill
   }
   body.type = TypeId(spec_.types.size());
   engine::TypeSpec type{.name = document.name};
@@ -281,7 +281,7 @@ TypeId WorldExpander::type_of(const std::string& name, const Placed& object, con
 }
 
 void WorldExpander::place_bodies() {
-  // So far the bodies are the ground and the floor plans.
+  // At this point, the only bodies are the ground and the floor plans.
   const auto kept = std::make_shared<engine::Occupancy>(spec_, spec_.bodies.size());
   engine::Occupancy& occupancy = *kept;
   make_shapes(occupancy);

@@ -81,7 +81,7 @@ void append_table(const FieldTable& table, std::string& text) {
   text += '\n';
   for (const Field& field : table.fields) {
     if (!field.record || field.record == &engine::pose_fields())
-      continue;  // poses have one table of their own
+      continue;  // poses have a table of their own at the beginning
     text += fmt::format("{} `{}`:\n\n", field.type == FieldType::records ? "Each of" : "In", field.name);
     append_table(*field.record, text);
   }

@@ -12,7 +12,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_max_depth = 64;  // the reader and the destructors recurse
+constexpr std::size_t k_max_depth = 64;  // limited, because the reader and the destructors are recursive
 
 /// Position of the lexer, which reads characters one by one through CountingIterator.
 struct Progress {
@@ -158,7 +158,8 @@ class TreeBuilder {
       diagnostics_.error(last_->where, fmt::format("nested deeper than {} levels", k_max_depth));
       return false;
     }
-    open_.push_back(last_);  // stays valid: its list gets no other entry until it is closed
+    open_.push_back(
+        last_);  // this pointer stays valid, because its list gets no other entry until this value is closed
     return true;
   }
   bool close() {
@@ -248,7 +249,7 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
   }
 
   JsonNode node;
-  Diagnostics unread;  // ignored: a value that is not JSON is a text
+  Diagnostics unread;  // ignored, because a value that is not JSON is taken as a text
   if (std::optional<JsonNode> parsed = parse_json(value, where, true, unread)) {
     node = std::move(*parsed);
   } else {

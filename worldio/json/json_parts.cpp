@@ -30,7 +30,7 @@ Solid box(const Eigen::Vector3d& size) {
   return {{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, size.z()}};
 }
 
-/// Sign of the turn a -> b -> c: 1 is to the left.
+/// Returns the sign of the turn from a over b to c: 1 to the left, -1 to the right, 0 for straight on.
 int turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double t = cross(b - a, c - a);
   return t > 0 ? 1 : t < 0 ? -1 : 0;
@@ -186,7 +186,7 @@ Result<> check_outline(const Ring& ring) {
       return Error{i + 1 < n ? fmt::format("point {} repeats point {}", i + 1, i)
                              : "the last point repeats the first: omit the last point, because outlines are "
                                "closed automatically"};
-  constexpr double k_flat = 1e-12;  // rounding, relative to the extent
+  constexpr double k_flat = 1e-12;  // tolerance for rounding errors, relative to the extent
   const double widest = bounds(ring).size().maxCoeff();
   if (std::ranges::all_of(ring, [&](const Vec2& p) {
         return std::abs(cross(ring[1] - ring[0], p - ring[0])) <= k_flat * widest * widest;

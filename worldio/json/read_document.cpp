@@ -133,7 +133,7 @@ void ObjectReader::read_key(const DocumentKey& key) {
     case Form::parameters:
       member<engine::Record>(key) = read_fields(keys_, *params(), kind_->presets);
       return;
-    case Form::kind: member<std::string>(key) = kind_->name; break;  // its place is set below
+    case Form::kind: member<std::string>(key) = kind_->name; break;  // the place of the key is set below
     default: break;
   }
   const JsonNode* node = keys_.find(key.field.name);
@@ -274,7 +274,7 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
     case Form::object: return read_described(at, key.table(), reading_, key.make(object_));
     case Form::list: return read_list(key, at);
     case Form::map: return read_map(key, at);
-    default: return;  // read by read_key()
+    default: return;  // the other forms are read by read_key()
   }
 }
 

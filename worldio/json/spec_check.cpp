@@ -103,7 +103,7 @@ void SpecCheck::member(const Field& field, const FieldTable& table, const void* 
   const Value given = type.get(at);
   if (!given.given()) return;
   if (field.type != FieldType::record) return value(field, given, where, path);
-  if (&table == &engine::setting_fields()) return;  // settings()
+  if (&table == &engine::setting_fields()) return;  // checked by settings()
   const Result<const FieldTable*> parameters = parameters_of(table, object, registry_);
   if (!parameters) return error(where, path, parameters.error().text);
   record(**parameters, given.records().front(), false, where, path);

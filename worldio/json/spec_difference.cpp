@@ -38,7 +38,7 @@ class Walk {
   }
 
   bool member(const Field& field, const Objects& objects, const SpecPath* path) const {
-    if (field.member == nullptr) return true;  // compared by spec_difference() itself
+    if (field.member == nullptr) return true;  // bodies and aliases are compared by spec_difference() itself
     const SpecPath at{path, field.name, 0};
     const Objects members = of_each(objects, [&](const void* object) { return member_of(field, object); });
     if (field.record == &engine::place_fields())

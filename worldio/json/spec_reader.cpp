@@ -92,7 +92,8 @@ Field numbers_like(const Field& field, std::size_t columns) {
 /// returns a value that is not given.
 Value scalar(const JsonCursor& at, const Field& field) {
   if (field.type == FieldType::texts) return texts_of(at, "a text");
-  if (field.type == FieldType::color) return read_value(at, numbers_like(field, 4));  // names are not used
+  if (field.type == FieldType::color)
+    return read_value(at, numbers_like(field, 4));  // stored worlds have no colour names
   if (field.type == FieldType::text && field.choices.empty()) {
     if (std::optional<std::string> text = text_of(at.node())) return *std::move(text);
     at.expected("a text");
@@ -101,7 +102,7 @@ Value scalar(const JsonCursor& at, const Field& field) {
   if (!field.member->is_unsigned || std::isfinite(field.max)) return read_value(at, field);
   const auto* small = std::get_if<std::int64_t>(&at.node().value);
   const auto* big = std::get_if<std::uint64_t>(&at.node().value);
-  if (big) return static_cast<std::int64_t>(*big);  // the same bits
+  if (big) return static_cast<std::int64_t>(*big);  // only the type changes, not the bits
   if (small && *small >= 0) return *small;
   at.expected("a whole number from 0 to 2^64 - 1");
   return {};
@@ -160,7 +161,8 @@ class SpecReader {
   void read_words(const JsonCursor& at);
   void read_part_names(const JsonCursor& at);
 
-  /// Converts a Where of the stored world to the file numbers of this load.
+  /// Converts a place of the stored world: its file number becomes the number that the file has in this
+  /// program.
   Where here(std::uint32_t file, std::uint32_t line) const {
     return {file < files_.size() ? files_[file] : Where::k_no_file, line};
   }
@@ -170,7 +172,7 @@ class SpecReader {
   Where file_;
   Diagnostics& diagnostics_;
   engine::WorldSpec spec_;
-  std::vector<std::uint32_t> files_;  // number in this load of each file of the stored world
+  std::vector<std::uint32_t> files_;  // for each file of the stored world, its number in this program
 };
 
 constexpr std::string_view k_always = "required in a stored world";
@@ -272,7 +274,8 @@ void SpecReader::read_parameters(const JsonCursor& at, const Field& field, const
 
 void SpecReader::read_apart(JsonObject& object, std::string_view name) {
   if (name == "experiment") return read_experiment(object, numbers_of_types(spec_), registry_, spec_);
-  if (name != "files" && name != "words" && name != "part_names") return;  // columns
+  if (name != "files" && name != "words" && name != "part_names")
+    return;  // the other names are those of BodyColumns
   const JsonNode* node = object.require(name, k_always);
   if (!node) return;
   const JsonCursor at(object.at(), name, *node);
@@ -323,8 +326,9 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
     return error("the file is damaged: it has no bodies, but every world has at least the ground");
   const FieldTable& table = engine::body_fields();
   const Field& pose = table.fields[static_cast<std::size_t>(table.find("pose"))];
-  // Compared with the two limits only: they are finite, so NaN and infinity fail too. Checking everything
-  // else would take a fifth of the time of a large world.
+  // Only the poses are checked, and only against their two limits. The limits are finite, so NaN and infinity
+  // fail too. Checking all other values of the bodies would take a fifth of the time of loading a large
+  // world.
   const auto beyond = std::ranges::find_if(
       c.pose, [low = pose.min, high = pose.max](double x) { return !(low <= x && x <= high); });
   if (beyond != c.pose.end())

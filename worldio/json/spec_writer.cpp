@@ -28,8 +28,8 @@ double finite(double x) {
   return x;
 }
 
-/// Stage files may be in any encoding: text that is not UTF-8 is written as {"latin1": ...}, one character
-/// per byte.
+/// Returns a text as JSON. World files of Stage may be in any encoding: text that is not UTF-8 is written as
+/// {"latin1": ...}, with one character per byte.
 Json text_json(const std::string& text) {
   Json json = text;
   try {
@@ -217,7 +217,7 @@ void SpecWriter::write_apart(std::string_view name, Json& json) const {
     write_part_names(json);
   } else if (name == "experiment") {
     write_experiment(json);
-  }  // bodies and aliases are BodyColumns
+  }  // bodies and aliases are written as BodyColumns
 }
 
 void SpecWriter::write_part_names(Json& json) const {

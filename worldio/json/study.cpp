@@ -91,7 +91,7 @@ std::string text_of(double value) { return text_of(json_node(value)); }
 using Choice = Study::Choice;
 using Kind = Choice::Kind;
 
-/// The i-th value of a list or of steps.
+/// Returns the i-th value of a parameter whose values are a list or equally spaced.
 std::string value_of(const Choice& choice, std::size_t i) {
   if (choice.kind == Kind::listed) return choice.values[i];
   if (i + 1 == choice.steps) return text_of(choice.high);

@@ -16,7 +16,7 @@
 #include <cmath>
 
 /// The only description of the JSON world format: keys, units, limits, meanings, and which keys go together.
-/// Limits apply to worlds that people write; engine/spec_description.cpp has those of specs.
+/// The limits here apply to JSON worlds; engine/spec_description.cpp has those of specs.
 namespace troupe::worldio {
 namespace {
 
@@ -180,7 +180,7 @@ const DocumentKinds k_measures{
     .expects = "the name of a measure",
     .hint = "the name of a measure"};
 
-// ---- texts in place of objects
+// ---- texts that may replace objects
 
 std::string_view trimmed(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
@@ -188,7 +188,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Parses `>= 0.9`. Empty if the text is not a comparison.
+/// Parses a comparison such as `>= 0.9`. Empty if the text is not a comparison.
 std::optional<ComparisonDocument> comparison_of(std::string_view text) {
   std::optional<std::size_t> longest;
   for (std::size_t i = 0; i < engine::k_comparisons.size(); ++i)
@@ -379,7 +379,8 @@ void check_size(const ImageDocument& image, bool is_needed, const JsonCursor& at
     const DocumentTable& table = document_table<PartDocument>();
     const engine::Field& field = table.find("size")->field;
     for (const engine::UnitSuffix& unit : engine::unit_suffixes(field.unit))
-      if (at.node().find(fmt::format("{}{}", field.name, unit.suffix))) return;  // wrong, and reported
+      if (at.node().find(fmt::format("{}{}", field.name, unit.suffix)))
+        return;  // the size is there, but wrong: an error was already reported
     if (at.node().find(field.name)) return;
     at.error(fmt::format("missing {}: {}", quoted_keys(field), table.find("size")->hint));
   }

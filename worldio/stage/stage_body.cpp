@@ -17,7 +17,7 @@ Solid box(double x_min, double x_max, double y_min, double y_max, double z_min, 
   return {{{Vec2(x_min, y_min), Vec2(x_max, y_min), Vec2(x_max, y_max), Vec2(x_min, y_max)}}, {z_min, z_max}};
 }
 
-/// Returns 12 for "point[12]".
+/// Returns the number in a key such as "point[12]", here 12. Empty for any other key.
 std::optional<std::int64_t> point_number(std::string_view key) {
   constexpr std::string_view k_stem = "point[";
   std::int64_t number = 0;
@@ -37,7 +37,7 @@ bool StageBodies::flag(const StageModel& model, std::string_view key) {
 StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                             const std::vector<StageModel>& blocks) {
   std::vector<Solid> solids;
-  // While this is set, explicit blocks replace everything made so far.
+  // While `is_default` is true, the block children of the model replace all solids made so far.
   bool is_default = kind.has_default_body;
   if (is_default) solids.push_back(box(-0.5, 0.5, -0.5, 0.5, 0, 1));
   if (flag(model, "noblocks")) {

@@ -45,7 +45,7 @@ double within_a_turn(double angle) {
   return angle > k_turn && angle < k_turn * (1 + k_rounding) ? k_turn : angle;
 }
 
-/// Sets a field if the table has it: a kind need not have every property of Stage's models.
+/// Sets a field if the table has it: a kind need not have a field for every property of Stage's models.
 void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
   if (const int at = table.find(name); at >= 0) record[static_cast<std::size_t>(at)] = std::move(value);
 }
@@ -88,7 +88,8 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
   const FieldTable& table = engine::described<TransducerParams>();
   TransducerParams params;
   bool is_right = true;  // no early return: every wrong property is reported
-  // Checks a value against the limits of its field; messages use the name in the file.
+  // Checks a value against the limits of its field. Error messages use the name that the property has in the
+  // file.
   const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
     const auto at = static_cast<std::size_t>(table.find(field_name));
     const Result<> kept = check_limits(table.fields[at], value);
@@ -97,7 +98,7 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
                     fmt::format("\"{}\" {}; here is {}", values_.key(property), kept.error().text, value));
     return static_cast<bool>(kept);
   };
-  // read(property) -> whether it is right
+  // The function `read` is called with the property and returns whether its value is right.
   const auto read = [&](std::string_view key, auto&& read_property) {
     const StageProperty* property = sensor.find(document_, key);
     if (property && !read_property(*property)) is_right = false;
@@ -427,7 +428,8 @@ std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
 
 std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& model, std::string_view key) {
   const double quarter_turn = radians(90);
-  std::vector<double> bounds{-1, 1, -1, 1, -1, 1, -quarter_turn, quarter_turn};  // Stage's, m and rad
+  std::vector<double> bounds{-1,          1, -1, 1, -1, 1, -quarter_turn,
+                             quarter_turn};  // the defaults of Stage, m and rad
   const StageProperty* property = model.find(document_, key);
   if (!property) return bounds;
   const auto v = values_.tuple(*property, 8, 8, "[xmin xmax ymin ymax zmin zmax amin amax]");

@@ -18,7 +18,8 @@ std::string with_article(std::string_view type) {
   return fmt::format("{} {}", type == "actuator" ? "an" : "a", type);
 }
 
-/// The name of a property in messages: "mass", but "noise of a sensor".
+/// Returns the name of a property for messages: "mass" for a property of every model or of the world, but
+/// "noise of a sensor" for a property of one type.
 std::string called(const StageRow& row) {
   if (row.type == "model" || row.type == "world") return std::string(row.name);
   return fmt::format("{} of {}", row.name, with_article(row.type));
@@ -83,7 +84,7 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
   }
 }
 
-/// Warns of properties that an entity sets again later: the last value counts.
+/// Warns of each property that the same entity sets again later, because only the last value counts.
 void StageLint::check_repeated(std::span<const StageProperty> properties) {
   if (!values_.thorough()) return;
   std::unordered_map<std::string_view, Where> later;
@@ -95,7 +96,7 @@ void StageLint::check_repeated(std::span<const StageProperty> properties) {
   }
 }
 
-/// Warns of properties that have no effect because of the other properties or the type of the model.
+/// Warns of properties that have no effect because of other properties of the model or because of its type.
 void StageLint::check_overruled(const StageModel& model) {
   const auto report = [&](std::string_view key, std::string_view why) {
     if (const StageProperty* property = model.find(document_, key))

@@ -18,8 +18,7 @@ using Kind = StageToken::Kind;
 
 constexpr std::size_t k_most_errors = 50;
 constexpr std::size_t k_most_inclusions = 1000;
-constexpr std::size_t k_most_included_bytes =
-    256 << 20;  // of all included files together; a file counts each time it is included
+constexpr std::size_t k_most_included_bytes = 256 << 20;  // a file counts each time it is included
 constexpr std::size_t k_deepest_nesting = 200;
 
 /// Thrown when parsing cannot usefully continue; caught in parse_stage().
@@ -210,7 +209,7 @@ class Lexer {
       return;
     }
     ++source.at;
-    // Stage drops the rest of the line silently; here a warning says so.
+    // Stage drops the rest of the line silently; Troupe reports it in a warning.
     std::string_view rest = source.take_while([](char x) { return !is_line_end(x); });
     rest = rest.substr(std::min(rest.size(), rest.find_first_not_of(" \t")));
     if (!rest.empty() && rest[0] != '#')
@@ -302,7 +301,7 @@ class Parser {
     return run;
   }
 
-  /// Parses a body up to the ) that closes `entity`; its ( is already consumed.
+  /// Parses the body of `entity` up to its closing ). The opening ( is already consumed.
   void body(StageEntity& entity, std::size_t depth) {
     const std::size_t properties = open_properties_.size();
     const std::size_t children = open_children_.size();
@@ -451,7 +450,7 @@ class Parser {
 
   StageDocument& document_;
   SyntaxErrors& errors_;
-  std::vector<StageProperty> open_properties_;  // of the entities that are still open
+  std::vector<StageProperty> open_properties_;  // properties of the entities whose ) is not reached yet
   std::vector<StageEntity> open_children_;
   std::size_t at_ = 0;
 };

@@ -11,7 +11,8 @@ namespace {
 
 using enum StageSupport;
 
-// One row per property: the source of the documentation, the warnings and the spelling suggestions.
+// One row per property. The table in the documentation, the warnings and the suggestions for misspelt names
+// all come from these rows.
 constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "name", honoured, "title of the world; default: the path of the file"},
     {"world", "interval_sim", honoured, "length of a tick, ms; at least 0.001"},
@@ -370,7 +371,7 @@ bool is_model(std::string_view type) {
   return type != "world" && type != "block" && type != "sensor" && type != "window";
 }
 
-/// `point[12]` -> `point[k]`.
+/// Returns a name with each number in brackets replaced by k: `point[k]` for `point[12]`.
 std::string without_numbers(std::string_view name) {
   std::string out;
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -395,7 +396,7 @@ std::string_view status(StageSupport support) {
   return "accepted, obsolete";
 }
 
-/// The rows of a property name in all entities.
+/// Returns all rows with this property name, for whatever type of entity.
 std::span<const StageRow* const> rows_of_name(std::string_view written) {
   using Index = std::unordered_map<std::string_view, std::vector<const StageRow*>>;
   static const Index index_of_rows = [] {

@@ -25,11 +25,11 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-/// Coordinates that differ by more than this, m, are an error; smaller differences are rounding.
+/// Coordinates that differ by more than this, m, are an error. Smaller differences are rounding errors.
 constexpr double k_rounding_m = 1e-9;
 
-/// The largest difference between corresponding coordinates of two lists of solids, m. Empty if they do not
-/// have the same number of solids, contours and corners.
+/// Returns the largest difference between corresponding coordinates of two lists of solids, m. Empty if the
+/// lists do not have the same numbers of solids, contours and corners.
 std::optional<double> distance(const std::vector<Solid>& a, const std::vector<Solid>& b) {
   if (a.size() != b.size()) return std::nullopt;
   double most = 0;
@@ -184,7 +184,8 @@ void RoundTrip::check_controllers() {
     const engine::ControllerKind* kind = registry_.controller(a.kind);
     if (!kind) continue;
     check_params(a.where, owner, a.params, b.params, kind->params);
-    // With a drive, a controller runs when its drive does.
+    // The period of a controller counts only without a drive: with a drive, the controller runs when the
+    // drive does.
     if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   }
 }
@@ -238,7 +239,8 @@ void RoundTrip::check_bodies() {
   }
 }
 
-/// Sizes affect a run: fiducial finders report those of their targets, foragers read that of a zone.
+/// Compares the sizes of parts. They affect a run: fiducial finders report the size of their targets, and
+/// foragers read the size of a zone.
 void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::string& owner) {
   if (a.size == b.size) return;
   if ((a.size - b.size).cwiseAbs().maxCoeff() > k_rounding_m)

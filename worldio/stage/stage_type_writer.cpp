@@ -35,7 +35,7 @@ Box extent_of(const std::vector<Solid>& solids) {
   return box;
 }
 
-/// Writes one type: write_stage_type().
+/// Writes one type; see write_stage_type().
 class TypeText {
  public:
   TypeText(const TypeSpec& type, const StageMacro& macro, const StagePlaces& places, StageText& text)
@@ -63,7 +63,7 @@ class TypeText {
     return device.kind == "wheels" && device.part != 0 && type_.parts[device.part].kind == "position";
   }
   const DeviceSpec* own_device(std::uint32_t p) const;
-  /// The joint that the children of a part move with.
+  /// Returns the joint that moves the children of a part.
   std::int32_t joint_of(std::uint32_t p) const;
   /// The part in whose model a child of `part` must be written so that the child moves with `joint`: `part`
   /// itself if possible.
@@ -129,7 +129,8 @@ std::uint32_t TypeText::carrier(std::uint32_t part, std::int32_t joint) const {
   return part;
 }
 
-/// Whether the device of the parent adds this part itself, as a gripper adds its paddles.
+/// Whether the reader adds this part by itself because of the device of the parent part, as a gripper adds
+/// its paddles.
 bool TypeText::is_brought(std::uint32_t p) const {
   const PartSpec& part = type_.parts[p];
   if (p == 0 || part.solids.empty()) return false;
@@ -205,7 +206,8 @@ bool TypeText::write_image(const PartSpec& part) {
   return false;
 }
 
-/// Stage scales the blocks of a model to its size and centres them; `origin` undoes the centring.
+/// Writes the solids of a part as blocks. Stage scales the blocks of a model to its size and centres them, so
+/// `origin` is written to undo the centring.
 void TypeText::write_blocks(const PartSpec& part) {
   if (part.fitted) {
     write_size(part.size, nullptr, part.where);
@@ -286,7 +288,7 @@ void TypeText::write_controllers(std::uint32_t p) {
   if (calls.size() > 1) text_.texts("ctrl", calls);
 }
 
-/// Power packs and contacts are properties of the model that they belong to.
+/// Writes power packs and power contacts. In Stage, they are properties of the model that has them.
 void TypeText::write_power(std::uint32_t p) {
   for (const DeviceSpec& device : type_.devices) {
     const DeviceKind* kind = kind_of(device);
@@ -298,7 +300,7 @@ void TypeText::write_power(std::uint32_t p) {
       text_.number("joules", value("infinite").boolean() ? -1 : stored);
       if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
       if (value("mass").number() > 0) text_.number("mass", value("mass").number());
-      if (value("draw").number() > 0) {  // only a running model draws power
+      if (value("draw").number() > 0) {  // in Stage, only a running model draws power
         text_.number("watts", value("draw").number());
         text_.flag("alwayson", true);
       }

@@ -11,7 +11,7 @@ namespace troupe::worldio {
 
 namespace {
 
-// The engine's bounds: positions from -100 km to 100 km.
+// The limits of the engine: coordinates are from -100 km to 100 km.
 constexpr double k_world_limit = 100e3;
 // Above this number, doubles do not represent every whole number.
 constexpr double k_largest = 9007199254740992.0;  // 2^53

@@ -72,7 +72,7 @@ class StageWorld {
     for (const StageItem& item : document_.items) {
       if (item.is_define) {
         macros_.define(item);
-        prototypes_.clear();  // the same words may mean another model from here on
+        prototypes_.clear();  // from here on, the same text may mean another model
       } else {
         add_body(item.entity);
       }
@@ -95,7 +95,7 @@ class StageWorld {
   struct Draft {
     TypeSpec type;
     std::vector<std::string> global_parts;   ///< names of parts that have global names
-    std::vector<const StageEntity*> inside;  ///< bodies of macros and entities that enclose the current one
+    std::vector<const StageEntity*> inside;  ///< the macros and entities that enclose the current entity
     std::size_t entities = 0;
     Where where;  ///< place of the top-level model
     bool broken = false;
@@ -103,8 +103,9 @@ class StageWorld {
 
   struct Contents {
     std::vector<StageModel> blocks;
-    std::vector<StageModel> sensors;                                  // of a ranger
-    std::vector<std::pair<StageModel, const StageEntity*>> children;  // with the body that contains each
+    std::vector<StageModel> sensors;  // the sensors of a ranger
+    std::vector<std::pair<StageModel, const StageEntity*>>
+        children;  // each with the entity or macro that contains it
   };
 
   /// The place and the names of a part in its body.
@@ -133,7 +134,7 @@ class StageWorld {
                      TypeSpec& type);
   void add_children(const StageModel& model, const Place& place, double height,
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
-  /// Uses the first window of the file, at whatever level it is.
+  /// Stores a window. The first window of the file counts, at whatever level of nesting it is.
   void add_window(const StageModel& window) {
     if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
   }
@@ -154,8 +155,8 @@ class StageWorld {
   WorldSpec* spec_ = nullptr;
 
   std::unordered_map<std::string, Prototype> prototypes_;
-  std::unordered_map<std::string, TypeId> types_;          // by compared_bytes()
-  std::vector<std::vector<std::string_view>> type_names_;  // words of each type, outermost first
+  std::unordered_map<std::string, TypeId> types_;          // keyed by compared_bytes()
+  std::vector<std::vector<std::string_view>> type_names_;  // the macro names of each type, outermost first
   std::map<std::string_view, engine::Name>
       generated_names_;  // the last name generated for a top-level model, by kind
   engine::NameMap names_;
@@ -298,7 +299,8 @@ void StageWorld::add_body(const StageEntity& entity) {
   spec_->bodies.push_back(body);
 }
 
-/// Returns the next of model:0, model:1, ... in the order of the file.
+/// Returns the next generated name of a top-level model: model:0, model:1, ..., counted separately for each
+/// kind.
 engine::Name StageWorld::generate_name(std::string_view kind) {
   const auto [last, is_first] = generated_names_.try_emplace(kind);
   if (is_first)
@@ -338,10 +340,11 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
   return prototype;
 }
 
-/// Returns the type that equals `type`, adding it if it is new. A type is named after the outermost macro
-/// that all its bodies are made from, or their model type.
+/// Returns the id of a type that equals `type`; adds `type` if there is none. `names` are the macros that the
+/// body is made from. A type is named after the outermost macro that all its bodies have in common, or after
+/// their model type.
 TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>& names) {
-  // Types compare only whether the root has a fiducial number: each body has its own number.
+  // Each body has its own fiducial number, so types are only compared by whether the root has one at all.
   std::int32_t& mark = type.parts.front().returns.fiducial;
   const std::int32_t number = std::exchange(mark, mark != 0 ? 1 : 0);
   const auto [entry, is_new] = types_.try_emplace(compared_bytes(type), TypeId(spec_->types.size()));
@@ -362,7 +365,8 @@ TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>
   return id;
 }
 
-/// Sorts the children of a model by kind. Empty, with an error, if its macros expand beyond a limit.
+/// Resolves the children of a model and divides them into blocks, sensors and models. Empty, with an error,
+/// if the macros of the model expand beyond a limit.
 std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model, Draft& draft) {
   Contents out;
   const auto fail = [&](Where where, std::string message) {
@@ -504,7 +508,8 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
 
 /// Reports a size of 0, which only a model without a body, such as most sensors, may have.
 void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
-  const bool is_gripper = model.type == "gripper";  // its body is added with its paddles
+  const bool is_gripper =
+      model.type == "gripper";  // the body of a gripper is added together with its paddles
   if (part.size.minCoeff() > 0 || (part.solids.empty() && !is_gripper)) return;
   const StageProperty* property = model.find(document_, "size");
   const Where where = property ? values_.where(*property) : model.where;
@@ -541,7 +546,8 @@ engine::Returns StageWorld::returns(const StageModel& model) {
   return returns;
 }
 
-/// Reads a number for fiducial finders: a whole number of 32 bits.
+/// Reads a number for fiducial finders: a whole number that fits in 32 bits. Empty, with an error, if it does
+/// not.
 std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
   using Limits = std::numeric_limits<std::int32_t>;
   const auto given = values_.integer(property);
@@ -576,7 +582,7 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
   }
 }
 
-/// Adds the devices that a controller needs and that every Stage model has.
+/// Adds the devices that a controller needs and that every model of Stage has without declaring them.
 void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
                                TypeSpec& type) {
   for (const std::string_view name : kind.brings) {

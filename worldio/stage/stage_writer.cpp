@@ -98,11 +98,11 @@ class WorldText {
   const WorldDocument* document_;
   const engine::Registry& registry_;
   Diagnostics& diagnostics_;
-  Diagnostics image_findings_;  // not reported: without its image a body is written as outlines
+  Diagnostics image_findings_;  // ignored: if an image cannot be read, the body is written as outlines
   FloorImages images_;
   StageText text_;
-  std::vector<std::string> macros_;  // per type
-  std::vector<Color> colors_;        // per type: that of its first body
+  std::vector<std::string> macros_;  // per type: the name of its macro
+  std::vector<Color> colors_;        // per type: the colour of its first body
 };
 
 void WorldText::refuse_what_stage_lacks() {
@@ -136,7 +136,9 @@ void WorldText::write_settings() {
   text_.text("unit_length", "m");
   text_.text("unit_angle", "radians");
   if (has_wide_heading(spec_, registry_)) text_.flag("wrap_headings", false);
-  const auto clock = [](double ms) { return std::floor(ms * 1000) / 1e6; };  // whole microseconds
+  const auto clock = [](double ms) {
+    return std::floor(ms * 1000) / 1e6;
+  };  // Stage counts whole microseconds
   text_.number("interval_sim", solved(spec_.tick_s, spec_.tick_s * 1000, clock));
   text_.at(where_of("quit_time"));
   if (spec_.quit_time_s) text_.number("quit_time", *spec_.quit_time_s);
@@ -172,7 +174,7 @@ void WorldText::write_types() {
                            .color = colors_[t],
                            .has_many_colors = has_many_colors[t],
                            .added = added_parts(type, spec_.seed, registry_)};
-    TypeSpec colored = type;  // a part without a colour has that of its body
+    TypeSpec colored = type;  // in a spec, a part without a colour has that of its body
     for (std::size_t p = 1; p < colored.parts.size(); ++p) {
       if (macro.added[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
       colored.parts[p].color = colors_[t];
