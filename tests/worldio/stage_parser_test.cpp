@@ -399,11 +399,12 @@ TEST_F(StageParser, DeepNestingIsReported) {
   std::string text;
   for (int i = 0; i < 100000; ++i) text += "model(";
   load(text);
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: nested deeper than 200"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: nested deeper than 200 levels"));
   text = "define a0 model()\n";
   for (int i = 1; i < 1000; ++i) text += fmt::format("define a{} model( a{}() )\n", i, i - 1);
   load(text + "a999()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1001: error: the macros of this model nest deeper than 200"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1001: error: the macros of this model nest deeper than 200 levels"));
 }
 
 TEST_F(StageParser, LongChainsOfBasesAreFine) {

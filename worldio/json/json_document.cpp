@@ -268,8 +268,9 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
     if (auto* list = std::get_if<JsonNode::List>(&at->value)) {
       const auto index = list_index(token, list->size());
       if (!index) {
-        diagnostics.error(where,
-                          fmt::format("{} is a list: \"{}\" is neither a position nor -", parent, token));
+        diagnostics.error(
+            where, fmt::format("{} is a list: \"{}\" is neither an index nor -, which appends an entry",
+                               parent, token));
         return;
       }
       if (*index > list->size() || (*index == list->size() && !last)) {

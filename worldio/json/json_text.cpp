@@ -36,9 +36,9 @@ std::string text_of(const std::string& text) {
   for (std::string_view rest = text; !rest.empty();) {
     const std::size_t bytes = character_bytes(rest);
     if (bytes == 0)
-      throw std::runtime_error(fmt::format(
-          "a text of the world is not UTF-8, which JSON requires: the text that begins with \"{}\"",
-          text.substr(0, text.size() - rest.size())));
+      throw std::runtime_error(
+          fmt::format("a text of the world is not UTF-8, which JSON requires; the text begins with \"{}\"",
+                      text.substr(0, text.size() - rest.size())));
     const char c = rest.front();
     if (c == '"' || c == '\\')
       out += {'\\', c};

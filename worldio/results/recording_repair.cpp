@@ -86,7 +86,8 @@ std::uint64_t repair_copy(const fs::path& copy) {
   hdf5.flush();
   hdf5.close();
   if (RecordingReader(copy).frames() != frames || !is_even(copy, frames))
-    throw Hdf5Error(fmt::format("{}: error: cannot be repaired: its arrays cannot be cut", copy.string()));
+    throw Hdf5Error(fmt::format(
+        "{}: error: cannot be repaired: its arrays cannot be cut to the complete frames", copy.string()));
   return frames;
 }
 
@@ -106,8 +107,9 @@ Repair repair_recording(const fs::path& file) {
     if (is_even(file, frames)) return {false, frames};
   }
   if (const std::optional<std::string> writer = writer_of(file))
-    throw Hdf5Error(fmt::format("{}: error: process {} is writing it: there is nothing to repair yet",
-                                file.string(), *writer));
+    throw Hdf5Error(
+        fmt::format("{}: error: process {} is still writing the file: there is nothing to repair yet",
+                    file.string(), *writer));
 
   fs::path copy;
   std::error_code ignored;

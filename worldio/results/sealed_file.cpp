@@ -124,7 +124,7 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
   if (text.empty()) refuse(fmt::format("this is not a {}: the file is empty", kind));
   if (text.starts_with(k_hdf5_signature)) refuse(fmt::format("this is an HDF5 file, but not a {}", kind));
   if (!text.starts_with(mark) && !mark.starts_with(text)) {
-    if (text.starts_with("troupe ")) refuse(fmt::format("this is not a {}, or a damaged one", kind));
+    if (text.starts_with("troupe ")) refuse(fmt::format("this is not a {}, or it is damaged", kind));
     refuse(fmt::format("this is not a {}", kind));
   }
   // The first two lines are the same in every layout.

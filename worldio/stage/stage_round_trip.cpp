@@ -113,7 +113,7 @@ void RoundTrip::check_drive() {
   const Where where = type_.drive ? type_.drive->where : type_.parts.front().where;
   if (type_.drive.has_value() != back_.drive.has_value() ||
       (type_.drive && type_.drive->kind != back_.drive->kind))
-    return lacks(where, "its drive or its lack of a drive");
+    return lacks(where, "its drive, or that it has none");
   if (!type_.drive) return;
   const std::string owner = fmt::format("drive \"{}\"", type_.drive->kind);
   if (!same_bits(type_.drive->period_s, back_.drive->period_s)) lacks(where, owner + ": its period");
@@ -214,7 +214,9 @@ void RoundTrip::check_bodies() {
                      fmt::format("controller \"{}\": with this seed it adds other parts to its model than "
                                  "the type has",
                                  controller.kind));
-    return lacks(type_.parts.front().where, fmt::format("exactly {} parts that have a body", parts.size()));
+    return lacks(type_.parts.front().where,
+                 fmt::format("the number of parts with a body, {}: reading the file gives another number",
+                             parts.size()));
   }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const PartSpec& a = *parts[p];
@@ -262,7 +264,8 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
   if (!same_bits(spec.tick_s, back.tick_s))
     lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
   if (spec.bodies.size() != back.bodies.size())
-    return lacks(whole, fmt::format("exactly {} bodies", spec.bodies.size()));
+    return lacks(whole, fmt::format("the number of bodies, {}: reading the file gives another number",
+                                    spec.bodies.size()));
   std::set<std::pair<std::uint32_t, std::uint32_t>> types;
   for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
     const engine::BodySpec& body = spec.bodies[b];

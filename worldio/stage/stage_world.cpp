@@ -385,7 +385,8 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
       return {};
     }
     if (draft.inside.size() >= k_deepest_nesting) {
-      fail(draft.where, fmt::format("the macros of this model nest deeper than {}", k_deepest_nesting));
+      fail(draft.where,
+           fmt::format("the macros of this model nest deeper than {} levels", k_deepest_nesting));
       return {};
     }
     auto resolved = macros_.resolve(*child.entity);

@@ -182,7 +182,7 @@ void WorldText::write_types() {
         diagnostics_.error(
             colored.parts[p].where,
             fmt::format("a .world file cannot express this: type \"{}\": part \"{}\" has the color "
-                        "of its body",
+                        "of its body, and the bodies of the type have several colors",
                         type.name, colored.parts[p].name));
     }
     write_stage_type(colored, macro, {folder_, registry_, images_, diagnostics_}, text_);
