@@ -22,6 +22,7 @@ namespace troupe::worldio {
 /// than `least` or more than `most` points.
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least,
                               std::size_t most = std::numeric_limits<std::size_t>::max());
+/// Returns the list [[x, y], ...] of these points, m.
 JsonNode points_node(std::span<const Vec2> points);
 
 /// Reads a box [[x_min, y_min], [x_max, y_max]], m. Empty, with an error, if the value is not such a box.

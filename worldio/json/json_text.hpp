@@ -19,10 +19,12 @@ JsonNode json_node(T value, Where where = {}) {
   return node;
 }
 
+/// Adds a key with a value, as json_node() makes it, at the end of an object.
 template <class T>
 void add_member(JsonNode::Object& object, std::string_view key, T value, Where where = {}) {
   object.push_back({std::string(key), where, json_node(std::move(value), where)});
 }
+/// Adds a key with a node at the end of an object. The key gets the place of the node.
 inline void add_node(JsonNode::Object& object, std::string_view key, JsonNode node) {
   const Where where = node.where;
   object.push_back({std::string(key), where, std::move(node)});

@@ -32,6 +32,7 @@ struct StoredSpec {
   std::string json;  ///< from spec_to_json()
   BodyColumns bodies;
 };
+/// Returns a spec as a stored world. Throws like spec_to_json().
 StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// Returns a spec without its bodies as JSON: settings, types with their solids and parameters, the words

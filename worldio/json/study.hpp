@@ -16,6 +16,7 @@ namespace troupe::worldio {
 
 /// How a column of a study's table summarises the values of a measure in a run.
 enum class Statistic : std::uint8_t { last, mean, min, max };
+/// Returns the name of a statistic in a study: "last", "mean", "min" or "max".
 std::string_view statistic_name(Statistic statistic);
 
 /// A study (docs/sweeps.md), as `troupe sweep` reads it: one world that is run many times with different

@@ -47,9 +47,11 @@ void write_checkpoint(const std::filesystem::path& file, engine::World& world,
 /// `run.h5: error: ...` if the file is not a valid checkpoint.
 class Checkpoint {
  public:
+  /// Opens a file and checks that it is an intact checkpoint.
   explicit Checkpoint(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return file_; }
+  /// The tick after which the state was saved.
   std::uint64_t tick() const { return tick_; }
   double time_s() const { return time_s_; }
   std::uint64_t state_hash() const { return state_hash_; }
@@ -62,6 +64,7 @@ class Checkpoint {
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;
+  /// Reads what observers remembered when the state was saved.
   Memories memories() const;
   /// Sets the state of `world`, which must have been built from spec(), to that of the checkpoint.
   void restore(engine::World& world) const;

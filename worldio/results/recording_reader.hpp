@@ -19,6 +19,7 @@ namespace troupe::worldio {
 /// file.
 class RecordingReader {
  public:
+  /// Opens a recording and reads everything except the frames.
   explicit RecordingReader(const std::filesystem::path& file);
 
   /// Returns the group /meta of an HDF5 file. Throws if the file is not a recording or has another layout.
@@ -30,7 +31,9 @@ class RecordingReader {
   bool unfinished() const { return unfinished_; }
   /// The attributes of /meta, as texts.
   const std::map<std::string, std::string>& meta() const { return meta_; }
+  /// The number of ticks from one frame to the next.
   std::uint64_t every_ticks() const { return every_ticks_; }
+  /// Reads /world: the spec of the world as JSON, from spec_to_json().
   std::string world_json() const { return hdf5_.read_text("world"); }
 
   /// The bodies of the recording, one for each row of /state, in the order of their ids: id, name of the

@@ -36,6 +36,7 @@ struct LivePage {
   std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page: by type, then by id
   bool has_z = false;                ///< whether heights may change; if not, the header has them
 };
+/// Returns the data for a page that shows this world while it runs.
 LivePage live_page(const engine::World& world, const engine::Registry& registry);
 
 }  // namespace troupe::worldio

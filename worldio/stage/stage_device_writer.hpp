@@ -11,7 +11,9 @@
 /// check_stage_round_trip() reports it.
 namespace troupe::worldio {
 
+/// Writes the properties of a device into the model that is open in `text`.
 void write_stage_device(const engine::DeviceSpec& device, const engine::DeviceKind& kind, StageText& text);
+/// Writes the properties of a drive into the position model that is open in `text`.
 void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text);
 /// Writes the drive of a position model that is inside another model. `period_s` is the period of the
 /// controllers of that model, s.

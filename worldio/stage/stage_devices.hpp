@@ -20,6 +20,7 @@ struct StageParameter {
   int column =
       -1;  ///< index into a tuple [a b ...] whose element is the parameter; -1: the whole property is
 };
+/// Returns all properties that map directly to one parameter of a device.
 std::span<const StageParameter> stage_parameters();
 
 /// A propagation law of radios, with its name in the `wifi` models of Stage 2.
@@ -28,6 +29,7 @@ struct StageRadioLaw {
   std::string_view law;    ///< parameter `law` of the radio
   std::string_view walls;  ///< parameter `walls` of the radio, unless the file gives it
 };
+/// Returns all propagation laws that the property `model` of a radio can name.
 std::span<const StageRadioLaw> stage_radio_laws();
 /// Default of the range of a radio, m, for every law but "disc", which has another default.
 inline constexpr double k_stage_radio_range = 1000;

@@ -31,6 +31,7 @@ struct StageModel {
 
   /// Returns the last property of this name, which is the one that counts. Null if there is none.
   const StageProperty* find(const StageDocument& document, std::string_view key) const;
+  /// Returns the children of all layers: those of the innermost base first, in the order of the file.
   std::vector<Child> children(const StageDocument& document) const;
 };
 

@@ -42,19 +42,25 @@ class StageText {
   /// Sets the place of the errors that later calls report, for texts and numbers that Stage's syntax cannot
   /// express.
   void at(Where where) { where_ = where; }
+  /// Writes a line `# text`.
   void comment(std::string_view text);
   /// Writes `word (`, or with define() `define word base (`. close() writes the `)`.
   void open(std::string_view word);
   void define(std::string_view word, std::string_view base);
   void close();
 
+  /// Each of these writes one property. A flag is written as 1 or 0; numbers(), pose() and texts() write
+  /// tuples.
+  ///@{
   void number(std::string_view key, double value);
   void flag(std::string_view key, bool value) { number(key, value ? 1 : 0); }
   void numbers(std::string_view key, std::span<const double> values);
   void pose(std::string_view key, const Pose& pose);
   void text(std::string_view key, std::string_view value);
   void texts(std::string_view key, std::span<const std::string> values);
+  ///@}
 
+  /// The text written so far.
   const std::string& str() const { return out_; }
 
  private:

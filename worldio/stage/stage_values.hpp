@@ -49,9 +49,11 @@ class StageValues {
   std::optional<std::string_view> name(const StageProperty& property);
   /// Returns the single value, or all values of a tuple, as texts.
   std::vector<std::string_view> texts(const StageProperty& property);
+  /// Returns a single number as in the file, from -2^53 to 2^53.
   std::optional<double> number(const StageProperty& property);
   /// Returns a whole number from -2^53 to 2^53.
   std::optional<std::int64_t> integer(const StageProperty& property);
+  /// Returns a switch, which the file writes as a whole number: true unless the number is 0.
   std::optional<bool> flag(const StageProperty& property);
   /// Returns the numbers of a tuple. Fewer than `least` numbers are an error. Numbers after the first `most`
   /// are dropped with a warning. `layout` describes the tuple in messages: "[x y z]".
@@ -72,6 +74,7 @@ class StageValues {
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
   /// Reads a colour by its X11 name. Returns red, with a warning, for an unknown name. Empty for "random".
   std::optional<Color> color(const StageProperty& property);
+  /// Reads a colour [red green blue opacity] with numbers from 0 to 1.
   std::optional<Color> color_rgba(const StageProperty& property);
 
  private:
