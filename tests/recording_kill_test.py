@@ -152,7 +152,7 @@ def read_while_it_runs(reference):
         except OSError:
             continue
         refused = subprocess.run([TROUPE, "repair", recording], capture_output=True, text=True)
-        assert refused.returncode == 2 and "is writing it" in refused.stderr, refused
+        assert refused.returncode == 2 and "is still writing the file" in refused.stderr, refused
     process.terminate()
     assert process.wait() == 3
     assert frames >= 1000, "nothing to be read while it ran"

@@ -191,8 +191,9 @@ TEST_F(Resume, ChangesWhatIsSet) {
   EXPECT_THAT(read("eight.log"), HasSubstr("# set /seed at tick 10: 8\n"));
   const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--set", "/tick_s=0.2"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err,
-              StartsWith("--set /tick_s: error: cannot be changed in a stored world; allowed are: "));
+  EXPECT_THAT(
+      outcome.err,
+      StartsWith("--set /tick_s: error: this value of a stored world cannot be changed; --set can change "));
 }
 
 TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {

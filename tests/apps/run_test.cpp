@@ -153,7 +153,7 @@ TEST_F(Run, TellsWhatIsWrongWithAnExperiment) {
   const Outcome outcome = troupe({"run", "w.json", "--for", "1"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("w.json:4: error: /stop_when/0: unknown measure \"covrage\""));
-  EXPECT_THAT(outcome.err, HasSubstr("w.json:5: error: /at/0: an entry has one action"));
+  EXPECT_THAT(outcome.err, HasSubstr("w.json:5: error: /at/0: the entry has several actions"));
   EXPECT_THAT(outcome.err, HasSubstr("w.json:6: error: /faults/0/slow_wheels/factor: must be above 0"));
 }
 

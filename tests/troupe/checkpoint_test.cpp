@@ -282,8 +282,9 @@ TEST_F(Checkpoint, RefusesChangesOfTheShapeOfTheState) {
   straight.save(file_);
   EXPECT_THAT(
       error_of(file_, {.set = {{"/types/3/sensors/0/params/transducers/0/samples", "11"}}}),
-      StartsWith(file_.string() +
-                 ": error: /tables/ranger/eye%2F0/ranges holds 9 float32 per robot, the world 11 float32: "));
+      StartsWith(
+          file_.string() +
+          ": error: /tables/ranger/eye%2F0/ranges has 9 float32 per body, but the world has 11 float32: "));
   EXPECT_THAT(error_of(file_, {.set = {{"/tick_s", "0.2"}}}), StartsWith("--set /tick_s: error: "));
 }
 

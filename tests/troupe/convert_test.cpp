@@ -246,7 +246,7 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
           HasSubstr("w.json:6: error: a .world file cannot express this: type \"bot\": device \"fid\": "
                     "the value of \"most_targets\""),
           HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": device \"pack\""),
-          HasSubstr("a type without the device \"power\"")));
+          HasSubstr("the absence of device \"power\"")));
 }
 
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {

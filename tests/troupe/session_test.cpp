@@ -249,7 +249,7 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
                     "\n"),
               HasSubstr("s.jsonl:3: error: at tick 4: \"b0\" is not in the world"));
   for (const auto& [line, message] : std::vector<std::pair<std::string, std::string>>{
-           {R"({"tick":3,"n":2,"do":"remove","robot":"b0"})", "act 2 follows act 0"},
+           {R"({"tick":3,"n":2,"do":"remove","robot":"b0"})", "found act 2 after act 0"},
            {R"({"tick":3,"n":1,"do":"fly","robot":"b0"})", "unknown act \"fly\""},
            {R"({"tick":3,"n":1,"do":"remove","robot":"b0","x":1})", "x"},
            {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1,2]})",

@@ -151,7 +151,8 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect([](Spec& s) { s.types[2].drive->kind = "hover"; },
          "error: types[2].drive.params: unknown drive \"hover\"");
   expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: expected ");
-  expect([](Spec& s) { s.types[2].drive->params.front() = "fast"; }, "has the wrong type");
+  expect([](Spec& s) { s.types[2].drive->params.front() = "fast"; },
+         "the value does not have the type of this parameter");
   expect([](Spec& s) { s.types[2].devices[0].params.front().v = std::vector<engine::Record>{{}}; },
          "error: types[2].sensors[0].params.transducers[0]: expected ");
   expect([](Spec& s) { s.bodies[3].pose_world_body.x = k_nan; },

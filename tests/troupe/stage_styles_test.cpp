@@ -84,38 +84,44 @@ std::vector<Style> styles() {
        2,
        2,
        true,
-       {"demo.world:10: warning: accepted without effect, docs/stage-worlds.md says why: threads",
-        "demo.world:7: warning: accepted, but only Stage's window would use it: paused, window, "
+       {"demo.world:10: warning: properties without effect, docs/stage-worlds.md says why: threads",
+        "demo.world:7: warning: without effect on the run, because only Stage's window uses them: paused, "
+        "window, "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
       {"follow.world",
        2,
        1,
        2,
        true,
-       {"follow.world:8: warning: accepted, but only Stage's window would use it: window, gui_nose, "
+       {"follow.world:8: warning: without effect on the run, because only Stage's window uses them: window, "
+        "gui_nose, "
         "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"blocks.world",
        3,
        2,
        2,
        true,
-       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline, color_rgba of a sensor",
-        "inc/figure.inc:6: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"}},
+        "inc/figure.inc:6: warning: obsolete properties, ignored as in Stage: laser_return, "
+        "blobfinder_return"}},
       {"noise.world",
        2,
        1,
        1,
        false,
-       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline"}},
       {"disc.world",
        2,
        1,
        1,
        false,
-       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline"}},
       {"camera.world",
        2,
@@ -124,7 +130,8 @@ std::vector<Style> styles() {
        false,
        {"camera.world:11: warning: \"watts\" of a camera has no effect: its power draw follows from what it "
         "does",
-        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline"}},
       {"arms.world",
        5,
@@ -139,14 +146,16 @@ std::vector<Style> styles() {
        3,
        false,
        {"layers.world:10: warning: \"late_base\" is already defined, at line 4; the first definition is used",
-        "layers.world:16: warning: accepted, but only Stage's window would use it: window"}},
+        "layers.world:16: warning: without effect on the run, because only Stage's window uses them: "
+        "window"}},
       {"everything.world",
        11,
        7,
        5,
        true,
-       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-        "everything.world:10: warning: accepted, but only Stage's window would use it: window, gui_nose, "
+       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+        "everything.world:10: warning: without effect on the run, because only Stage's window uses them: "
+        "window, gui_nose, "
         "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"odometry.world",
        4,
@@ -159,9 +168,10 @@ std::vector<Style> styles() {
         "as [x y heading] (and 2 more)",
         "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with "
         "a height of 0.02 m",
-        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline, color_rgba of a sensor",
-        "odometry.world:7: warning: obsolete, ignored by Stage too: interval_real, gui_disable, "
+        "odometry.world:7: warning: obsolete properties, ignored as in Stage: interval_real, gui_disable, "
         "channel_count of a blobfinder, channels of a blobfinder, width of a camera, height of a camera, "
         "horizfov of a camera, size3"}},
       {"lab.world",
@@ -173,9 +183,10 @@ std::vector<Style> styles() {
         "a height of 1 m (and 1 more)",
         "lab.world:12: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as [x "
         "y heading]",
-        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline, color_rgba of a sensor",
-        "inc/beacons.inc:2: warning: obsolete, ignored by Stage too: laser_return"}},
+        "inc/beacons.inc:2: warning: obsolete properties, ignored as in Stage: laser_return"}},
       {"charging.world",
        10,
        6,
@@ -183,37 +194,42 @@ std::vector<Style> styles() {
        true,
        {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: its power draw follows from what "
         "it does",
-        "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+        "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline"}},
       {"forage.world",
        9,
        4,
        5,
        true,
-       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline, color_rgba of a sensor"}},
       {"forage2.world",
        9,
        3,
        3,
        true,
-       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline, color_rgba of a sensor"}},
       {"flock.world",
        17,
        16,
        2,
        true,
-       {"flock.world:7: warning: accepted without effect, docs/stage-worlds.md says why: threads",
-        "inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+       {"flock.world:7: warning: properties without effect, docs/stage-worlds.md says why: threads",
+        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline, color_rgba of a sensor"}},
       {"city.world",
        4,
        3,
        2,
        true,
-       {"inc/plan.inc:5: warning: accepted, but only Stage's window would use it: gui_nose, gui_grid, "
+       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "gui_nose, gui_grid, "
         "gui_move, gui_outline, color_rgba of a sensor"}},
       {"units.world", 2, 1, 1, true},
       {"old_swarm.world",
@@ -226,7 +242,7 @@ std::vector<Style> styles() {
         "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing",
         "old_swarm.world:16: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
         "as [x y heading] (and 9 more)",
-        "old_swarm.world:3: warning: obsolete, ignored by Stage too: size, gui_interval, polygons, "
+        "old_swarm.world:3: warning: obsolete properties, ignored as in Stage: size, gui_interval, polygons, "
         "polygon[k].points, polygon[k].point[k], scount, spose[k], ssize, sview"}}};
 }
 

@@ -144,9 +144,9 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
     const Loaded loaded("\"at\": [\n" + entry + "]");
     return loaded.found.empty() ? std::string("nothing") : loaded.found.front();
   };
-  EXPECT_THAT(
-      found(R"({"remove": {"population": "r"}})"),
-      HasSubstr("maze.json:11: error: /at/0: missing \"time_s\" or \"time_ms\": time of the intervention"));
+  EXPECT_THAT(found(R"({"remove": {"population": "r"}})"),
+              HasSubstr("maze.json:11: error: /at/0: missing \"time_s\" or \"time_ms\": simulated time of "
+                        "the intervention"));
   EXPECT_THAT(found(R"({"time": 3, "remove": {"population": "r"}})"), HasSubstr("\"time\" needs its unit"));
   EXPECT_THAT(found(R"({"time_s": -1, "remove": {"population": "r"}})"), HasSubstr("/at/0/time_s: must be"));
   EXPECT_THAT(found(R"({"time_s": 1})"),
@@ -203,7 +203,8 @@ TEST(ExperimentJson, FaultsAreReadAndWrongOnesTold) {
     return wrong.found.empty() ? std::string("nothing") : wrong.found.front();
   };
   EXPECT_THAT(found(R"({"population": "r"})"),
-              HasSubstr("maze.json:11: error: /faults/0: no fault: give one of dead_sensors, slow_wheels, "
+              HasSubstr("maze.json:11: error: /faults/0: the entry names no fault: add at least one of the "
+                        "keys dead_sensors, slow_wheels, "
                         "drop_out"));
   EXPECT_THAT(found(R"({"population": "r", "slow_wheel": {"factor": 1}})"),
               HasSubstr("unknown key \"slow_wheel\""));
@@ -262,7 +263,8 @@ TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4], "deviation_m": [0, 0]})"),
               HasSubstr("placed 1 of 200 bodies"));
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4]})"), HasSubstr("missing \"deviation_m\""));
-  EXPECT_THAT(found(R"({"rule": "uniform"})"), HasSubstr("or \"polygon_m\": the world has neither bounds"));
+  EXPECT_THAT(found(R"({"rule": "uniform"})"),
+              HasSubstr("or \"polygon_m\": one of them is needed, because the world has neither bounds"));
   EXPECT_THAT(found(R"({"rule": "uniform", "polygon_m": [[0, 0], [2, 2], [2, 0], [0, 2]]})"),
               HasSubstr("/populations/0/place/polygon_m: "));
   EXPECT_THAT(found(R"({"rule": "poison_disc"})"),

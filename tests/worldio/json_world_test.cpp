@@ -149,8 +149,8 @@ TEST(JsonWorld, ModelsMayHaveNumbersForFinders) {
       wrong.found,
       ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: give the model a type "
                   "without \"fiducial_return\" instead",
-                  "maze.json:4: error: /models/1/fiducial_return: the type of the model must have a "
-                  "\"fiducial_return\" too"));
+                  "maze.json:4: error: /models/1/fiducial_return: a model can have its own "
+                  "\"fiducial_return\" only if its type has one other than 0"));
 }
 
 TEST(JsonWorld, SettingsAndUnits) {
@@ -437,16 +437,16 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{
             R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})",
-            R"(maze.json:11: error: /types/crate: has no body: give "size_m" (a box), "blocks", "bitmap" or "device")"},
+            R"(maze.json:11: error: /types/crate: the type has no body: give "size_m" (a box), "blocks", "bitmap" or "device")"},
         Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)",
               "maze.json:11: error: /types/crate: expected an object, found the number 3"},
         Wrong{"[1, 1, 1]", "[1, 0, 1]",
               "maze.json:11: error: /types/crate/size_m/1: must be above 0 and at most 100000 m, found 0"},
         Wrong{"[1, 1, 1]", "[1, -1, 1]",
               "maze.json:11: error: /types/crate/size_m/1: must be above 0 and at most 100000 m, found -1"},
-        Wrong{
-            "[1, 1, 1]", "[1, 1]",
-            "maze.json:11: error: /types/crate/size_m: expected a list of 3 numbers in m, found a list of 2"},
+        Wrong{"[1, 1, 1]", "[1, 1]",
+              "maze.json:11: error: /types/crate/size_m: expected a list of 3 numbers in m, found a list of "
+              "length 2"},
         Wrong{"[1, 1, 1]", "[1, null, 1]",
               "maze.json:11: error: /types/crate/size_m/1: expected a number in m, found null"},
         Wrong{
@@ -462,12 +462,12 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:11: error: /types/crate/color/1: must be from 0 to 1, found 2"},
         Wrong{R"([1, 1, 1])", R"([1, 1, 1], "color": [1, 1])",
               "maze.json:11: error: /types/crate/color: expected a color: an X11 name, [r, g, b] or [r, g, "
-              "b, a], found a list of 2"},
+              "b, a], found a list of length 2"},
         Wrong{R"([1, 1, 1])", R"([1, 1, 1], "obstacle": 1)",
               "maze.json:11: error: /types/crate/obstacle: expected true or false, found the number 1"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "controller": {"kind": "expand"})",
-            R"(maze.json:11: error: /types/crate: the controller commands a drive: the type needs a "drive")"},
+            R"(maze.json:11: error: /types/crate: the controller commands a drive, but the type has none: add a "drive")"},
         Wrong{
             R"("kind": "diff")", R"("kind": "hover")",
             R"(maze.json:7: error: /types/minibot/drive/kind: unknown drive "hover"; known: car, diff, omni)"},
@@ -510,9 +510,10 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("transducers")",
               R"("name": "ir"}, {"name": "x", "kind": "ranger", "period_s": -1, "transducers")",
               R"(maze.json:8: error: repeated key "name": first given on line 8)"},
-        Wrong{R"({"name": "ir", "kind": "ranger", )",
-              R"({"name": "ir", "kind": "ranger", "transducers": []}, {"name": "ir", "kind": "ranger", )",
-              R"(maze.json:8: error: /types/minibot/sensors/1/name: the type has a sensor "ir" already)"},
+        Wrong{
+            R"({"name": "ir", "kind": "ranger", )",
+            R"({"name": "ir", "kind": "ranger", "transducers": []}, {"name": "ir", "kind": "ranger", )",
+            R"(maze.json:8: error: /types/minibot/sensors/1/name: the type already has a sensor "ir": choose another name)"},
         Wrong{
             R"("kind": "expand_swarm")", R"("kind": "expand_sworm")",
             R"(maze.json:9: error: /types/minibot/controller/kind: unknown controller "expand_sworm"; known: expand, expand_swarm (did you mean "expand_swarm"?))"},
@@ -533,7 +534,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("size_m": [1, 1, 1])",
               R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1, 1]], "z_m": [0, 1]}])",
               "maze.json:11: error: /types/crate/blocks/0/points_m/2: expected a list of 2 numbers in m, "
-              "found a list of 3"},
+              "found a list of length 3"},
         Wrong{
             R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]]}])",
             R"(maze.json:11: error: /types/crate/blocks/0: missing "z_m", "z_cm" or "z_mm": the heights of bottom and top, [min, max])"},
@@ -542,7 +543,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:11: error: /types/crate/blocks/0: missing "points_m": the outline, [[x, y], ...])"},
         Wrong{
             R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [1, 1]}])",
-            R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must rise from min to max, found 1 and 1)"},
+            R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must be [min, max] with min below max, found 1 and 1)"},
         Wrong{R"("size_m": [1, 1, 1])",
               R"("blocks": [{"points_m": [[0, 0], [1, 0.1], [2, 0.2]], "z_m": [0, 1]}])",
               "maze.json:11: error: /types/crate/blocks/0/points_m: the outline has no area"},
@@ -571,7 +572,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("x_m": 5)", R"("heading_deg": 5000)",
               "maze.json:14: error: /models/0/pose/heading_deg: must be from -3600 to 3600 deg, found 5000"},
         Wrong{R"({"x_m": 5, "y_m": 5})", "[5, 5]",
-              "maze.json:14: error: /models/0/pose: expected an object, found a list of 2"},
+              "maze.json:14: error: /models/0/pose: expected an object, found a list of length 2"},
         Wrong{R"("y_m": 5}})", R"("y_m": 5}},
     {"name": "c1", "type": "crate", "pose": {"x_m": 5.5, "y_m": 5.5}})",
               R"(maze.json:15: error: /models/1: "c1" overlaps "c0" at the start)"},
@@ -608,7 +609,7 @@ INSTANTIATE_TEST_SUITE_P(
               "for the next body were not free"},
         Wrong{
             R"("region_m": [[0, 0], [1, 1]], )", "",
-            R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]], or "polygon_m": the world has neither bounds nor floor plans)"},
+            R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]], or "polygon_m": one of them is needed, because the world has neither bounds nor floor plans)"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]",
               "maze.json:18: error: /populations/0/place/region_m: corners in the wrong order: expected "
               "[[x_min, y_min], [x_max, y_max]]"},
@@ -647,7 +648,8 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, "
           "stop_when, tick_ms, tick_s, title, troupe, types, watch, window",
           "maze.json:6: error: /models/0/type: unknown type \"b\"; known: a"));
-  EXPECT_THAT(Loaded("[]").found, ElementsAre("maze.json:1: error: expected an object, found a list of 0"));
+  EXPECT_THAT(Loaded("[]").found,
+              ElementsAre("maze.json:1: error: expected an object, found a list of length 0"));
 }
 
 TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
@@ -668,7 +670,8 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
     return text;
   };
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1]})"),
-            "maze.json:2: error: /floorplans/0/bitmap: \"white.pgm\" has no dark pixel, so nothing is solid");
+            "maze.json:2: error: /floorplans/0/bitmap: \"white.pgm\" has no solid pixel: pixels whose first "
+            "channel is at most 127 are solid");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm"})"),
             R"(maze.json:2: error: /floorplans/0: missing "size_m", "size_cm" or "size_mm": [x, y, height])");
   EXPECT_EQ(
@@ -689,8 +692,9 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
 TEST(JsonWorld, OutlineFaults) {
   EXPECT_TRUE(check_outline({{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}}));  // need not be convex
   EXPECT_EQ(check_outline({{0, 0}, {0, 0}, {2, 1}}).error().text, "point 1 repeats point 0");
-  EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 1}, {0, 0}}).error().text,
-            "the last point repeats the first: leave it out, outlines are closed");
+  EXPECT_EQ(
+      check_outline({{0, 0}, {2, 0}, {2, 1}, {0, 0}}).error().text,
+      "the last point repeats the first: omit the last point, because outlines are closed automatically");
   EXPECT_EQ(check_outline({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}).error().text, "the outline has no area");
   EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}).error().text,
             "the outline turns back on itself at point 3");
@@ -771,8 +775,9 @@ TEST(JsonWorld, RobotsSetAPopulation) {
       ElementsAre("--robots 3: error: the world has 2 populations: give NAME=COUNT, with NAME one of r, s"));
   EXPECT_THAT(load(two, {{"t", 3}}).found,
               ElementsAre("--robots t=3: error: unknown population \"t\"; known: r, s"));
-  EXPECT_THAT(load("{\"troupe\": 1}", {{"", 3}}).found,
-              ElementsAre("--robots 3: error: the world has no populations"));
+  EXPECT_THAT(
+      load("{\"troupe\": 1}", {{"", 3}}).found,
+      ElementsAre("--robots 3: error: the world has no population whose number of robots could be set"));
   EXPECT_THAT(
       load(k_world, {{"r", ~std::size_t{0}}}).found,
       ElementsAre(

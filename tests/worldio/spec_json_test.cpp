@@ -295,7 +295,8 @@ TEST(SpecJson, ChangesWhatKeepsTheShapeOfTheState) {
 TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
   const StoredSpec stored = store_spec(full_spec(), make_registry());
   const std::vector<std::pair<Changes::value_type, std::string>> cases{
-      {{"/tick_s", "1"}, "--set /tick_s: error: cannot be changed in a stored world; allowed are: /seed, "},
+      {{"/tick_s", "1"},
+       "--set /tick_s: error: this value of a stored world cannot be changed; --set can change /seed, "},
       {{"/types/1/parts/0/obstacle", "true"}, "cannot be changed"},
       {{"/types/1/drive", "{}"}, "cannot be changed"},
       {{"/types/1/drive/params", "{}"}, "cannot be changed"},
@@ -350,8 +351,10 @@ TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
     damage(bad.bodies);
     EXPECT_EQ(errors_of(bad), "run.h5: error: " + message);
   };
-  expect([](BodyColumns& c) { c.pose.pop_back(); }, "the columns of the bodies differ in length");
-  expect([](BodyColumns& c) { c = {}; }, "there are no bodies: the first body of every world is the ground");
+  expect([](BodyColumns& c) { c.pose.pop_back(); },
+         "the file is damaged: the columns of the bodies differ in length");
+  expect([](BodyColumns& c) { c = {}; },
+         "the file is damaged: it has no bodies, but every world has at least the ground");
   expect([](BodyColumns& c) { c.type[1] = 2; }, "bodies[1].type: the world has 2 types, found index 2");
   expect([](BodyColumns& c) { c.word[1] = 99; }, "bodies[1].name: the world has 5 words, found index 99");
   expect([](BodyColumns& c) { c.alias_word[0] = 99; },

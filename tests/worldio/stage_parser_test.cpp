@@ -119,14 +119,15 @@ TEST_F(Conformance14, UnknownProperty) {
   load("speedupp 2\nmodel( colour \"red\"\n wibble 3 )\nranger( samples 3 )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:1: warning: the world has no property \"speedupp\"; it is ignored (did you mean "
-                  "\"speedup\"?)",
-                  "w.world:2: warning: a model has no property \"colour\"; it is ignored (did you mean "
-                  "\"color\"?)",
-                  "w.world:3: warning: a model has no property \"wibble\"; it is ignored",
-                  "w.world:4: warning: a ranger has no property \"samples\"; it is ignored: it belongs in a "
-                  "sensor( ... )",
-                  "w.world:4: warning: a ranger without a sensor( ... ) measures nothing"));
+      ElementsAre(
+          "w.world:1: warning: the world has no property \"speedupp\"; the property is ignored (did you mean "
+          "\"speedup\"?)",
+          "w.world:2: warning: a model has no property \"colour\"; the property is ignored (did you mean "
+          "\"color\"?)",
+          "w.world:3: warning: a model has no property \"wibble\"; the property is ignored",
+          "w.world:4: warning: a ranger has no property \"samples\"; the property is ignored: it must be "
+          "inside a sensor( ... )",
+          "w.world:4: warning: a ranger without a sensor( ... ) measures nothing"));
 }
 
 TEST_F(Conformance14, MissingOrUnreadableBitmap) {
@@ -159,11 +160,12 @@ TEST_F(Conformance14, MissingController) {
 TEST_F(Conformance14, PiecesInWrongPlaces) {
   load("block( points 3 )\nsensor()\nmodel( sensor() )\nmodel( block( points 3 model() ) )");
   const auto found = messages();
-  EXPECT_THAT(found, testing::IsSupersetOf(
-                         {"w.world:1: error: a block must be inside a model, not at the top level",
-                          "w.world:2: error: a sensor must be inside a ranger, not at the top level",
-                          "w.world:3: error: a sensor must be inside a ranger, not inside: model",
-                          "w.world:4: error: a block can only hold properties, not \"model\""}));
+  EXPECT_THAT(found,
+              testing::IsSupersetOf(
+                  {"w.world:1: error: a block must be inside a model, not at the top level",
+                   "w.world:2: error: a sensor must be inside a ranger, not at the top level",
+                   "w.world:3: error: a sensor must be inside a ranger, not inside a model of type model",
+                   "w.world:4: error: a block can only hold properties, not \"model\""}));
 }
 
 TEST_F(Conformance14, FirstDefineWins) {
@@ -214,7 +216,8 @@ TEST_F(Conformance14, NestedThreeDeep) {
 
 TEST_F(Conformance14, NumberedNames) {
   load("ranger( spose[0] [1 2 3] spose[1] [ 4 5 6 ] sensor() )\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: obsolete, ignored by Stage too: spose[k]"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: obsolete properties, ignored as in Stage: spose[k]"));
 }
 
 TEST_F(StageParser, ParsesWhatStageParses) {
@@ -224,7 +227,7 @@ TEST_F(StageParser, ParsesWhatStageParses) {
       "bar( model() model( model( name \"deep\" ) ) name \"top\" pose[0] [ 1 2 ] )\n"
       "model(name \"a\"size[1 1 1]pose [1 2 3 4])model( )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:3: warning: a model has no property \"pose[0]\"; it is ignored",
+              ElementsAre("w.world:3: warning: a model has no property \"pose[0]\"; the property is ignored",
                           "w.world:4: error: \"size[1\": a blank is needed before the ["));
   ASSERT_THAT(spec.bodies, SizeIs(4));
   EXPECT_EQ(name_of(spec, 1), "top");
@@ -241,21 +244,22 @@ TEST_F(StageParser, CountsEveryKindOfLineEnd) {
 
 TEST_F(StageParser, LexicalErrors) {
   load("a = 1\nb ; 2\nc { 3\nd '4'\ne \x01\nf \"open\ng 2e-2\nh [1 2\ni [1 [2] 3]\nj [1 two]\n5\n]\n[1 2]\n");
-  EXPECT_THAT(messages(),
-              testing::IsSupersetOf(
-                  {"w.world:1: error: unexpected '='; a property is written: name value",
-                   "w.world:2: error: unexpected ';'; a line end or a blank separates properties",
-                   "w.world:3: error: unexpected '{'; a body is written in ( )",
-                   "w.world:4: error: unexpected \"'\"; strings are written in double quotes",
-                   "w.world:5: error: unexpected byte 0x01",
-                   "w.world:6: error: a string must end with \" on the line on which it begins",
-                   "w.world:7: error: \"2e-2\" is not a number; numbers have neither exponent nor unit: 0.02",
-                   "w.world:8: error: a tuple must end with ] on the line on which it begins",
-                   "w.world:9: error: a tuple cannot hold a tuple",
-                   "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
-                   "w.world:11: error: the value 5 belongs to no property",
-                   "w.world:12: error: this ] has no matching [",
-                   "w.world:13: error: this tuple belongs to no property"}));
+  EXPECT_THAT(
+      messages(),
+      testing::IsSupersetOf(
+          {"w.world:1: error: unexpected '='; a property is written: name value",
+           "w.world:2: error: unexpected ';'; a line end or a blank separates properties",
+           "w.world:3: error: unexpected '{'; the properties of a model are written in ( )",
+           "w.world:4: error: unexpected \"'\"; strings are written in double quotes",
+           "w.world:5: error: unexpected byte 0x01",
+           "w.world:6: error: a string must end with \" on the line on which it begins",
+           "w.world:7: error: \"2e-2\" is not a number; numbers are written without exponent and unit: 0.02",
+           "w.world:8: error: a tuple must end with ] on the line on which it begins",
+           "w.world:9: error: a tuple cannot hold a tuple",
+           "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
+           "w.world:11: error: the value 5 belongs to no property",
+           "w.world:12: error: this ] has no matching [",
+           "w.world:13: error: this tuple belongs to no property"}));
 }
 
 TEST_F(StageParser, TuplesStickToTheirBracket) {
@@ -275,7 +279,8 @@ TEST_F(StageParser, NumbersAreReadWhole) {
           "w.world:2: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"--4\"",
           "w.world:3: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"+\"",
           "w.world:4: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"nan\"",
-          "w.world:5: error: \"ranger_return\": 99999999999999999999 is too large; numbers are at most 2^53",
+          "w.world:5: error: \"ranger_return\": 99999999999999999999 is out of range; numbers must be from "
+          "-2^53 to 2^53",
           "w.world:6: error: \"noblocks\" needs a whole number; here is 0.5"));
   const auto spec = load("model( pose [+1 -.5 2. \"90\"] name 5 )");
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, -0.5, 2, k_pi / 2}));
@@ -315,7 +320,10 @@ TEST_F(StageParser, AnIncludeMayEndTheFile) {
 TEST_F(StageParser, WhatFollowsAnIncludeIsIgnoredWithAWarning) {
   write("a.inc", "model()\n");
   load("include \"a.inc\" model()\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: ignored after an include, as in Stage: model()"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: warning: the rest of the line after an include is ignored, as in Stage: model()"));
 }
 
 TEST_F(StageParser, IncludeCyclesAreReported) {
@@ -330,7 +338,7 @@ TEST_F(StageParser, IncludesThatMultiplyAreReported) {
     write(fmt::format("{}.inc", i), fmt::format("include \"{0}.inc\"\ninclude \"{0}.inc\"\n", i + 1));
   write("20.inc", "");
   load("include \"0.inc\"\n");
-  EXPECT_THAT(messages(), ElementsAre(EndsWith("files are included more than 1000 times")));
+  EXPECT_THAT(messages(), ElementsAre(EndsWith("files are included more than 1000 times in all")));
 }
 
 TEST_F(StageParser, AMissingIncludeIsReported) {
@@ -347,7 +355,7 @@ TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {
   EXPECT_EQ(name_of(load("include \"inc/a.inc\"\n", options), 1), "b");
   load("include \"c.inc\"\n", options);
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: cannot read the included file c.inc, nor a file of "
-                                      "that name on the search path"));
+                                      "that name in the folders of the search path"));
 }
 
 // Macros.
@@ -391,11 +399,12 @@ TEST_F(StageParser, DeepNestingIsReported) {
   std::string text;
   for (int i = 0; i < 100000; ++i) text += "model(";
   load(text);
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: nested deeper than 200"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: nested deeper than 200 levels"));
   text = "define a0 model()\n";
   for (int i = 1; i < 1000; ++i) text += fmt::format("define a{} model( a{}() )\n", i, i - 1);
   load(text + "a999()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1001: error: the macros of this model nest deeper than 200"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1001: error: the macros of this model nest deeper than 200 levels"));
 }
 
 TEST_F(StageParser, LongChainsOfBasesAreFine) {
@@ -408,7 +417,8 @@ TEST_F(StageParser, GivesUpOnGarbage) {
   load(std::string(100000, '\0'));
   const auto found = messages();
   ASSERT_THAT(found, SizeIs(51));
-  EXPECT_EQ(found.back(), "w.world:1: error: stopped after 50 syntax errors; the rest is not read");
+  EXPECT_EQ(found.back(),
+            "w.world:1: error: stopped after 50 syntax errors; the rest of the file is not read");
 }
 
 // Any input: never a crash, never a hang.

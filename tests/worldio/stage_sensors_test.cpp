@@ -148,12 +148,16 @@ TEST_F(StageSensors, BumpersHaveALengthInCommonOrTheirOwn) {
 
 TEST_F(StageSensors, WrongBumpersAreErrors) {
   device("bumper( size [0.1 0.1 0.1] bcount 2 blength[0] 0.3 )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: bumper 1 has no length: give \"blength\" or \"blength[1]\""));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: bumper 1 has no length: give \"blength\", for all bumpers, or \"blength[1]\""));
   device("bumper( size [0.1 0.1 0.1] bcount 0 )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"bcount\" must be from 1 to 1000; here is 0"));
   device("bumper( size [0.1 0.1 0.1] )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: a bumper without \"bcount\" feels nothing"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: warning: a bumper without \"bcount\" has no bumpers and senses nothing"));
 }
 
 TEST_F(StageSensors, ACameraIsWrittenInDegrees) {

@@ -69,10 +69,11 @@ TEST_F(StageSyntax, NamesAreCaseSensitive) {
   load("Model()\nmodel( Color \"blue\" )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:2: warning: a model has no property \"Color\"; it is ignored (did you mean "
-                  "\"color\"?)",
-                  testing::AllOf(HasSubstr("w.world:1: error: \"Model\" is neither a model type"),
-                                 HasSubstr("(did you mean \"model\"?)"))));
+      ElementsAre(
+          "w.world:2: warning: a model has no property \"Color\"; the property is ignored (did you mean "
+          "\"color\"?)",
+          testing::AllOf(HasSubstr("w.world:1: error: \"Model\" is neither a model type"),
+                         HasSubstr("(did you mean \"model\"?)"))));
 }
 
 TEST_F(StageSyntax, PropertiesAndChildrenMayMix) {
@@ -86,7 +87,7 @@ TEST_F(StageSyntax, TheParsersDebuggingAidIsAccepted) {
   load("test 1");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:1: warning: accepted without effect, docs/stage-worlds.md says why: test"));
+      ElementsAre("w.world:1: warning: properties without effect, docs/stage-worlds.md says why: test"));
 }
 
 // Macros.

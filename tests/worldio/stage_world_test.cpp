@@ -159,21 +159,23 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
   load(
       "resolution 0.02\nthreads 7\npaused 1\nspeedup 4\ninterval_real 100\nwindow( size [1 2] wibble 3 )\n"
       "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 )\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:6: warning: a window has no property \"wibble\"; it is ignored",
-                          "w.world:2: warning: accepted without effect, docs/stage-worlds.md says why: "
-                          "threads, friction",
-                          "w.world:3: warning: accepted, but only Stage's window would use it: paused, "
-                          "window, gui_nose",
-                          "w.world:5: warning: obsolete, ignored by Stage too: interval_real, polygons, "
-                          "polygon[k].points"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:6: warning: a window has no property \"wibble\"; the property is ignored",
+          "w.world:2: warning: properties without effect, docs/stage-worlds.md says why: "
+          "threads, friction",
+          "w.world:3: warning: without effect on the run, because only Stage's window uses them: paused, "
+          "window, gui_nose",
+          "w.world:5: warning: obsolete properties, ignored as in Stage: interval_real, polygons, "
+          "polygon[k].points"));
 }
 
 TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
   ASSERT_EQ(test_registry().device("actuator"), nullptr);
   load("\n\n\n\nactuator( max_speed 2 )\nactuator()\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: this program does not implement an actuator; it "
-                                      "is only a body here (and 1 more)"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: this program does not implement an actuator; the "
+                                      "model is only a body (and 1 more)"));
 }
 
 TEST_F(StageWorld, MacrosThatNoModelUsesAreNotChecked) {
@@ -255,7 +257,7 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
       messages(),
       ElementsAre(
           "w.world:2: warning: the name \"x\" is already taken; a lookup finds the last model with this name",
-          "w.world:3: warning: \"name\" is empty; the generated name is used (and 1 more)",
+          "w.world:3: warning: \"name\" is empty; a generated name is used instead (and 1 more)",
           "w.world:5: error: \"name\" needs one value, not a tuple"));
   EXPECT_EQ(name_of(spec, 3), "model:3");
 }
@@ -264,9 +266,11 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
 
 TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
   const auto spec = load("model( size [2 4 3] )\nranger( sensor() )\nbumper()\nmodel( noblocks 1 )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" has a body "
-                                      "of 0.4 m x 0.4 m x 1 m; give it a \"size\", or \"noblocks 1\"",
-                                      "w.world:3: warning: a bumper without \"bcount\" feels nothing"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" has a body "
+                  "of 0.4 m x 0.4 m x 1 m; give it a \"size\", or \"noblocks 1\"",
+                  "w.world:3: warning: a bumper without \"bcount\" has no bumpers and senses nothing"));
   const engine::PartSpec& box = type_of(spec, 1).parts[0];
   ASSERT_THAT(box.solids, SizeIs(1));
   expect_box(bounds_of(box.solids), -1, 1, -2, 2);
@@ -300,7 +304,7 @@ TEST_F(StageWorld, RefusesBrokenBlocks) {
                           "w.world:2: error: \"points\" must be from 3 to 100000; here is 2",
                           "w.world:3: error: \"points\" needs a whole number; here is 3.5",
                           "w.world:4: error: \"point[1]\" needs 2 values [x y]; here is 1",
-                          "w.world:5: error: \"z\" needs [min max] with min at most max"));
+                          "w.world:5: error: \"z\" needs [min max], and min must not exceed max"));
 }
 
 TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
@@ -395,8 +399,8 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
       "plan( block( points 3 point[1] [1 0] point[2] [1 1] z [0 1] ) )\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:4: warning: only the height of \"size\" is used: the map is 2 m x 1 m",
-                          "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks: the "
-                          "map is not stretched"));
+                          "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks, "
+                          "because the map is not stretched to \"size\""));
   const engine::PartSpec& plan = type_of(spec, 1).parts[0];
   EXPECT_EQ(plan.size, Eigen::Vector3d(2, 1, 1));
   expect_box(bounds_of(plan.solids), 10.5, 11, 20, 20.5);
@@ -441,7 +445,7 @@ TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
               ElementsAre("w.world:1: error: \"size\" must be above 0 in every direction; here is 0",
                           "w.world:2: error: \"size\" must be above 0 in every direction; here is -1",
                           "w.world:3: error: \"size\" must be above 0 in every direction; here is -1",
-                          "w.world:4: error: \"size\" is larger than the world, 200 km",
+                          "w.world:4: error: \"size\" is larger than the world, which is 200 km wide",
                           "w.world:5: error: \"size\" must be above 0 in every direction; here is 0"));
 }
 
@@ -496,10 +500,11 @@ TEST_F(StageWorld, OldTuplesAreReadWithAWarning) {
 
 TEST_F(StageWorld, LongTuplesAreCutWithAWarning) {
   load("model( size [1 1 1 0] )\nposition( velocity_bounds [-1 1 -1 1 -1 1 -90 90 3] )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-                          "w.world:2: warning: \"velocity_bounds\" takes 8 values [xmin xmax ymin ymax "
-                          "zmin zmax amin amax]; the rest is ignored"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+                  "w.world:2: warning: \"velocity_bounds\" takes 8 values [xmin xmax ymin ymax "
+                  "zmin zmax amin amax]; the further values are ignored"));
 }
 
 TEST_F(StageWorld, PlacesOutsideTheWorldAreErrors) {
@@ -560,9 +565,8 @@ TEST_F(StageWorld, ReturnsAndColours) {
   EXPECT_EQ(type_of(seen, 1).parts[0].returns,
             (engine::Returns{.fiducial = -7, .fiducial_key = 3, .gripper = true, .blob = false}));
   EXPECT_EQ(type_of(seen, 2).parts[0].returns, engine::Returns{});
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:4: error: \"fiducial_return\" must be a whole number of 32 bits; "
-                          "here is 3000000000"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:4: error: \"fiducial_return\" must be a whole number from "
+                                      "-2147483648 to 2147483647; here is 3000000000"));
 }
 
 TEST_F(StageWorld, RandomColoursFollowFromSeedAndBody) {
@@ -671,7 +675,7 @@ TEST_F(StageWorld, RefusesWrongLasersAndNoOtherNames) {
   load("laser( samples 0 )\nsonar( range_max -1 )\nlaser( range_min 9 )\nlaser( wibble 3 )\nmap()\nlasr()");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:4: warning: a laser has no property \"wibble\"; it is ignored",
+      ElementsAre("w.world:4: warning: a laser has no property \"wibble\"; the property is ignored",
                   "w.world:1: error: \"samples\" must be at least 1; here is 0",
                   "w.world:2: error: \"range_max\" must be above 0 m; here is -1",
                   "w.world:3: error: \"range_min\", 9 m, must be at most \"range_max\", 8 m",
@@ -977,7 +981,8 @@ TEST_F(StageOwnWorld, Simple) {
   const auto spec = open("simple.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("simple.world:12: warning: accepted, but only Stage's window would use it: paused, "
+      ElementsAre("simple.world:12: warning: without effect on the run, because only Stage's window uses "
+                  "them: paused, "
                   "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
@@ -1009,11 +1014,12 @@ TEST_F(StageOwnWorld, Simple) {
 
 TEST_F(StageOwnWorld, PioneerWalle) {
   const auto spec = open("pioneer_walle.world");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("pioneer_walle.world:10: warning: accepted, but only Stage's window would use it: paused, "
-                  "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-                  "walle.inc:14: warning: obsolete, ignored by Stage too: laser_return, blobfinder_return"));
+  EXPECT_THAT(messages(),
+              ElementsAre("pioneer_walle.world:10: warning: without effect on the run, because only Stage's "
+                          "window uses them: paused, "
+                          "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+                          "walle.inc:14: warning: obsolete properties, ignored as in Stage: laser_return, "
+                          "blobfinder_return"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(7));
   expect_box(bounds_of(type_of(spec, 2).parts[0].solids), -0.26, 0.18, -0.19, 0.19);
@@ -1026,8 +1032,9 @@ TEST_F(StageOwnWorld, Roomba) {
   const auto spec = open("roomba.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the rest is ignored",
-                  "roomba.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
+      ElementsAre("irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+                  "roomba.world:11: warning: without effect on the run, because only Stage's window "
+                  "uses them: paused, window, "
                   "gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
   EXPECT_THAT(part_names(type_of(spec, 2)), ElementsAre("", "bumper:0"));
@@ -1037,11 +1044,9 @@ TEST_F(StageOwnWorld, Roomba) {
 
 TEST_F(StageOwnWorld, SensorNoiseDemo) {
   const auto spec = open("sensor_noise_demo.world");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(
-          "sensor_noise_demo.world:9: warning: accepted, but only Stage's window would use it: window, "
-          "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+  EXPECT_THAT(messages(), ElementsAre("sensor_noise_demo.world:9: warning: without effect on the run, "
+                                      "because only Stage's window uses them: window, "
+                                      "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
   const engine::TypeSpec& robot = type_of(spec, 2);
   EXPECT_FALSE(robot.devices[0].active);
@@ -1053,12 +1058,14 @@ TEST_F(StageOwnWorld, Cave) {
   const auto spec = open("benchmark/cave.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("benchmark/cave.world:52: warning: \"greenrob\" is already defined, at line 48; the first "
-                  "definition is used",
-                  "benchmark/cave.world:15: warning: accepted without effect, docs/stage-worlds.md says why: "
-                  "threads",
-                  "benchmark/cave.world:13: warning: accepted, but only Stage's window would use it: "
-                  "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+      ElementsAre(
+          "benchmark/cave.world:52: warning: \"greenrob\" is already defined, at line 48; the first "
+          "definition is used",
+          "benchmark/cave.world:15: warning: properties without effect, docs/stage-worlds.md says why: "
+          "threads",
+          "benchmark/cave.world:13: warning: without effect on the run, because only Stage's window uses "
+          "them: "
+          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
   ASSERT_THAT(spec.types, SizeIs(3));  // 100 robots in ten colours share one
   EXPECT_EQ(spec.types[2].name, "rob");
@@ -1079,9 +1086,10 @@ TEST_F(StageOwnWorld, Hospital) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "benchmark/hospital.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "benchmark/hospital.world:16: warning: properties without effect, docs/stage-worlds.md says why: "
           "threads",
-          "benchmark/hospital.world:13: warning: accepted, but only Stage's window would use it: "
+          "benchmark/hospital.world:13: warning: without effect on the run, because only Stage's window uses "
+          "them: "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(1002));
   EXPECT_THAT(spec.types, SizeIs(3));
@@ -1103,14 +1111,14 @@ TEST_F(StageOwnWorld, Hospital) {
 
 TEST_F(StageOwnWorld, LspTest) {
   const auto spec = open("lsp_test.world");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(
-          "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-          "lsp_test.world:11: warning: accepted, but only Stage's window would use it: paused, window, "
-          "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-          "lsp_test.world:9: warning: obsolete, ignored by Stage too: interval_real, channel_count of a "
-          "blobfinder, channels of a blobfinder"));
+  EXPECT_THAT(messages(),
+              ElementsAre("lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
+                          "lsp_test.world:11: warning: without effect on the run, because only Stage's "
+                          "window uses them: paused, window, "
+                          "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+                          "lsp_test.world:9: warning: obsolete properties, ignored as in Stage: "
+                          "interval_real, channel_count of a "
+                          "blobfinder, channels of a blobfinder"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
   EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type) << "only their fiducial_return differs";
   EXPECT_EQ(fiducial_of(spec, BodyId(2), 0), 1);
@@ -1131,9 +1139,10 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer_flocking.world:16: warning: accepted without effect, docs/stage-worlds.md says why: "
+          "pioneer_flocking.world:16: warning: properties without effect, docs/stage-worlds.md says why: "
           "threads",
-          "pioneer_flocking.world:10: warning: accepted, but only Stage's window would use it: "
+          "pioneer_flocking.world:10: warning: without effect on the run, because only Stage's window uses "
+          "them: "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
   EXPECT_THAT(spec.types, SizeIs(3));

@@ -149,7 +149,7 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "x", "values": [1]}])"),
               ElementsAre(HasSubstr("expected a JSON pointer")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": []}])"),
-              ElementsAre(HasSubstr("expected 1 to")));
+              ElementsAre(HasSubstr("expected a list of 1 to")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [2, 1]}], "samples": 2)"),
               ElementsAre(HasSubstr("must be below the second")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "log_uniform": [0, 1]}], "samples": 2)"),

@@ -20,12 +20,13 @@ using engine::PartSpec;
 template <class Kind>
 const Kind& known(const Kind* kind, const std::string& name) {
   if (!kind)
-    throw std::runtime_error(fmt::format("the world uses a kind \"{}\" that is not registered", name));
+    throw std::runtime_error(fmt::format(
+        "the world uses the kind \"{}\", which is neither built in nor from a loaded plug-in", name));
   return *kind;
 }
 
-/// Writes the document of a type, without the values that expand_type() assumes: the part, the joint and the
-/// pose of a part or device that does not give them.
+/// Makes the document of a type. It omits every value that expand_type() would assume anyway, such as the
+/// pose of a device that is at the origin of its part.
 class TypeContractor {
  public:
   TypeContractor(const engine::TypeSpec& type, const engine::Registry& registry,
@@ -53,7 +54,8 @@ class TypeContractor {
   }
 
  private:
-  /// The parts and the size that follow from the device that a part is, and so are not written.
+  /// Describes what a part that is itself a device gets from that device (its parts and its size): the
+  /// document does not repeat these.
   struct Brought {
     std::size_t parts = 0;          ///< number of parts that directly follow this one
     Eigen::Vector3d size{0, 0, 0};  ///< size of this part after expansion
@@ -71,7 +73,8 @@ class TypeContractor {
   std::optional<std::size_t> own_device(std::uint32_t p) const;
   std::optional<Brought> brought(std::uint32_t p, std::size_t device) const;
   OwnDeviceDocument contract_own_device(std::size_t device, std::int32_t joint);
-  /// Sets the members that all devices have. A pose or joint equal to the usual one is not written.
+  /// Sets the members that all devices have. A pose or joint that equals `usual_pose` or `usual_joint` is
+  /// left out of the document.
   void contract_device(std::size_t d, const Pose& usual_pose, std::int32_t usual_joint,
                        DeviceDocument& document);
   std::optional<JointName> joint_name(std::int32_t joint, std::int32_t usual) const;
@@ -147,7 +150,8 @@ void TypeContractor::contract_contents(std::uint32_t p, const std::optional<std:
     if (type_.parts[q].parent == p && !is_brought[q]) contract_part(q, joint, document.parts.emplace_back());
 }
 
-/// The device that a part itself is: one with a joint, or the device that models of the part's kind are.
+/// The index of the device that a part itself is: a device with a joint, or the device that belongs to the
+/// model kind of the part. Empty if the part is no device.
 std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   const PartSpec& part = type_.parts[p];
   const engine::ModelKind* model = registry_.model(part.kind);
@@ -161,7 +165,7 @@ std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   return own;
 }
 
-/// Empty if the part and those after it are not the ones that the device would add.
+/// The result is empty if this part and the parts after it differ from those that the device would add.
 std::optional<TypeContractor::Brought> TypeContractor::brought(std::uint32_t p, std::size_t device) const {
   if (!kind_of(device).body || type_.parts[p].image) return std::nullopt;
   for (const bool needs_extent : {true, false}) {

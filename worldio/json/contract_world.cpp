@@ -29,7 +29,7 @@ using engine::WorldSpec;
 
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 
-/// Which violations the document treats as errors; the others are warnings.
+/// Which violations the document treats as errors. If a member is false, the violation is a warning.
 struct Checks {
   bool overlaps = true;    ///< bodies that overlap at the start
   bool same_names = true;  ///< bodies of the same name
@@ -51,7 +51,7 @@ class WorldContractor {
  private:
   std::size_t count_floor_plans();
   bool is_floor_plan(std::size_t body);
-  /// Whether the image of a part gives its solids.
+  /// Whether the image of a part, read again, gives exactly the solids of the part.
   bool makes(const PartSpec& part, bool as_floor_plan);
   void drop_images();
   void contract_settings(const Checks& checks, bool with_bounds, WorldDocument& document) const;
@@ -63,7 +63,7 @@ class WorldContractor {
   const engine::Registry& registry_;
   std::filesystem::path file_;
   std::filesystem::path folder_;
-  Diagnostics image_findings_;  // ignored: images that can no longer be read are written as outlines
+  Diagnostics image_findings_;  // ignored: an image that can no longer be read is written as outlines
   FloorImages images_;
   std::vector<std::string> keys_;             // of the types
   std::vector<std::optional<Color>> colors_;  // of the types: the colour of their first body
@@ -79,14 +79,16 @@ bool WorldContractor::makes(const PartSpec& part, bool as_floor_plan) {
   return made.size == part.size && made.solids == part.solids;
 }
 
-/// Drops images that do not give the solids of their part: the part's frame is another, or the image changed.
+/// Drops an image that does not give the solids of its part, because the frame of the part or the image
+/// file has changed since. The part is then written as outlines.
 void WorldContractor::drop_images() {
   for (TypeSpec& type : spec_.types)
     for (PartSpec& part : type.parts)
       if (part.image && !makes(part, false)) part.image.reset();
 }
 
-/// Whether `floorplans` can express a body: one that is only an image, with a type of its own.
+/// Whether the list `floorplans` can express a body. It can if the body is only an image and no other body
+/// has its type.
 bool WorldContractor::is_floor_plan(std::size_t body) {
   const BodySpec& spec = spec_.bodies[body];
   if (spec.type.index() != body || spec.type.index() >= spec_.types.size()) return false;
@@ -140,7 +142,7 @@ void WorldContractor::contract_settings(const Checks& checks, bool with_bounds,
   document.resolution = spec_.resolution_m;
   if (with_bounds) document.bounds = spec_.bounds;
   for (const engine::NamedBody& alias : spec_.aliases)
-    if (alias.body == BodyId(0) && !document.ground)  // a document can have only one
+    if (alias.body == BodyId(0) && !document.ground)  // a document can have only one other name of the ground
       document.ground.emplace().alias = spec_.names.text(alias.name);
   if (const auto& record = spec_.record) {
     document.record.emplace();
@@ -216,9 +218,9 @@ bool has_repeated_names(const WorldSpec& spec) {
 
 /// The result of one way to write a world.
 struct Attempt {
-  std::optional<JsonNode> document;  ///< a document that reads back as the world
-  std::vector<Finding> findings;     ///< else the errors of its reader
-  std::string difference;            ///< else the first difference of the world that was read back
+  std::optional<JsonNode> document;  ///< a document that reads back as the same world; empty: the way failed
+  std::vector<Finding> findings;     ///< if it failed: the errors from reading the document back, or:
+  std::string difference;            ///< the path of the first value that differs after reading it back
 };
 
 Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const Checks& checks,
@@ -234,7 +236,7 @@ Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const 
     const std::optional<JsonNode> read = parse_json(json_text(document), whole, true, found);
     const WorldSpec back = read ? read_json_world(file, *read, registry, {}, found) : WorldSpec();
     if (found.has_errors()) {
-      Diagnostics placed(files);  // the same errors, at the places of the source world
+      Diagnostics placed(files);  // the same errors, but at their places in the world that is converted
       if (read) read_json_world(file, document, registry, {}, placed);
       const auto findings = placed.has_errors() ? placed.findings() : found.findings();
       result.findings.assign(findings.begin(), findings.end());

@@ -25,19 +25,19 @@
 #include <utility>
 #include <vector>
 
-/// Description of the structs of a WorldDocument: for each, one function fills a table of its keys. The
-/// reader (read_document.cpp), the writer (write_document.cpp) and the schema (world_schema.cpp) interpret
-/// these tables.
+/// Describes the structs of a WorldDocument. For each struct, its function `describe()` fills a table of its
+/// keys. The reader (read_document.cpp), the writer (write_document.cpp) and the schema (world_schema.cpp)
+/// interpret these tables.
 namespace troupe::worldio {
 
 struct DocumentTable;
 
-/// The form of a value in a file, and its C++ type.
+/// The form that a value has in a file. Each comment begins with the C++ type of the member that stores it.
 enum class Form : std::uint8_t {
-  value,            ///< as described by DocumentKey::field
-  choice,           ///< an enum of one byte: one of the field's choices, in their order
-  block,            ///< engine::Record by DocumentKey::block
-  version,          ///< version of the format, k_format_version; not stored
+  value,            ///< the type and the limits that DocumentKey::field gives
+  choice,           ///< an enum of one byte: a text, one of Field::choices, in the order of the enum
+  block,            ///< engine::Record: an object with the fields of DocumentKey::block
+  version,          ///< no member: the version of the format, which must be k_format_version
   seed,             ///< std::uint64_t
   name,             ///< std::string: a text, not empty
   names,            ///< std::vector<std::string>: a list of texts, not empty
@@ -49,46 +49,48 @@ enum class Form : std::uint8_t {
   box,              ///< Box
   contours,         ///< std::vector<Ring>
   joint,            ///< JointName: a text or null
-  comparison,       ///< ComparisonDocument: `>= 0.9`
+  comparison,       ///< ComparisonDocument: a text such as `>= 0.9`
   kept,             ///< JsonNode: stored unread, because its keys depend on other objects
   kind,             ///< std::string: a name of DocumentTable::kinds
-  parameters,       ///< engine::Record: the parameters of the kind, among the other keys
-  faults,           ///< std::vector<FaultDocument::Impairment>: one key for each of Registry::faults
-  object,           ///< a described struct
-  list,             ///< std::vector of described structs
-  map,              ///< std::vector of pairs of a name and a described struct: an object by names
+  parameters,       ///< engine::Record: the parameters of the kind, which are keys of the same object
+  faults,           ///< std::vector<FaultDocument::Impairment>: a possible key for each of Registry::faults
+  object,           ///< a struct with a DocumentTable
+  list,             ///< std::vector of structs with a DocumentTable
+  map,              ///< std::vector of pairs of a name and such a struct: an object whose keys are the names
 };
 
-/// One key of a described struct.
+/// One key of a struct with a DocumentTable.
 struct DocumentKey {
-  engine::Field field;            ///< name and text of the key; for values also unit, limits and choices
-  Form form = Form::value;        ///< form of its value
-  bool required = false;          ///< an object without the key is an error
-  std::string_view hint = {};     ///< text after `missing "key": `; empty: the field's text
-  std::string_view expects = {};  ///< for texts: text after `expected `
+  engine::Field field;         ///< name and meaning of the key; for Form::value also unit, limits and choices
+  Form form = Form::value;     ///< form of its value
+  bool required = false;       ///< an object without the key is an error
+  std::string_view hint = {};  ///< text after `missing "key": `; empty: the meaning of the field
+  std::string_view expects = {};  ///< for texts: text after `expected ` in errors
   std::size_t least = 0;          ///< minimum number of entries of a list
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of entries of a list
-  bool always = false;         ///< written even at its default; of a pose, x, y and heading
-  bool counts_bodies = false;  ///< its maximum is LoadOptions::most_bodies
+  bool always = false;         ///< written even at its default; for a pose, x, y and heading are
+  bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
   std::optional<engine::Field>
-      other;                     ///< replaces `field` if the object's kind has a parameter of the same name
-  std::uint32_t variants = ~0u;  ///< one bit per value of DocumentTable::variant: whether the key exists
+      other;  ///< used in place of `field` if the kind of the object has a parameter of the same name
+  std::uint32_t variants = ~0u;  ///< a bit for each choice of DocumentTable::variant: whether objects of that
+                                 ///< variant may have the key
   const DocumentTable& (*table)() = nullptr;  ///< for object, list and map
   const engine::FieldTable* block = nullptr;  ///< for block
-  /// Whether this object may have the key, given its other keys. Null: always.
+  /// Called with the JSON object: whether it may have the key, given its other keys. Null: always.
   bool (*is_there)(const JsonNode& object) = nullptr;
-  /// Whether objects of this kind (a const engine::DeviceKind*) have the key. Null: all.
+  /// Called with a const engine::DeviceKind*: whether objects of this kind may have the key. Null: all may.
   bool (*is_of)(const void* kind) = nullptr;
 
   bool is_optional = false;  ///< the member is a std::optional
   bool is_float = false;     ///< the value is a float: written with only as many digits as a float needs
 
-  // Access to members of other forms than `value`. `object` is the struct for make() and find(), else the
-  // list or map, as they return it.
-  void* (*make)(void* object) = nullptr;                           ///< the member, created if missing
-  const void* (*find)(const void* object) = nullptr;               ///< the member; null if missing
-  std::size_t (*size)(const void* object) = nullptr;               ///< number of entries
-  void* (*append)(void* object, std::string_view name) = nullptr;  ///< adds an entry; name: its key in a map
+  // Access to the member, for every form except `value`. `object` is the struct for make() and find(). For
+  // the other functions it is the list or the map that make() or find() returned.
+  void* (*make)(void* object) = nullptr;              ///< the member, created if missing
+  const void* (*find)(const void* object) = nullptr;  ///< the member; null if missing
+  std::size_t (*size)(const void* object) = nullptr;  ///< number of entries
+  void* (*append)(void* object,
+                  std::string_view name) = nullptr;  ///< adds an entry and returns it; name: its key in a map
   const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< an entry
   const std::string* (*item_name)(const void* object,
                                   std::size_t) = nullptr;  ///< the key of an entry of a map
@@ -118,7 +120,7 @@ struct DocumentKey {
     most = at_most;
     return *this;
   }
-  /// Sets the name to use if the object's kind has a parameter of the key's name.
+  /// Sets the name that the key has in objects whose kind has a parameter of the usual name.
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
@@ -132,25 +134,28 @@ struct DocumentKey {
 
 /// Which keys an object must or must not have together; checked by the reader and the schema.
 struct DocumentRule {
-  /// How many of the keys an object has: exactly one, at least one, at most one.
+  /// How many of the keys an object must have: exactly one (one_of), at least one (any_of), or at most one
+  /// (not_both).
   enum class How : std::uint8_t { one_of, any_of, not_both };
   How how = How::one_of;
   std::vector<std::string_view> keys = {};  ///< names of fields
   std::string none = {};                    ///< error if the object has none of the keys
   std::string several = {};                 ///< error if it has more than one; empty: as `none`
-  bool at_key = false;  ///< `several` is reported at every key after the first, else at the object
+  bool at_key = false;  ///< whether `several` is reported at every key after the first; else it is reported
+                        ///< at the object
   bool in_schema = true;
 };
 
-/// A kind that objects can have.
+/// A kind that objects with a key `kind` can have: a drive kind, a device kind, ...
 struct DocumentKind {
   std::string_view name;
   std::string_view text;
   const engine::FieldTable* params = nullptr;
-  /// Defaults of a preset; `name` is then that of the preset, and objects are of the kind `preset_of`.
+  /// For a preset: its defaults. `name` is then the name of the preset, and the kind of the objects is
+  /// `preset_of`.
   std::span<const std::pair<std::string_view, engine::Value>> presets = {};
   std::string_view preset_of = {};
-  const void* kind = nullptr;  ///< argument of DocumentKey::is_of
+  const void* kind = nullptr;  ///< the argument for DocumentKey::is_of
 };
 
 /// The kinds that objects of one struct can have.
@@ -159,29 +164,30 @@ struct DocumentKinds {
   std::string_view page;  ///< documentation page of plug-ins with such kinds; empty: plug-ins cannot have any
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
   std::vector<std::string_view> (*known)(const engine::Registry& registry);  ///< for messages, sorted
-  std::vector<std::string_view> (*named)(const engine::Registry& registry);  ///< names no plug-in may use
-  /// Finds a kind by name; loads the plug-in if it is a plug-in's.
+  std::vector<std::string_view> (*named)(
+      const engine::Registry& registry);  ///< names that no kind of a plug-in may have
+  /// Finds a kind by its name and, if a plug-in has it, loads the plug-in. The error is a message.
   Result<DocumentKind> (*find)(const engine::Registry& registry, const std::string& name);
-  /// The kind that follows from the enclosing object. Null: none does.
+  /// Returns the kind that follows from the enclosing object `around`. Null: the kind must be given.
   std::optional<DocumentKind> (*implied)(const engine::Registry& registry, const JsonNode& around) = nullptr;
   std::string_view expects = {};  ///< as DocumentKey::expects, for `kind`; empty: "the name of a" what
   std::string_view hint = {};     ///< as DocumentKey::hint, for `kind`; empty: "one of" all known
 };
 
-/// A text that may be given instead of an object.
+/// A text that may be given in place of an object, such as "stalls" in place of {"kind": "stalls"}.
 struct DocumentShorthand {
   std::string_view expects;  ///< as DocumentKey::expects
-  /// Fills the object, or reports errors.
+  /// Fills the object from the text, or reports errors.
   void (*read)(const JsonCursor& at, const std::string& text, const engine::Registry& registry, void* object);
-  /// The text; empty if this object has none.
+  /// Returns the text for an object; empty if no text can express the object.
   std::optional<std::string> (*write)(const void* object, const engine::Registry& registry);
   std::vector<JsonNode> (*schemas)(const engine::Registry& registry);
-  bool before_object = false;  ///< order of the alternatives in the schema
+  bool before_object = false;  ///< in the schema, the text is the alternative before the object
 };
 
-/// The description of a struct.
+/// The description of a struct: its keys, and rules for them.
 struct DocumentTable {
-  std::string_view definition;  ///< name of its definition in the schema; empty: inlined
+  std::string_view definition;  ///< name of its definition in the schema; empty: the schema has it in place
   std::vector<DocumentKey> keys;
   std::vector<DocumentRule> rules;
   const DocumentKinds* kinds = nullptr;
@@ -189,26 +195,27 @@ struct DocumentTable {
   std::string_view variant;  ///< the key whose choices select the variant; empty: no variants
   /// Checks the object after all keys are read. Null: no check.
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
-  Placed& (*placed)(void* object) = nullptr;
-  const void* usual = nullptr;  ///< a struct with default values
-  /// Whether `kind` may be left out. Null: it must be given.
+  Placed& (*placed)(void* object) = nullptr;  ///< the struct as its base class Placed
+  const void* usual = nullptr;                ///< a struct with default values
+  /// Whether this object may lack `kind`. Null: every object must have it.
   bool (*is_kind_implied)(const void* object) = nullptr;
 
   const DocumentKey* find(std::string_view name) const;
 };
 
-/// Reads `>= 0.9`. Empty, with an error, if the text is not a comparison.
+/// Reads a comparison such as `>= 0.9`. Empty, with an error, if the text is not a comparison.
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
 /// The regular expression of comparisons, for the schema.
 std::string comparison_pattern();
 
-/// The table of a described struct, made by the first call.
+/// Returns the table of a struct. The first call makes it with T::describe().
 template <class T>
 const DocumentTable& document_table();
 
-/// The field of HeadingDocument, in radians or degrees: that of poses.
+/// The field for the heading of a HeadingDocument, in radians or degrees. It is the field that poses have.
 const engine::Field& heading_field();
-/// The field of a key, for objects of a kind with these parameters (null: without a kind).
+/// The field of a key in an object whose kind has the parameters `params` (null: the object has no kind):
+/// DocumentKey::field or DocumentKey::other.
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
 namespace detail {
@@ -236,8 +243,8 @@ class DocumentKeys {
  public:
   explicit DocumentKeys(DocumentTable& table) : table_(table) {}
 
-  /// A member that engine::Description takes: a number, a bool, an enum, a pose, ... Path: the member, or a
-  /// member of a member.
+  /// Adds a key for a member that engine::Description accepts: a number, a bool, an enum, a pose, ... Path:
+  /// the pointer to the member, or a chain of pointers to a member of a member.
   template <auto... Path, class... Facts>
   DocumentKey& value(std::string_view name, Facts... facts) {
     note_described<Path...>();
@@ -254,7 +261,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// An enum of one byte; `names` in the order of its values.
+  /// Adds a key for an enum of one byte. `names` are in the order of its values.
   template <auto... Path>
   DocumentKey& choice(std::string_view name, std::span<const std::string_view> names,
                       std::string_view text = {}) {
@@ -265,7 +272,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// A value of another form. `expects` as in DocumentKey.
+  /// Adds a key for a member of another form. `text` is the meaning of the key; `expects`: see DocumentKey.
   template <auto... Path>
   DocumentKey& other(Form form, std::string_view name, std::string_view text = {},
                      std::string_view expects = {}) {
@@ -295,7 +302,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// A described struct, which may be optional.
+  /// Adds a key for a struct with a table. The member may be a std::optional.
   template <auto Member>
   DocumentKey& object(std::string_view name, std::string_view text = {}) {
     DocumentKey& key = other<Member>(Form::object, name, text);
@@ -304,7 +311,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// A vector of described structs, which may be optional.
+  /// Adds a key for a vector of structs with a table. The member may be a std::optional.
   template <auto... Path>
   DocumentKey& list(std::string_view name, std::string_view text = {}) {
     DocumentKey& key = other<Path...>(Form::list, name, text);
@@ -321,7 +328,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// A vector of pairs of a name and a described struct.
+  /// Adds a key for a vector of pairs of a name and a struct with a table.
   template <auto Member>
   DocumentKey& map(std::string_view name, std::string_view text = {}) {
     DocumentKey& key = other<Member>(Form::map, name, text);

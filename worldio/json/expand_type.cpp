@@ -19,14 +19,14 @@ std::vector<std::string_view> names(const Kinds& kinds) {
   return known;
 }
 
-/// The part that things are mounted on, and the joint that moves it.
+/// A part on which devices and other parts are mounted, and the joint that moves this part.
 struct Stand {
   std::uint32_t part = 0;
   std::int32_t joint = engine::k_rigid;
 };
 
-/// A device mounted on another one that may come later in the file: `on` is that device's name, or its
-/// joint's. The pointer is stored as text because DocumentPaths live only on the stack.
+/// A device that is mounted on another device, which may come later in the file. `on` is the name of that
+/// other device or of its joint. The pointer is stored as text because DocumentPaths live only on the stack.
 struct Riding {
   std::size_t device;
   std::string on;
@@ -44,7 +44,7 @@ class TypeExpander {
 
  private:
   void expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below);
-  /// Adds the device that the part itself is, on the part. If the device moves, so does the part.
+  /// Adds the device that the part itself is. If the device moves, the part moves with it.
   void expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
                          Stand& stand);
   void expand_contents(const PartDocument& document, const DocumentPath& at, const Stand& stand);
@@ -53,7 +53,7 @@ class TypeExpander {
   engine::PartSpec device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                const engine::DeviceKind& kind) const;
   void expand_controller(const ControllerDocument& document, std::uint32_t part);
-  /// Replaces `joint`, that of the enclosing part, if the document names another one.
+  /// Sets `joint`, which is that of the enclosing part at the call, if the document names another joint.
   void expand_joint(const std::optional<JointName>& name, Where where, const DocumentPath& at,
                     std::int32_t& joint);
   Result<> find_joint(const std::string& name, std::int32_t& joint) const;
@@ -89,14 +89,15 @@ void TypeExpander::expand_root(const TypeDocument& document, const DocumentPath&
       at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, stands.error().text));
   }
   order_devices(document, at);
-  // Controllers of parts are not checked: they may command wheels.
+  // Only controllers of the root part are checked: those of other parts may command wheels, which are
+  // devices.
   const auto needs_drive = [&](const engine::ControllerSpec& controller) {
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
     return controller.part == 0 && (kind == nullptr || kind->needs_drive);
   };
   if (!document.drive && std::ranges::any_of(type_.controllers, needs_drive))
     at.error_at(document.where_of(document.controller ? "controller" : "controllers"),
-                "the controller commands a drive: the type needs a \"drive\"");
+                "the controller commands a drive, but the type has none: add a \"drive\"");
 }
 
 void TypeExpander::expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below) {
@@ -161,7 +162,7 @@ void TypeExpander::expand_contents(const PartDocument& document, const DocumentP
        [&](const PartDocument& part, const DocumentPath& path) { expand_part(part, path, stand); });
 }
 
-/// Mounts a device on a device with a joint.
+/// Mounts `device` on the device named `on`, which must have a joint and must already be in the type.
 Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on) const {
   std::vector<std::string_view> known;
   for (const engine::DeviceSpec& other : type_.devices) {
@@ -175,14 +176,16 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
     return {};
   }
   if (known.empty())
-    return Error{fmt::format("unknown device with a joint \"{}\"; there are none before this device", on)};
+    return Error{
+        fmt::format("\"{}\" is not a device with a joint: no device before this one has a joint", on)};
   return Error{unknown_name("device with a joint", on, known)};
 }
 
-/// The part of a device: with the body of its kind, or with that given by its size and blocks.
+/// The part that a device with a body adds to the type. Its solids come from the kind of the device, or from
+/// the size and blocks in the document.
 engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                            const engine::DeviceKind& kind) const {
-  // The kinds of parts are model kinds, and not every kind of device with a joint is one ("wheels").
+  // The kind of a part must be a model kind. Some kinds of devices with a joint, such as "wheels", are not.
   engine::PartSpec part{.name = device.name,
                         .kind = registry_.model(device.kind) ? device.kind : "model",
                         .pose_body_part = device.pose_body_device,
@@ -212,7 +215,8 @@ void TypeExpander::expand_device(const DeviceDocument& document, const DocumentP
     device.name = fmt::format("{}:{}", device.kind, before);
   } else if (std::ranges::find(devices, device.name, &engine::DeviceSpec::name) != devices.end()) {
     DocumentPath(at, "name", document.where_of("name"))
-        .error(fmt::format("the type has a {} \"{}\" already", is_sensor ? "sensor" : "device", device.name));
+        .error(fmt::format("the type already has a {} \"{}\": choose another name",
+                           is_sensor ? "sensor" : "device", device.name));
   }
   const bool has_part = !kind->joints.empty();
   if (!document.on.empty()) {
@@ -281,8 +285,9 @@ void TypeExpander::order_devices(const TypeDocument& document, const DocumentPat
   }
   if (!type_.devices.empty() || ordered.size() != document.device_order->size())
     DocumentPath(at, "device_order", document.where_of("device_order"))
-        .error(fmt::format("expected the names of all devices of the type, each once, found a list of {}",
-                           document.device_order->size()));
+        .error(fmt::format(
+            "expected a list that names every device of the type exactly once, found a list of {} names",
+            document.device_order->size()));
   else
     type_.devices = std::move(ordered);
 }

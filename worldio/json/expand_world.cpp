@@ -68,7 +68,7 @@ class WorldExpander {
     std::vector<std::string> type_keys(spec_.types.size());
     for (const auto& [key, type] : type_ids_) type_keys[type.index()] = key;
     expand_experiment(document_.experiment, world, document_.where_of("at"), type_keys, registry_, spec_);
-    // Bodies are placed only in a world without errors: theirs would be consequences of the earlier ones.
+    // Bodies are placed only in a world without errors: errors of placement would only be consequences.
     if (!diagnostics_.has_errors()) place_bodies();
     if (!diagnostics_.has_errors()) report_repeated_names();
     return std::move(spec_);
@@ -96,7 +96,8 @@ class WorldExpander {
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
 
-  /// The type of this name. Type 0, the ground, with an error at the `type` of `object`, if there is none.
+  /// The id of the type with this name. If there is none: an error at the key `type` of `object`, and the
+  /// result is type 0, that of the ground.
   TypeId type_of(const std::string& name, const Placed& object, const DocumentPath& at);
   Color color_of(TypeId type) const {
     return type_colors_[type.index()].value_or(default_colors_[type.index()]);
@@ -154,7 +155,7 @@ void WorldExpander::expand_floorplan(const FloorplanDocument& document, const Do
     part.image = image->spec;
     vertices_ += count_vertices(part.solids);
     if (vertices_ > engine::k_most_vertices) {
-      at.error(fmt::format("too large: the outlines of all floor plans have more than {} corners together",
+      at.error(fmt::format("too large: together, the outlines of all floor plans have more than {} corners",
                            engine::k_most_vertices));
       part.solids.clear();
     }
@@ -166,7 +167,7 @@ void WorldExpander::expand_floorplan(const FloorplanDocument& document, const Do
         spec_.bounds->extend(transform * Vec2(x, y));
   } else if (!spec_.bounds) {
     spec_.bounds.emplace().extend(
-        Vec2::Zero());  // avoids the error that a population has no floor plan to fill
+        Vec2::Zero());  // prevents a later error that there is no floor plan for the population to fill
   }
   body.type = TypeId(spec_.types.size());
   engine::TypeSpec type{.name = document.name};
@@ -209,7 +210,7 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
     model.body.fiducial = *document.fiducial_return;
     if (model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
       DocumentPath(at, "fiducial_return", document.where_of("fiducial_return"))
-          .error("the type of the model must have a \"fiducial_return\" too");
+          .error("a model can have its own \"fiducial_return\" only if its type has one other than 0");
   }
   models_.push_back(std::move(model));
 }
@@ -251,7 +252,9 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
   return rule;
 }
 
-/// Sets the region of the bodies' origins: a box, a polygon, or both; else the bounds of the world.
+/// Sets the region in which the origins of the bodies must lie: a box, a polygon, or the intersection of
+/// both. Without either, the region is the bounds of the world; without bounds, only `gaussian` is
+/// possible.
 void WorldExpander::expand_region(const PlaceDocument& document, const DocumentPath& at,
                                   PlacementRule& rule) {
   if (document.polygon) rule.polygon = *document.polygon;
@@ -264,8 +267,8 @@ void WorldExpander::expand_region(const PlaceDocument& document, const DocumentP
     rule.region = Box::around(Vec2::Zero(), k_max_size_m);
   else
     at.error(
-        "missing \"region_m\", [[x_min, y_min], [x_max, y_max]], or \"polygon_m\": the world has neither "
-        "bounds nor floor plans");
+        "missing \"region_m\", [[x_min, y_min], [x_max, y_max]], or \"polygon_m\": one of them is needed, "
+        "because the world has neither bounds nor floor plans");
 }
 
 TypeId WorldExpander::type_of(const std::string& name, const Placed& object, const DocumentPath& at) {
@@ -278,7 +281,7 @@ TypeId WorldExpander::type_of(const std::string& name, const Placed& object, con
 }
 
 void WorldExpander::place_bodies() {
-  // So far the bodies are the ground and the floor plans.
+  // At this point, the only bodies are the ground and the floor plans.
   const auto kept = std::make_shared<engine::Occupancy>(spec_, spec_.bodies.size());
   engine::Occupancy& occupancy = *kept;
   make_shapes(occupancy);
@@ -303,7 +306,7 @@ void WorldExpander::place_bodies() {
   };
 }
 
-/// Reports every type whose shape is too complex to place bodies of, also types without bodies.
+/// Reports every type whose shape is too complex for placing bodies, even if the type has no bodies.
 void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
   for (const auto& [name, type] : type_ids_) try {
       occupancy.shape(type);
@@ -313,7 +316,8 @@ void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
     }
 }
 
-/// Adds a body to the last reserve if it continues it, else to a new one: a reserve is a range of ids.
+/// Adds a body that is born later. A reserve is a range of ids: the body extends the last reserve if its id,
+/// population and type fit, else it starts a new reserve.
 void WorldExpander::add_to_reserve(const std::string& population, BodyId body, TypeId type) {
   auto& reserves = spec_.reserves;
   if (!reserves.empty()) {
@@ -366,9 +370,10 @@ void WorldExpander::report_repeated_names() {
         (reported && reported->file == body.where.file && reported->line == body.where.line))
       continue;
     if (document_.same_names == WorldDocument::Check::warn) {
-      diagnostics_.warning_once(body.where,
-                                fmt::format("the name \"{}\" is taken already; looking it up finds the last",
-                                            spec_.name(BodyId(i))));
+      diagnostics_.warning_once(
+          body.where,
+          fmt::format("the name \"{}\" is already used; a look-up by this name finds the last body",
+                      spec_.name(BodyId(i))));
       continue;
     }
     const Where other = spec_.bodies[first.index()].where;
@@ -380,7 +385,8 @@ void WorldExpander::report_repeated_names() {
   }
 }
 
-/// The index of the population that `--robots` sets: that of this name, or the only one for an empty name.
+/// The index of the population that `--robots` sets: the one with this name or, if `name` is empty, the only
+/// population. Empty, with an error, if there is no such population.
 std::optional<std::size_t> population_index(const JsonNode& document, const std::string& name, Where where,
                                             Diagnostics& diagnostics) {
   const JsonNode* node = document.find("populations");
@@ -393,7 +399,7 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
                                                    : std::string_view());
     }
   if (names.empty()) {
-    diagnostics.error(where, "the world has no populations");
+    diagnostics.error(where, "the world has no population whose number of robots could be set");
     return std::nullopt;
   }
   if (name.empty()) {

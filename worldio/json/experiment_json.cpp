@@ -53,7 +53,8 @@ void contract_group(const GroupSpec& group, GroupDocument& document) {
   document.share = group.share;
 }
 
-/// Reads those fields of a table that an object has; others stay not given. Finishes the object.
+/// Reads the fields of a table that an object has. The other fields of the result have no value. Every
+/// other key of the object is an error, as is an object without any field.
 Record read_some(JsonObject& object, const FieldTable& table) {
   const std::size_t before = object.at().diagnostics().findings().size();
   Record record;
@@ -61,7 +62,7 @@ Record read_some(JsonObject& object, const FieldTable& table) {
   object.finish();
   if (object.is_object() && std::ranges::none_of(record, &Value::given) &&
       object.at().diagnostics().findings().size() == before)
-    object.at().error("no parameters: give those that change");
+    object.at().error("expected at least one parameter: name each parameter that changes");
   return record;
 }
 
@@ -77,7 +78,8 @@ std::vector<std::string_view> names_of(const List& list, Projection name) {
   return names;
 }
 
-/// Reads the new parameters of a type, which a document stores unread.
+/// Reads the new parameters of a type. The document stores them as unread JSON, because which parameters are
+/// valid depends on the type.
 class SettingExpander {
  public:
   SettingExpander(std::span<const std::string> type_keys, const engine::Registry& registry,

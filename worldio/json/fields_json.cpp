@@ -44,7 +44,8 @@ std::string in_unit(std::string text, const UnitSuffix& suffix) {
   return text;
 }
 
-/// Reads a number of a field, in SI units. Empty, with an error, if it is no number or out of range.
+/// Reads a number that is written in the unit `suffix` and returns it in SI units. Empty, with an error, if
+/// the value is not a number or is outside the limits of the field.
 std::optional<double> read_number(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
   const std::optional<double> given = as_number(at.node());
   if (!given) {
@@ -52,7 +53,8 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
     return std::nullopt;
   }
   double si = *given * suffix.to_si;
-  // A value at the limit, 360 deg for 2 pi, must pass in spite of the rounding of its conversion.
+  // A value exactly at a limit, such as 360 deg where the limit is 2 pi rad, must pass although its
+  // conversion is rounded.
   constexpr double k_rounding = 1e-14;
   if (si > field.max && si <= field.max + k_rounding * std::abs(field.max)) si = field.max;
   if (si < field.min && si >= field.min - k_rounding * std::abs(field.min)) si = field.min;
@@ -78,7 +80,7 @@ Value read_integer(const JsonCursor& at, const Field& field) {
   const double x = given ? static_cast<double>(*given) : std::numeric_limits<double>::infinity();
   if (too_big || x < field.min || x > field.max || (field.above_min && x == field.min)) {
     const std::string limits = limits_text(field, bare);
-    at.error(fmt::format("must be {}, found {}", limits.empty() ? "below 2^63" : limits,
+    at.error(fmt::format("must be {}, found {}", limits.empty() ? "at most 2^63 - 1" : limits,
                          at.node().describe().substr(std::string_view("the number ").size())));
     return {};
   }
@@ -177,7 +179,8 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
   return {};
 }
 
-/// The value in another unit, of at most nine digits, that converts to exactly `si`. Empty if there is none.
+/// Returns `si` in another unit, as a number of at most nine digits that converts back to exactly `si`. Empty
+/// if there is no such number.
 std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   std::array<char, 32> digits{};
   constexpr int k_digits = 9;

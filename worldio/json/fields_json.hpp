@@ -13,43 +13,48 @@
 
 namespace troupe::worldio {
 
-/// Reads one field of an object, in SI units and within its limits. The key ends in the unit (`fov_rad`,
-/// `fov_deg`). Not given if the object lacks the field, or, with an error, if its value is wrong.
+/// Reads one field of an object and returns its value in SI units. The key ends in the unit (`fov_rad`,
+/// `fov_deg`). The result has no value (given() is false) if the object lacks the field. The same holds, with
+/// an error, if the value is of the wrong type or outside the limits of the field.
 engine::Value read_field(JsonObject& object, const engine::Field& field);
 
-/// A field of an object and its place.
+/// The value of a field in an object, and the place of this value in the file.
 struct FoundField {
-  engine::Value value;         ///< not given if the field is absent or wrong
-  std::optional<Where> where;  ///< empty only if the field is absent
+  engine::Value value;         ///< without a value if the field is absent or wrong
+  std::optional<Where> where;  ///< empty if the field is absent
 };
-/// Like read_field(), with the place of the value.
+/// Like read_field(), but also returns the place of the value.
 FoundField find_field(JsonObject& object, const engine::Field& field);
 
-/// Reads a value without a key (an entry of a list), in SI units and within the field's limits. Not given,
-/// with an error, if it is wrong.
+/// Reads a value that has no key, such as an entry of a list, as a value of `field`. Returns it in SI units.
+/// If the value is wrong or outside the limits, reports an error and returns a value for which given() is
+/// false.
 engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
-/// Reads all fields of a table. An absent field takes its value from `presets`, else its default; an absent
-/// required field is an error. The record is complete unless errors were reported.
+/// Reads all fields of a table from an object. A field that the object lacks takes its value from `presets`,
+/// or else its default; if it has neither, that is an error. The record is complete unless errors were
+/// reported.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 
-/// Reads an X11 name, or [r, g, b] or [r, g, b, a] from 0 to 1. Empty, with an error, if it is wrong.
+/// Reads a colour: an X11 name, or [r, g, b] or [r, g, b, a] with numbers from 0 to 1. Empty, with an error,
+/// if the value is none of these.
 std::optional<Color> read_color(const JsonCursor& at);
 
-// Written values read back to the same bits: an angle is written in degrees only if they convert back to the
-// same radians.
+// Every written value reads back as the same bits. An angle is therefore written in degrees only if the
+// degrees convert back to exactly the same radians.
 
-/// Adds a value under the key of its field and unit; adds nothing if it is not given.
+/// Adds a value to an object, under the name of its field with the unit. Adds nothing if the value is not
+/// given.
 void write_field(const engine::Field& field, const engine::Value& value, JsonNode::Object& object);
 
-/// Adds the fields that differ from their defaults.
+/// Adds the fields of a record that differ from their defaults to an object.
 void write_fields(const engine::Record& record, const engine::FieldTable& table, JsonNode::Object& object);
 
-/// The inverse of read_color().
+/// Returns the node that read_color() reads as this colour.
 JsonNode color_node(const Color& color);
 
-/// The double with the fewest digits that converts to this float.
+/// Returns the double with the fewest decimal digits that converts to exactly this float.
 double short_number(float x);
 
 /// Whether two values are equal bit by bit: 0 and -0 differ.
@@ -57,15 +62,15 @@ bool same_bits(const engine::Value& a, const engine::Value& b);
 bool same_bits(double a, double b);
 bool same_bits(const Pose& a, const Pose& b);
 
-/// Reads the object under a key, which has the fields of a table and no other keys. Empty if the key is
-/// absent.
+/// Reads the object under `key`, whose keys must all be fields of `table`. Empty if `key` is absent.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
                                          const engine::FieldTable& table);
 
-/// The keys of a field, one per unit: `"fov_rad" or "fov_deg"`.
+/// Returns the possible keys of a field, one for each unit, for messages: `"fov_rad" or "fov_deg"`.
 std::string quoted_keys(const engine::Field& field);
 
-/// `from 0 to 360 deg`, `above 0 m`, ...; empty if the field has no limits.
+/// Returns the limits of a field in the unit `suffix`, for messages: `from 0 to 360 deg`, `above 0 m`, ...
+/// Empty if the field has no limits.
 std::string limits_text(const engine::Field& field, const engine::UnitSuffix& suffix);
 
 }  // namespace troupe::worldio

@@ -62,7 +62,7 @@ std::string value_text(const Value& value, const Field& field) {
     return fmt::format("[{}]", texts);
   }
   if (std::holds_alternative<std::vector<engine::Record>>(value.v) || field.optional) return "none";
-  // A block may be left out, with the defaults of its fields, unless a field is required.
+  // A block may be absent unless one of its fields is required: the fields then have their defaults.
   const bool optional = field.type == FieldType::record &&
                         std::ranges::all_of(field.record->fields,
                                             [](const Field& f) { return f.fallback.given() || f.optional; });
@@ -81,7 +81,7 @@ void append_table(const FieldTable& table, std::string& text) {
   text += '\n';
   for (const Field& field : table.fields) {
     if (!field.record || field.record == &engine::pose_fields())
-      continue;  // poses have one table of their own
+      continue;  // poses have a table of their own at the beginning
     text += fmt::format("{} `{}`:\n\n", field.type == FieldType::records ? "Each of" : "In", field.name);
     append_table(*field.record, text);
   }

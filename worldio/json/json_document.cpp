@@ -12,7 +12,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_max_depth = 64;  // the reader and the destructors recurse
+constexpr std::size_t k_max_depth = 64;  // limited, because the reader and the destructors are recursive
 
 /// Position of the lexer, which reads characters one by one through CountingIterator.
 struct Progress {
@@ -100,7 +100,7 @@ class TreeBuilder {
       if (const std::size_t end = message.find(": "); end != std::string_view::npos)
         message.remove_prefix(end + 2);
     std::string what(message);
-    // The parser names only the closing bracket, although a comma would be valid too.
+    // The parser's message names only the closing bracket, although a comma would be valid there too.
     for (const std::string_view end : {"expected '}'", "expected ']'"})
       if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
     Where where = start_;
@@ -125,7 +125,7 @@ class TreeBuilder {
     return {start_.file, progress_.line - (passed ? 1 : 0)};
   }
 
-  /// The JSON pointer of the next value.
+  /// The JSON pointer of the value that the parser reads next.
   std::string next_pointer() const {
     std::string pointer;
     for (const JsonNode* node : open_) {
@@ -158,7 +158,8 @@ class TreeBuilder {
       diagnostics_.error(last_->where, fmt::format("nested deeper than {} levels", k_max_depth));
       return false;
     }
-    open_.push_back(last_);  // stays valid: its list gets no other entry until it is closed
+    open_.push_back(
+        last_);  // this pointer stays valid, because its list gets no other entry until this value is closed
     return true;
   }
   bool close() {
@@ -193,7 +194,8 @@ std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointe
   return tokens;
 }
 
-/// Position in a list; its size for `-`. Empty if the token is not a number.
+/// The list index that a token of a JSON pointer stands for; `size` for `-`, which appends. Empty if the
+/// token is neither a number nor `-`.
 std::optional<std::size_t> list_index(const std::string& token, std::size_t size) {
   if (token == "-") return size;
   std::size_t index = 0;
@@ -219,7 +221,7 @@ std::string JsonNode::describe() const {
     std::string operator()(std::uint64_t x) const { return fmt::format("the number {}", x); }
     std::string operator()(double x) const { return fmt::format("the number {}", x); }
     std::string operator()(const std::string& x) const { return fmt::format("the text \"{}\"", x); }
-    std::string operator()(const List& x) const { return fmt::format("a list of {}", x.size()); }
+    std::string operator()(const List& x) const { return fmt::format("a list of length {}", x.size()); }
     std::string operator()(const Object&) const { return "an object"; }
   } words;
   return std::visit(words, value);
@@ -242,12 +244,12 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
   const Where where{diagnostics.files()->add("--set " + pointer), 0};
   const auto tokens = pointer_tokens(pointer);
   if (!tokens) {
-    diagnostics.error(where, "not a JSON pointer: write it as in --set /populations/0/count=500");
+    diagnostics.error(where, "this is not a JSON pointer: write it as in --set /populations/0/count=500");
     return;
   }
 
   JsonNode node;
-  Diagnostics unread;  // ignored: a value that is not JSON is a text
+  Diagnostics unread;  // ignored, because a value that is not JSON is taken as a text
   if (std::optional<JsonNode> parsed = parse_json(value, where, true, unread)) {
     node = std::move(*parsed);
   } else {
@@ -266,8 +268,9 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
     if (auto* list = std::get_if<JsonNode::List>(&at->value)) {
       const auto index = list_index(token, list->size());
       if (!index) {
-        diagnostics.error(where,
-                          fmt::format("{} is a list: \"{}\" is neither a position nor -", parent, token));
+        diagnostics.error(
+            where, fmt::format("{} is a list: \"{}\" is neither an index nor -, which appends an entry",
+                               parent, token));
         return;
       }
       if (*index > list->size() || (*index == list->size() && !last)) {

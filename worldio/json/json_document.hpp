@@ -9,25 +9,27 @@
 
 namespace troupe::worldio {
 
-/// Parses a whole document. Empty, with errors, if the text is not JSON (RFC 8259), has a key twice in one
-/// object, or nests deeper than 64 levels. Lines count from 1 in the file of `start`; `start.line` is
-/// ignored. With `fixed_place`, every node gets `start` itself as its place (values from the command line).
+/// Parses a whole document. Empty, with errors, if the text is not JSON (RFC 8259), repeats a key in one
+/// object, or is nested deeper than 64 levels. Every node gets its place: the file of `start`, and its line
+/// in `text`, counted from 1. With `fixed_place`, every node gets `start` as its place instead; this is for
+/// values from the command line.
 std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixed_place,
                                    Diagnostics& diagnostics);
 
-/// `--set POINTER=VALUE`: replaces or adds the value at a JSON pointer (RFC 6901; `-` appends to a list). The
-/// parent must exist. A value that is not JSON is taken as a text. Errors, also later ones about the value,
-/// are reported at `--set POINTER`.
+/// Applies `--set POINTER=VALUE` to a document: replaces or adds the value at a JSON pointer (RFC 6901; `-`
+/// appends to a list). The object or list that contains the value must exist. A value that is not JSON is
+/// taken as a text. Errors are reported at the place `--set POINTER`, which also becomes the place of the
+/// value for later errors.
 void set_json_value(JsonNode& document, const std::string& pointer, const std::string& value,
                     Diagnostics& diagnostics);
 
-/// Reports repeated keys of an object and of all objects below it.
+/// Reports every repeated key in an object and in all objects inside it.
 void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics);
-/// Gives nodes without a place that of their parent, the root that of `around`. Keys get the places of their
-/// values.
+/// Gives every node without a place the place of the node that contains it, and the root the place `around`.
+/// Each key gets the place of its value.
 void place_nodes(JsonNode& node, const Where& around);
 
-/// A token of a JSON pointer with `~` and `/` escaped.
+/// Returns a key as a token of a JSON pointer: `~` becomes `~0`, `/` becomes `~1`.
 std::string escape_pointer_token(std::string_view token);
 
 }  // namespace troupe::worldio

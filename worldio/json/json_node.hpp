@@ -23,18 +23,19 @@ struct JsonNode {
       value;    ///< std::monostate is null
   Where where;  ///< where it begins
 
-  /// The value, or null if it is of another type.
+  /// Each function returns the value if it is of this type, else null.
   ///@{
   const List* list() const { return std::get_if<List>(&value); }
   const Object* object() const { return std::get_if<Object>(&value); }
   const std::string* text() const { return std::get_if<std::string>(&value); }
   ///@}
-  /// The value of a key; null if there is no such key or this is not an object.
+  /// Returns the value of a key. Null if there is no such key or if this node is not an object.
   ///@{
   const JsonNode* find(std::string_view key) const;
   JsonNode* find(std::string_view key) { return const_cast<JsonNode*>(std::as_const(*this).find(key)); }
   ///@}
-  /// For messages: `the number 3`, `the text "abc"`, `a list of 2`, `an object`, `null`, ...
+  /// Describes the value, for messages: `the number 3`, `the text "abc"`, `a list of length 2`, `an object`,
+  /// `null`, ...
   std::string describe() const;
 };
 

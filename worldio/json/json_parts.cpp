@@ -30,7 +30,7 @@ Solid box(const Eigen::Vector3d& size) {
   return {{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, size.z()}};
 }
 
-/// Sign of the turn a -> b -> c: 1 is to the left.
+/// Returns the sign of the turn from a over b to c: 1 to the left, -1 to the right, 0 for straight on.
 int turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double t = cross(b - a, c - a);
   return t > 0 ? 1 : t < 0 ? -1 : 0;
@@ -49,7 +49,8 @@ bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
          (cda == 0 && within_box(c, d, a)) || (cdb == 0 && within_box(c, d, b));
 }
 
-/// Empty if the document is incomplete, which the reader has reported.
+/// The solid that a block describes, in the frame of the body. Empty if the document is incomplete: the
+/// reader has already reported an error then.
 std::optional<Solid> expand_block(const BlockDocument& document, const Pose& pose_body_part) {
   if (!document.z || (!document.points && !document.contours)) return std::nullopt;
   Solid solid{{}, {(*document.z)[0], (*document.z)[1]}};
@@ -100,7 +101,7 @@ bool same_size(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
          worldio::same_bits(a.z(), b.z());
 }
 
-/// The blocks scaled to the part's size as Stage does, in the body's frame.
+/// Returns the blocks scaled to the size of the part, as Stage scales them, in the frame of the body.
 std::vector<Solid> fitted_solids(const engine::FittedBlocks& fitted, const PartSpec& part) {
   std::vector<Solid> solids = fitted.blocks;
   normalise(solids, part.size);
@@ -120,7 +121,7 @@ void expand_fitted(const PartDocument& document, PartSpec& part) {
   part.fitted = std::move(fitted);
 }
 
-/// Whether the fitted blocks of a part give its solids.
+/// Whether the fitted blocks of a part give exactly its present solids.
 bool is_fitted(const PartSpec& part) {
   if (!part.fitted || part.size.minCoeff() <= 0) return false;
   const std::vector<Solid> solids = fitted_solids(*part.fitted, part);
@@ -183,8 +184,9 @@ Result<> check_outline(const Ring& ring) {
   for (std::size_t i = 0; i < n; ++i)
     if (at(i) == at(i + 1))
       return Error{i + 1 < n ? fmt::format("point {} repeats point {}", i + 1, i)
-                             : "the last point repeats the first: leave it out, outlines are closed"};
-  constexpr double k_flat = 1e-12;  // rounding, relative to the extent
+                             : "the last point repeats the first: omit the last point, because outlines are "
+                               "closed automatically"};
+  constexpr double k_flat = 1e-12;  // tolerance for rounding errors, relative to the extent
   const double widest = bounds(ring).size().maxCoeff();
   if (std::ranges::all_of(ring, [&](const Vec2& p) {
         return std::abs(cross(ring[1] - ring[0], p - ring[0])) <= k_flat * widest * widest;
@@ -216,7 +218,9 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
   if (made.image->contours.empty()) {
     DocumentPath(at, "bitmap", where)
         .error(is_map ? fmt::format("\"{}\" has no occupied cell", document.bitmap)
-                      : fmt::format("\"{}\" has no dark pixel, so nothing is solid", document.bitmap));
+                      : fmt::format(
+                            "\"{}\" has no solid pixel: pixels whose first channel is at most 127 are solid",
+                            document.bitmap));
     return std::nullopt;
   }
   if (is_map)
@@ -291,7 +295,7 @@ bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFol
     part.solids = expand_solids(document.image.size, blocks, part.pose_body_part);
     is_given = document.blocks || !part.solids.empty();
     measure_part(part);
-    // The exact size: that of the placed box has rounding errors.
+    // The size as given, because the size of the placed box has rounding errors.
     if (!document.blocks && document.image.size) part.size = *document.image.size;
   }
   part.floor_plan = document.floor_plan.value_or(has_image);

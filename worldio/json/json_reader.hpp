@@ -9,8 +9,8 @@
 
 namespace troupe::worldio {
 
-/// Path to a value of a document, for error messages. Paths live on the stack and point at their parents, so
-/// that the JSON pointer is formatted only for an error.
+/// Path to a value of a document, for error messages. A path is an object on the stack that points at the
+/// path of the enclosing value, so that the JSON pointer is formatted only if there is an error.
 class DocumentPath {
  public:
   /// The path of the whole document.
@@ -22,7 +22,7 @@ class DocumentPath {
 
   Where where() const { return where_; }
   Diagnostics& diagnostics() const { return *diagnostics_; }
-  /// `/types/r/drive`; empty for the document itself.
+  /// Returns the path as a JSON pointer, such as `/types/r/drive`; empty for the document itself.
   std::string pointer() const;
   /// Reports an error at this value: `/types/r/drive: message`.
   void error(const std::string& message) const { error_at(where_, message); }
@@ -36,7 +36,7 @@ class DocumentPath {
   Diagnostics* diagnostics_;
 };
 
-/// Path to a value that is being read, and the value.
+/// A value that is being read, and the path to it.
 class JsonCursor : public DocumentPath {
  public:
   JsonCursor(const JsonNode& root, Diagnostics& diagnostics)
@@ -50,7 +50,7 @@ class JsonCursor : public DocumentPath {
       : DocumentPath(parent, key, node.where), node_(&node) {}
 
   const JsonNode& node() const { return *node_; }
-  /// The object or list that holds this value; null if it is not being read.
+  /// The object or list that contains this value; null for the root of what is being read.
   const JsonCursor* parent() const { return parent_; }
   /// Reports the error `expected WHAT, found ...`.
   void expected(std::string_view what) const;
@@ -60,19 +60,21 @@ class JsonCursor : public DocumentPath {
   const JsonNode* node_;
 };
 
-/// Reads an object key by key. Remembers the keys that were asked for, so that finish() reports all others.
+/// Reads an object key by key. It remembers the keys that the caller asks for, so that finish() can report
+/// every other key as unknown.
 class JsonObject {
  public:
-  /// An error if the value is not an object; every find() then returns null.
+  /// Reports an error if the value is not an object. Every find() then returns null.
   explicit JsonObject(const JsonCursor& at);
 
   const JsonCursor& at() const { return at_; }
   bool is_object() const { return members_ != nullptr; }
-  /// The value of a key, or null. Marks the key as known.
+  /// Returns the value of a key, or null if the object lacks it. Marks the key as known.
   const JsonNode* find(std::string_view key);
-  /// Like find(), with the error `missing "key": hint` if there is no such key.
+  /// Like find(), but reports the error `missing "key": hint` if the object lacks the key.
   const JsonNode* require(std::string_view key, std::string_view hint);
-  /// Reports a missing key, unless this is not an object, which the constructor has reported.
+  /// Reports a missing key. Does nothing if the value is not an object, because the constructor has reported
+  /// that.
   void missing(std::string_view key, std::string_view hint) const;
   /// Reports every unknown key.
   void finish() const;
@@ -83,10 +85,10 @@ class JsonObject {
   std::vector<std::string> known_;
 };
 
-/// The list at a cursor, or null with an error.
+/// Returns the list at a cursor. Null, with an error, if the value is not a list.
 const JsonNode::List* read_list(const JsonCursor& at);
-/// The text at a cursor, or null with an error that says `what` is expected ("the name of a type"). An empty
-/// text is an error.
+/// Returns the text at a cursor. Null, with an error, if the value is not a text or is empty. The error says
+/// that `what` is expected, such as "the name of a type".
 const std::string* read_text(const JsonCursor& at, std::string_view what);
 
 }  // namespace troupe::worldio

@@ -12,10 +12,11 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_width = 110;  // of a line, characters
+constexpr std::size_t k_width = 110;  // maximum length of a line, bytes
 constexpr std::size_t k_step = 2;     // indentation per level
 
-/// Number of bytes of the first UTF-8 character; 0 if there is no valid one (RFC 3629).
+/// Returns the number of bytes of the first UTF-8 character; 0 if the text does not begin with a valid one
+/// (RFC 3629).
 std::size_t character_bytes(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
@@ -36,7 +37,7 @@ std::string text_of(const std::string& text) {
     const std::size_t bytes = character_bytes(rest);
     if (bytes == 0)
       throw std::runtime_error(
-          fmt::format("a text of the world is not UTF-8, which JSON requires; it begins with \"{}\"",
+          fmt::format("a text of the world is not UTF-8, which JSON requires; the text begins with \"{}\"",
                       text.substr(0, text.size() - rest.size())));
     const char c = rest.front();
     if (c == '"' || c == '\\')
@@ -130,7 +131,8 @@ class Printer {
     }
   }
 
-  /// Lines are filled with scalars and with lists of scalars; other entries get a line each.
+  /// Appends a list on several lines. If all entries are scalars or lists of scalars, each line has as many
+  /// entries as fit; otherwise each entry gets a line of its own.
   void add_list(const JsonNode::List& list, std::size_t indent) {
     const auto is_short = [](const JsonNode& node) {
       const JsonNode::List* numbers = node.list();

@@ -10,12 +10,13 @@
 
 namespace troupe::worldio {
 
-/// Reads an entry of a world's `measures`: `"stalls"`, `"stalls:leaders"` (of the type, population or robot
-/// of that name), or {`kind`, `name`, `of`, parameters}. Empty, with errors, if it is wrong.
+/// Reads an entry of the list `measures` of a world. It is `"stalls"`, or `"stalls:leaders"` to measure only
+/// the type, population or robot named "leaders", or an object {`kind`, `name`, `of`, parameters}. Empty,
+/// with errors, if it is none of these.
 std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engine::Registry& registry);
 
 /// Reads a measure from the command line: its name without quotes, or a JSON object. Errors are reported at
-/// `source`.
+/// the place `source`, such as "--measure".
 std::optional<engine::MeasureSpec> parse_measure(const std::string& text, const std::string& source,
                                                  const engine::Registry& registry, Diagnostics& diagnostics);
 

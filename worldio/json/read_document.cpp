@@ -29,7 +29,8 @@ class ObjectReader {
 
  private:
   bool find_kind();
-  /// The bit of the variant (DocumentKey::variants); 0 if the key that selects it is missing or wrong.
+  /// The bit that stands for the variant of this object in DocumentKey::variants. 0 if the key that selects
+  /// the variant is missing or wrong.
   std::uint32_t find_variant();
   bool applies(const DocumentKey& key) const;
   void read_key(const DocumentKey& key);
@@ -74,12 +75,13 @@ void ObjectReader::read() {
         static_cast<const std::vector<FaultDocument::Impairment>*>(key.find(object_))->empty()) {
       std::vector<std::string_view> known;
       for (const engine::FaultKind& fault : reading_.registry.faults) known.push_back(fault.name);
-      at_.error(fmt::format("no fault: give one of {}", comma_list(known)));
+      at_.error(fmt::format("the entry names no fault: add at least one of the keys {}", comma_list(known)));
     }
   if (table_.check) table_.check(object_, at_);
 }
 
-/// False, with an error, if the object has no known kind: its valid keys are then not known.
+/// Finds the kind of the object. False, with an error, if the object has no known kind: without it, the valid
+/// keys are not known.
 bool ObjectReader::find_kind() {
   const DocumentKinds& kinds = *table_.kinds;
   const engine::Registry& registry = reading_.registry;
@@ -131,7 +133,7 @@ void ObjectReader::read_key(const DocumentKey& key) {
     case Form::parameters:
       member<engine::Record>(key) = read_fields(keys_, *params(), kind_->presets);
       return;
-    case Form::kind: member<std::string>(key) = kind_->name; break;  // its place is set below
+    case Form::kind: member<std::string>(key) = kind_->name; break;  // the place of the key is set below
     default: break;
   }
   const JsonNode* node = keys_.find(key.field.name);
@@ -143,7 +145,7 @@ void ObjectReader::read_key(const DocumentKey& key) {
   }
 }
 
-/// Reads a value under one of its keys, one per unit.
+/// Reads a value. It has one possible key for each of its units, such as `fov_rad` and `fov_deg`.
 void ObjectReader::read_value(const DocumentKey& key) {
   const Field& field = field_of(key, params());
   FoundField found;
@@ -272,7 +274,7 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
     case Form::object: return read_described(at, key.table(), reading_, key.make(object_));
     case Form::list: return read_list(key, at);
     case Form::map: return read_map(key, at);
-    default: return;  // read by read_key()
+    default: return;  // the other forms are read by read_key()
   }
 }
 
@@ -309,7 +311,8 @@ void ObjectReader::read_list(const DocumentKey& key, const JsonCursor& at) {
 
 void ObjectReader::read_map(const DocumentKey& key, const JsonCursor& at) {
   const JsonNode::Object* members = at.node().object();
-  if (!members) return at.expected(fmt::format("an object of {} by name", key.field.name));
+  if (!members)
+    return at.expected(fmt::format("an object whose keys are the names of the {}", key.field.name));
   void* map = key.make(object_);
   for (const JsonMember& one : *members)
     read_described(JsonCursor(at, one.key, one.node), key.table(), reading_, key.append(map, one.key));

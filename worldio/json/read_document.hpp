@@ -13,8 +13,8 @@ struct DocumentReading {
   double most_bodies;  ///< LoadOptions::most_bodies
 };
 
-/// Reads a described struct. Reports all errors, each at its line; wrong values count as absent. `object` is
-/// a default-constructed struct of the table's type.
+/// Reads an object into a struct by its table. Reports all errors, each at its line, and treats a wrong value
+/// as absent. `object` points to a default-constructed struct of the type that the table describes.
 void read_described(const JsonCursor& at, const DocumentTable& table, const DocumentReading& reading,
                     void* object);
 

@@ -75,7 +75,7 @@ void read_pose(JsonObject& object, Act& act) {
 
 void read_values(JsonObject& object, Act& act) {
   constexpr std::string_view k_expected =
-      "an object: each field of the command with a number or a list of numbers";
+      "an object with a number or a list of numbers for each field of the command";
   const JsonNode* node = object.require("values", k_expected);
   if (!node) return;
   const JsonCursor at(object.at(), "values", *node);
@@ -119,7 +119,7 @@ void read_members(JsonObject& object, Act& act) {
   }
 }
 
-/// Reads the act that `do` names. Empty, with an error, for an unknown act.
+/// Reads the act named `what`, the value of the key `do`. Empty, with an error, for an unknown act.
 std::optional<Act> act_of(JsonObject& object, std::string_view what) {
   const std::vector<std::string_view> known(engine::k_acts.begin(), engine::k_acts.end());
   const auto kind = std::ranges::find(known, what);
@@ -140,12 +140,12 @@ SessionHeader read_header(JsonObject& object) {
       format != k_session_format && object.is_object())
     object.at().error(fmt::format("unknown version {} of the session format: this program reads version {}",
                                   format, k_session_format));
-  header.version = read_name(object, "version", "the version of the program that wrote it");
+  header.version = read_name(object, "version", "the version of the program that wrote the session");
   header.tick = read_count(object, "tick", "the tick at which the session began");
   header.hash = read_name(object, "hash", "the hash of the state at that tick");
   if (const JsonNode* node = object.require("options", "the options of the run")) {
     const JsonCursor at(object.at(), "options", *node);
-    if (!node->object()) at.expected("an object of texts by name");
+    if (!node->object()) at.expected("an object whose values are texts");
     for (const JsonMember& member : node->object() ? *node->object() : JsonNode::Object())
       if (const std::string* text = member.node.text())
         header.options.emplace_back(member.key, *text);
@@ -156,11 +156,11 @@ SessionHeader read_header(JsonObject& object) {
   return header;
 }
 
-/// Adds the act of a line, or the end, to the session.
+/// Reads a line after the header, which has an act or the end of the session, and adds it to `session`.
 void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.findings().size();
-  LoggedAct logged{.tick = read_count(object, "tick", "the tick at whose end it was done"),
-                   .n = read_count(object, "n", "the number of the act, from 1"),
+  LoggedAct logged{.tick = read_count(object, "tick", "the tick at whose end the act was done"),
+                   .n = read_count(object, "n", "the number of the act, counted from 1"),
                    .act = {},
                    .where = object.at().where()};
   const std::string what = read_do(object);
@@ -169,12 +169,12 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
   if (diagnostics.findings().size() > before) return;
   const std::uint64_t last = session.acts.empty() ? session.header.tick : session.acts.back().tick;
   if (session.end)
-    object.at().error("the session has ended on an earlier line");
+    object.at().error("no line may follow the line that ends the session");
   else if (logged.tick < last)
     object.at().error(fmt::format("tick {} is before tick {} of an earlier line", logged.tick, last));
   else if (logged.n != session.acts.size() + 1)
-    object.at().error(
-        fmt::format("act {} follows act {}: acts are numbered 1, 2, ...", logged.n, session.acts.size()));
+    object.at().error(fmt::format("found act {} after act {}: acts must be numbered 1, 2, 3, ...", logged.n,
+                                  session.acts.size()));
   else if (what == k_end)
     session.end = logged.tick;
   else if (act) {
@@ -230,7 +230,7 @@ Session load_session(const std::filesystem::path& file) {
   if (const Result<> readable = check_readable(file, k_most_input_bytes); !readable)
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
   const std::optional<std::string> text = read_file(file);
-  if (!text) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+  if (!text) throw InputError(fmt::format("{}: error: the file cannot be read", file.string()));
   Diagnostics diagnostics;
   Where where{diagnostics.files()->add(file.string()), 0};
   Session session;
@@ -257,7 +257,7 @@ Session load_session(const std::filesystem::path& file) {
     }
     if (where.line == 1) diagnostics.throw_if_errors();
   }
-  if (where.line == 0) diagnostics.error(where, "is empty: a session begins with a header line");
+  if (where.line == 0) diagnostics.error(where, "the file is empty: a session begins with a header line");
   diagnostics.throw_if_errors();
   return session;
 }

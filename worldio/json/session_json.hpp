@@ -11,37 +11,39 @@
 #include <utility>
 #include <vector>
 
-/// Sessions: the acts on a running world, as JSON Lines (docs/live.md).
+/// Sessions: files, in the format JSON Lines, of what was done to a running world (docs/live.md). An *act* is
+/// one such action: a body was moved, a command was given, ...
 namespace troupe::worldio {
 
 inline constexpr int k_session_format = 1;
 
 /// The first line of a session.
 struct SessionHeader {
-  std::string version;     ///< version_line() of the program that wrote it
-  std::uint64_t tick = 0;  ///< tick at which it began
+  std::string version;     ///< version_line() of the program that wrote the session
+  std::uint64_t tick = 0;  ///< tick at which the session began
   std::string hash;        ///< hash of the state at that tick: 16 lower-case hex digits
   /// Options of the run, Simulation::effective_options().
   std::vector<std::pair<std::string, std::string>> options;
 };
 
-/// An act and when it was done.
+/// An act and the tick at whose end it was done.
 struct LoggedAct {
-  std::uint64_t tick = 0;  ///< it was done at the end of this tick
-  std::uint64_t n = 0;     ///< number in the session, from 1
+  std::uint64_t tick = 0;  ///< the act was done at the end of this tick
+  std::uint64_t n = 0;     ///< number of the act in the session, from 1
   engine::Act act;
-  Where where;  ///< its line in the file
+  Where where;  ///< line of the act in the file
 };
 
 /// A whole session.
 struct Session {
   SessionHeader header;
-  std::vector<LoggedAct> acts;       ///< ordered by tick and n
-  std::optional<std::uint64_t> end;  ///< tick at which it ended; empty: its writer was killed
+  std::vector<LoggedAct> acts;  ///< ordered by tick and n
+  std::optional<std::uint64_t>
+      end;  ///< tick at which the session ended; empty: the program that wrote it was killed
   std::vector<std::string> warnings;
 };
 
-/// Lines of a session, without line ends. Throw std::invalid_argument for text that is not UTF-8.
+/// Return lines of a session, without line ends. They throw std::invalid_argument for text that is not UTF-8.
 ///@{
 std::string header_line(const SessionHeader& header);
 std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act);

@@ -20,7 +20,7 @@ using engine::MemberType;
 using engine::Record;
 using engine::Value;
 
-/// The index of the std::variant alternative of values of this type.
+/// The index of the alternative of std::variant that holds values of this field type.
 std::size_t alternative_of(FieldType type) {
   switch (type) {
     case FieldType::boolean: return Value(true).v.index();
@@ -103,7 +103,7 @@ void SpecCheck::member(const Field& field, const FieldTable& table, const void* 
   const Value given = type.get(at);
   if (!given.given()) return;
   if (field.type != FieldType::record) return value(field, given, where, path);
-  if (&table == &engine::setting_fields()) return;  // settings()
+  if (&table == &engine::setting_fields()) return;  // checked by settings()
   const Result<const FieldTable*> parameters = parameters_of(table, object, registry_);
   if (!parameters) return error(where, path, parameters.error().text);
   record(**parameters, given.records().front(), false, where, path);
@@ -131,7 +131,7 @@ void SpecCheck::structure(const Field& field, const void* block, Where where, co
     object(*field.record, block, where, &path);
 }
 
-/// Checks a struct of numbers against the limits of the member that holds it.
+/// Checks a struct that consists only of numbers against the limits of the member that holds the struct.
 void SpecCheck::numbers(const Field& limits, const FieldTable& table, const void* object, Where where,
                         const SpecPath& path) {
   for (const Field& field : table.fields) {
@@ -151,7 +151,7 @@ void SpecCheck::value(const Field& field, const Value& value, Where where, const
   if (const auto* x = std::get_if<double>(&value.v)) return check(*x);
   if (const auto* list = std::get_if<std::vector<double>>(&value.v)) {
     const auto is_beyond = [&](double x) { return !is_within(field, x); };
-    const auto found = std::ranges::find_if(*list, is_beyond);  // one error is enough
+    const auto found = std::ranges::find_if(*list, is_beyond);  // one error per list is enough
     if (found != list->end()) beyond(field, *found, where, path);
     return;
   }
@@ -166,7 +166,7 @@ void SpecCheck::beyond(const Field& field, double x, Where where, const SpecPath
   error(where, path, fmt::format("must be {}, found {:.10g}", limits.empty() ? "finite" : limits, x));
 }
 
-/// is_partial: values that are not given stay unchanged, so that required ones may be missing.
+/// is_partial: the record changes only some parameters, so that required parameters may be missing.
 void SpecCheck::record(const FieldTable& table, const Record& record, bool is_partial, Where where,
                        const SpecPath& path) {
   if (record.size() != table.fields.size())
@@ -179,9 +179,9 @@ void SpecCheck::record(const FieldTable& table, const Record& record, bool is_pa
       if (!is_partial && field.required()) error(where, at, fmt::format("missing: {}", field.text));
       continue;
     }
-    if (record[i] == field.fallback) continue;  // a default may exceed the limits, to mean "none"
+    if (record[i] == field.fallback) continue;  // a default outside the limits is allowed: it means "none"
     if (record[i].v.index() != alternative_of(field.type)) {
-      error(where, at, "has the wrong type");
+      error(where, at, "the value does not have the type of this parameter");
     } else if (field.type == FieldType::record || field.type == FieldType::records) {
       const std::vector<Record>& blocks = record[i].records();
       for (std::size_t b = 0; b < blocks.size(); ++b) {

@@ -6,10 +6,11 @@
 
 namespace troupe::worldio {
 
-/// Reports all values that no world can have: beyond the limits of engine/spec_description.cpp, parameters
-/// that do not match their kind, unknown kinds, and errors of engine::check_rules(). A message begins with
-/// the path of the value, `types[0].parts[2].size: must be from -1000000 to 1000000 m, found nan`, and has
-/// the spec's place for it, if any. Kinds check their own parameters later, in World's constructor.
+/// Reports all values of a spec that no world can have: values beyond the limits in
+/// engine/spec_description.cpp, parameters that do not match their kind, unknown kinds, and whatever
+/// engine::check_rules() finds. A message begins with the path of the value, as in `types[0].parts[2].size:
+/// must be from -1000000 to 1000000 m, found nan`. Its place is the one that the spec has for the value, if
+/// any. The kinds check their own parameters later, in the constructor of World.
 void check_spec(const engine::WorldSpec& spec, const engine::Registry& registry, Diagnostics& diagnostics);
 
 }  // namespace troupe::worldio

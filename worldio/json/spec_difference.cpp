@@ -21,9 +21,9 @@ using engine::Value;
 using engine::WorldSpec;
 
 /// Walks the compared members of one struct, or of two in parallel, by their tables, and calls `Found`:
-///   bool size(sizes, path)    for each list and each block that may be missing
-///   bool value(values, path)  for all other values
-///   bool place(wheres, path)  for each place in a file
+///   bool size(sizes, path)    for each list, and for each optional block (size 0 or 1)
+///   bool value(values, path)  for each other value
+///   bool place(wheres, path)  for each member that is a place in a file (a Where)
 /// A call that returns false ends the walk.
 template <std::size_t N, class Found>
 class Walk {
@@ -38,7 +38,7 @@ class Walk {
   }
 
   bool member(const Field& field, const Objects& objects, const SpecPath* path) const {
-    if (field.member == nullptr) return true;  // compared by spec_difference() itself
+    if (field.member == nullptr) return true;  // bodies and aliases are compared by spec_difference() itself
     const SpecPath at{path, field.name, 0};
     const Objects members = of_each(objects, [&](const void* object) { return member_of(field, object); });
     if (field.record == &engine::place_fields())
@@ -148,7 +148,7 @@ class Bytes {
   std::string bytes_;
 };
 
-/// Compares bodies, or their other names, with names as texts.
+/// Compares the bodies, or the aliases, of two worlds. Names are compared as texts.
 template <class List>
 bool compare_named(const FieldTable& table, const std::array<const WorldSpec*, 2>& specs, List list,
                    std::string_view what, FirstDifference& found) {

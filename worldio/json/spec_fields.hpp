@@ -10,21 +10,21 @@
 #include <string>
 #include <string_view>
 
-// Shared by the code that walks the tables of a spec (engine/spec_description.hpp).
+// Functions for code that visits all members of a spec by its tables (engine/spec_description.hpp).
 
 namespace troupe::worldio {
 
-/// Path to a value of a spec, linked from the value to the root. Paths live on the stack and are formatted
-/// only for an error.
+/// Path to a value of a spec. Each element, on the stack, points to the element of the enclosing struct, so
+/// that a path is formatted only for an error.
 struct SpecPath {
   const SpecPath* parent = nullptr;
   std::string_view name = {};  ///< of a member; empty for an entry of a list
   std::size_t index = 0;       ///< of an entry of a list
 
-  std::string text() const;  ///< `types[0].parts[2].size`
+  std::string text() const;  ///< the whole path: `types[0].parts[2].size`
 };
 
-/// Key of a field in a stored world: its name and its SI unit, "period_s".
+/// Returns the key of a field in a stored world: its name and its SI unit, as in "period_s".
 std::string key_of(const engine::Field& field);
 
 /// Whether a number is finite and within a field's limits.
@@ -32,7 +32,8 @@ inline bool is_within(const engine::Field& field, double x) {
   return std::isfinite(x) && x >= field.min && x <= field.max && !(field.above_min && x == field.min);
 }
 
-/// Whether a struct consists only of numbers, as a pose does. Stored worlds have it as a list of numbers.
+/// Whether a struct consists only of numbers, as a pose does. Stored worlds write such a struct as a list of
+/// numbers.
 bool is_listed(const engine::FieldTable& table);
 /// How many numbers such a struct has, including those of nested structs.
 std::size_t numbers_in(const engine::FieldTable& table);
@@ -43,13 +44,14 @@ inline const void* member_of(const engine::Field& field, const void* object) {
 inline void* member_of(const engine::Field& field, void* object) {
   return static_cast<char*>(object) + field.offset;
 }
-/// The i-th block of a member that holds blocks or lists; read-only.
+/// Returns the i-th struct of a member that is a struct or a list of structs; read-only.
 inline const void* block_of(const engine::MemberType& type, const void* member, std::size_t i) {
   return type.block(const_cast<void*>(member), i);
 }
 
-/// The table of the parameters in a struct of a spec: those of the kind named by its member `kind`, or, for
-/// the world, those of its window. The error lists the known kinds.
+/// Returns the table of the parameters that a struct of a spec holds: the parameters of the kind that its
+/// member `kind` names or, for the world, those of its window. If the kind is unknown, returns an error that
+/// lists the known kinds.
 Result<const engine::FieldTable*> parameters_of(const engine::FieldTable& table, const void* object,
                                                 const engine::Registry& registry);
 

@@ -13,9 +13,10 @@
 
 namespace troupe::worldio {
 
-/// The bodies of a spec, of which there may be millions, as columns: one entry per body, in order of ids.
+/// The bodies of a spec as columns, because there may be millions: each column has one entry per body, in the
+/// order of the ids.
 struct BodyColumns {
-  std::vector<std::uint32_t> word, number;  ///< the parts of an engine::Name
+  std::vector<std::uint32_t> word, number;  ///< the two members of engine::Name
   std::vector<std::uint32_t> type;
   std::vector<double> pose;               ///< x, y, z (m) and heading (rad), world frame
   std::vector<float> color;               ///< red, green, blue, opacity
@@ -25,20 +26,22 @@ struct BodyColumns {
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
 };
 
-/// A stored world: its whole expanded spec, which needs no other file. It restores to the last bit.
+/// A stored world: its whole expanded spec, which needs no other file. restore_spec() makes the same spec of
+/// it, to the last bit.
 struct StoredSpec {
   std::string json;  ///< from spec_to_json()
   BodyColumns bodies;
 };
+/// Returns a spec as a stored world. Throws like spec_to_json().
 StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// A spec without its bodies: settings, types with their solids and parameters (under the names and SI units
-/// of their field tables), the words of names, names of parts, and the files that a `where`, [file, line],
-/// refers to. Throws std::runtime_error for a number that is not finite and for a parameter that is not
-/// UTF-8, which JSON cannot represent.
+/// Returns a spec without its bodies as JSON: settings, types with their solids and parameters, the words
+/// that names consist of, names of parts, and the names of the files to which each place `where`, [file,
+/// line], refers. Parameters have the names and SI units of their field tables. Throws std::runtime_error for
+/// a number that is not finite and for a parameter that is not UTF-8, because JSON cannot represent these.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// The keys of types in a stored world: "0", "1", ...
+/// Returns the keys that the types have in a stored world: "0", "1", ...
 std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
 
 /// The values of a stored world that --set may change: those that do not alter the shape of the state.
@@ -47,9 +50,10 @@ inline constexpr std::string_view k_changeable =
     "/drive/params/..., "
     "/sensors/N/active, /sensors/N/period_s, /sensors/N/params/..., /controllers/N/params/...";
 
-/// Restores a spec. `changes`: JSON pointer into the text -> value, as in --set; a pointer that is not in
-/// k_changeable is an error. Errors are reported at `where`, the file of the stored world, or at `--set
-/// POINTER`; do not use the result if there are any.
+/// Restores a spec from a stored world. `changes` are pairs of a JSON pointer into StoredSpec::json and a new
+/// value, as in --set; a pointer that is not in k_changeable is an error. Errors about the stored world are
+/// reported at `where`, its file; errors about a change, at `--set POINTER`. Do not use the result if there
+/// are errors.
 engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry& registry,
                                std::span<const std::pair<std::string, std::string>> changes, Where where,
                                Diagnostics& diagnostics);

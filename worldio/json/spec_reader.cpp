@@ -49,8 +49,8 @@ bool is_changeable(std::string_view pointer) {
   return token(at) == "period_s" || (token(at) == "active" && !is_drive);
 }
 
-/// Reads a text as spec_to_json() writes it; the characters of {"latin1": ...} are bytes. Empty if it is
-/// wrong.
+/// Reads a text as spec_to_json() writes it: a JSON text, or {"latin1": ...} with one character per byte.
+/// Empty if the node is neither.
 std::optional<std::string> text_of(const JsonNode& node) {
   if (const std::string* text = node.text()) return *text;
   const JsonNode* latin1 = node.find("latin1");
@@ -82,16 +82,18 @@ std::vector<std::string> texts_of(const JsonCursor& at, std::string_view what) {
   return texts;
 }
 
-/// A field of `columns` numbers within the limits of `field`.
+/// Returns the description of a list of `columns` numbers with the limits of `field`.
 Field numbers_like(const Field& field, std::size_t columns) {
   return {
       .name = field.name, .type = FieldType::numbers, .min = field.min, .max = field.max, .columns = columns};
 }
 
-/// Reads a member that is neither a block nor a list of points. Not given, with an error, if it is wrong.
+/// Reads a member that is neither a block nor a list of points. If the value is wrong, reports an error and
+/// returns a value that is not given.
 Value scalar(const JsonCursor& at, const Field& field) {
   if (field.type == FieldType::texts) return texts_of(at, "a text");
-  if (field.type == FieldType::color) return read_value(at, numbers_like(field, 4));  // names are not used
+  if (field.type == FieldType::color)
+    return read_value(at, numbers_like(field, 4));  // stored worlds have no colour names
   if (field.type == FieldType::text && field.choices.empty()) {
     if (std::optional<std::string> text = text_of(at.node())) return *std::move(text);
     at.expected("a text");
@@ -100,13 +102,14 @@ Value scalar(const JsonCursor& at, const Field& field) {
   if (!field.member->is_unsigned || std::isfinite(field.max)) return read_value(at, field);
   const auto* small = std::get_if<std::int64_t>(&at.node().value);
   const auto* big = std::get_if<std::uint64_t>(&at.node().value);
-  if (big) return static_cast<std::int64_t>(*big);  // the same bits
+  if (big) return static_cast<std::int64_t>(*big);  // only the type changes, not the bits
   if (small && *small >= 0) return *small;
   at.expected("a whole number from 0 to 2^64 - 1");
   return {};
 }
 
-/// Sets a struct that consists only of numbers from the front of `numbers`, and removes these from it.
+/// Sets a struct that consists only of numbers from the first elements of `numbers`, and removes these
+/// elements from the span.
 void set_numbers(const FieldTable& table, void* object, std::span<const double>& numbers) {
   for (const Field& field : table.fields) {
     if (field.type == FieldType::record) {
@@ -136,7 +139,7 @@ struct NamedPart {
   }
 };
 
-/// Reads what spec_writer.cpp writes. Reports errors; the spec is then well-formed but meaningless.
+/// Reads what spec_writer.cpp writes. If errors are reported, the spec is well-formed but must not be used.
 class SpecReader {
  public:
   SpecReader(const engine::Registry& registry, Where file, Diagnostics& diagnostics)
@@ -158,7 +161,8 @@ class SpecReader {
   void read_words(const JsonCursor& at);
   void read_part_names(const JsonCursor& at);
 
-  /// Converts a Where of the stored world to the file numbers of this load.
+  /// Converts a place of the stored world: its file number becomes the number that the file has in this
+  /// program.
   Where here(std::uint32_t file, std::uint32_t line) const {
     return {file < files_.size() ? files_[file] : Where::k_no_file, line};
   }
@@ -168,7 +172,7 @@ class SpecReader {
   Where file_;
   Diagnostics& diagnostics_;
   engine::WorldSpec spec_;
-  std::vector<std::uint32_t> files_;  // number in this load of each file of the stored world
+  std::vector<std::uint32_t> files_;  // for each file of the stored world, its number in this program
 };
 
 constexpr std::string_view k_always = "required in a stored world";
@@ -270,7 +274,8 @@ void SpecReader::read_parameters(const JsonCursor& at, const Field& field, const
 
 void SpecReader::read_apart(JsonObject& object, std::string_view name) {
   if (name == "experiment") return read_experiment(object, numbers_of_types(spec_), registry_, spec_);
-  if (name != "files" && name != "words" && name != "part_names") return;  // columns
+  if (name != "files" && name != "words" && name != "part_names")
+    return;  // the other names are those of BodyColumns
   const JsonNode* node = object.require(name, k_always);
   if (!node) return;
   const JsonCursor at(object.at(), name, *node);
@@ -316,12 +321,14 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
       c.color.size() != 4 * count || (!c.fiducial.empty() && c.fiducial.size() != count) ||
       c.file.size() != count || c.line.size() != count || c.alias_word.size() != aliases ||
       c.alias_number.size() != aliases)
-    return error("the columns of the bodies differ in length");
-  if (count == 0) return error("there are no bodies: the first body of every world is the ground");
+    return error("the file is damaged: the columns of the bodies differ in length");
+  if (count == 0)
+    return error("the file is damaged: it has no bodies, but every world has at least the ground");
   const FieldTable& table = engine::body_fields();
   const Field& pose = table.fields[static_cast<std::size_t>(table.find("pose"))];
-  // Compared with the two limits only: they are finite, so NaN and infinity fail too. Checking everything
-  // else would take a fifth of the time of a large world.
+  // Only the poses are checked, and only against their two limits. The limits are finite, so NaN and infinity
+  // fail too. Checking all other values of the bodies would take a fifth of the time of loading a large
+  // world.
   const auto beyond = std::ranges::find_if(
       c.pose, [low = pose.min, high = pose.max](double x) { return !(low <= x && x <= high); });
   if (beyond != c.pose.end())
@@ -352,8 +359,9 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
     if (is_changeable(pointer))
       set_json_value(*document, pointer, value, diagnostics);
     else
-      diagnostics.error({diagnostics.files()->add("--set " + pointer), 0},
-                        fmt::format("cannot be changed in a stored world; allowed are: {}", k_changeable));
+      diagnostics.error(
+          {diagnostics.files()->add("--set " + pointer), 0},
+          fmt::format("this value of a stored world cannot be changed; --set can change {}", k_changeable));
   }
   if (diagnostics.has_errors()) return {};
   SpecReader reader(registry, where, diagnostics);

@@ -23,12 +23,13 @@ using engine::Value;
 using Json = nlohmann::ordered_json;
 
 double finite(double x) {
-  if (!std::isfinite(x)) throw std::runtime_error("the world holds a number that is not finite");
+  if (!std::isfinite(x))
+    throw std::runtime_error("the world has a number that is not finite, which JSON cannot represent");
   return x;
 }
 
-/// Stage files may be in any encoding: text that is not UTF-8 is written as {"latin1": ...}, one character
-/// per byte.
+/// Returns a text as JSON. World files of Stage may be in any encoding: text that is not UTF-8 is written as
+/// {"latin1": ...}, with one character per byte.
 Json text_json(const std::string& text) {
   Json json = text;
   try {
@@ -51,7 +52,7 @@ Json text_json(const std::string& text) {
   return other;
 }
 
-/// Whether the reader accepts the value. A default may be outside the limits, to mean "not given".
+/// Whether the reader accepts the value. A default may be outside the limits, where it means "not given".
 bool takes(const Field& field, const Value& value) {
   switch (field.type) {
     case FieldType::integer: return is_within(field, static_cast<double>(value.integer()));
@@ -151,7 +152,7 @@ class SpecWriter {
   const engine::Registry& registry_;
 };
 
-/// Empty for an omitted member: one without a value, or a sparse one at its default.
+/// Empty for a member that is omitted: a member without a value, or a sparse member at its default.
 std::optional<Json> SpecWriter::member_json(const Field& field, const FieldTable& table,
                                             const void* object) const {
   const engine::MemberType& type = *field.member;
@@ -216,7 +217,7 @@ void SpecWriter::write_apart(std::string_view name, Json& json) const {
     write_part_names(json);
   } else if (name == "experiment") {
     write_experiment(json);
-  }  // bodies and aliases are BodyColumns
+  }  // bodies and aliases are written as BodyColumns
 }
 
 void SpecWriter::write_part_names(Json& json) const {
@@ -229,7 +230,7 @@ void SpecWriter::write_part_names(Json& json) const {
   }
 }
 
-/// In the format of JSON worlds, but with types named by their numbers.
+/// Writes the experiment in the format of JSON worlds, except that types are named by their numbers.
 void SpecWriter::write_experiment(Json& json) const {
   if (spec_.experiment.empty()) return;
   JsonNode::Object object;
@@ -282,7 +283,7 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
   try {
     return json.dump();
   } catch (const Json::type_error&) {
-    throw std::runtime_error("a parameter of the world holds a text that is not UTF-8");
+    throw std::runtime_error("a parameter of the world has a text that is not UTF-8, which JSON requires");
   }
 }
 

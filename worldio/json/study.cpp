@@ -43,7 +43,7 @@ Field whole(std::string_view name, double min, double max, std::string_view abou
   return {.name = name, .type = FieldType::integer, .min = min, .max = max, .text = about};
 }
 
-/// Values at equal distances.
+/// Equally spaced values from `from` to `to`, including both.
 struct Steps {
   double from = 0;
   double to = 0;
@@ -51,9 +51,10 @@ struct Steps {
 
   static constexpr void describe(engine::Description<Steps>& d) {
     using namespace engine::facts;
-    d.member<&Steps::from>("from", required, "the first value");
-    d.member<&Steps::to>("to", required, "the last value");
-    d.member<&Steps::steps>("steps", within(2, k_most_runs), required, "how many values");
+    d.member<&Steps::from>("from", required, "the first of the equally spaced values");
+    d.member<&Steps::to>("to", required, "the last of the equally spaced values");
+    d.member<&Steps::steps>("steps", within(2, k_most_runs), required,
+                            "number of equally spaced values, including the first and the last");
   }
 };
 
@@ -66,11 +67,11 @@ struct SeedRange {
   static constexpr void describe(engine::Description<SeedRange>& d) {
     using namespace engine::facts;
     d.member<&SeedRange::from>("from", within(0, k_most_seed), required, "the first seed");
-    d.member<&SeedRange::count>("count", within(1, k_most_runs), required, "how many seeds");
+    d.member<&SeedRange::count>("count", within(1, k_most_runs), required, "number of consecutive seeds");
   }
 };
 
-/// Reads a described struct. Empty, with errors, if the object lacks a field.
+/// Reads a struct that has a field table. Empty, with errors, if a field is missing or wrong.
 template <class T>
 std::optional<T> read_all(JsonObject& object) {
   const engine::Record record = read_fields(object, engine::described<T>());
@@ -90,7 +91,7 @@ std::string text_of(double value) { return text_of(json_node(value)); }
 using Choice = Study::Choice;
 using Kind = Choice::Kind;
 
-/// The i-th value of a list or of steps.
+/// Returns the i-th value of a parameter whose values are a list or equally spaced.
 std::string value_of(const Choice& choice, std::size_t i) {
   if (choice.kind == Kind::listed) return choice.values[i];
   if (i + 1 == choice.steps) return text_of(choice.high);
@@ -214,7 +215,7 @@ Choice StudyReader::read_choice(JsonObject& object) {
   }
   if (way.empty()) {
     object.missing("values",
-                   "a list; or \"from\", \"to\" and \"steps\"; or, with samples, \"uniform\", "
+                   "a list of values; or \"from\", \"to\" and \"steps\"; or, with \"samples\", \"uniform\", "
                    "\"log_uniform\" or \"integers\"");
     return {};
   }
@@ -230,7 +231,7 @@ Choice StudyReader::read_list_of_values(const JsonCursor& at) {
   Choice choice;
   const JsonNode::List* list = read_list(at);
   if (list && (list->empty() || list->size() > k_most_runs))
-    at.error(fmt::format("expected 1 to {} values", k_most_runs));
+    at.error(fmt::format("expected a list of 1 to {} values", k_most_runs));
   else if (list)
     for (const JsonNode& value : *list) choice.values.push_back(text_of(value));
   return choice;
@@ -303,7 +304,8 @@ void StudyReader::read_measures(JsonObject& object) {
     if (!name.given()) return;
     const auto statistic =
         static_cast<Statistic>(std::ranges::find(k_statistics, name.text()) - k_statistics.begin());
-    if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end()) at.error("given twice");
+    if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end())
+      at.error("this statistic is given twice");
     study_.statistics.push_back(statistic);
   });
   if (study_.statistics.empty()) study_.statistics.push_back(Statistic::last);
@@ -346,7 +348,8 @@ Study::Run Study::run(std::size_t index) const {
   run.values.resize(choices.size());
   for (std::size_t p = choices.size(); p-- > 0;) {
     if (samples) {
-      // An independent stream per parameter: adding another parameter changes no value of this one.
+      // Each parameter has an independent random stream: adding another parameter changes no value of this
+      // one.
       Random random(random_seed, stream_id("study", parameters[p].pointer), static_cast<std::uint32_t>(index),
                     0);
       run.values[p] = drawn(choices[p], random);
@@ -370,7 +373,7 @@ Study load_study(const std::filesystem::path& file, const engine::Registry& regi
   const auto text = read_file(file);
   if (!text) {
     const Result<> readable = check_readable(file, k_most_input_bytes);
-    diagnostics.error(start, readable ? "cannot be read" : readable.error().text);
+    diagnostics.error(start, readable ? "the file cannot be read" : readable.error().text);
     return {};
   }
   return load_study_text(file, *text, registry, diagnostics);

@@ -12,17 +12,20 @@
 
 namespace troupe::worldio {
 
-/// The type that a document describes under `key`. Do not use the result if errors are reported.
+/// Returns the type that a document describes. `key` is its key in the object `types`, and `at` its path. Do
+/// not use the result if errors are reported.
 engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
                              const engine::Registry& registry, ImageFolder& images);
 
-/// The document that describes this type under `key`, without the values that expand_type() assumes. `folder`
-/// as for contract_shape(). Throws std::runtime_error for kinds that are not registered.
+/// The inverse of expand_type(): returns the document that describes this type under `key`, without the
+/// values that expand_type() assumes by default. `folder`: the folder that the paths of images are relative
+/// to; null: images are written as outlines. Throws std::runtime_error for kinds that are not registered.
 TypeDocument contract_type(const engine::TypeSpec& type, const std::string& key,
                            const std::optional<Color>& color, const engine::Registry& registry,
                            const std::filesystem::path* folder);
 
-/// Whether a part that is itself this device moves with it: an actuator does, the base of a gripper does not.
+/// Whether a part that is itself a device of this kind moves with the device. The part of an actuator does;
+/// the base of a gripper does not, because only its paddles move.
 inline bool moves_itself(const engine::DeviceKind& kind) { return !kind.joints.empty() && !kind.body; }
 
 }  // namespace troupe::worldio

@@ -16,7 +16,7 @@
 #include <cmath>
 
 /// The only description of the JSON world format: keys, units, limits, meanings, and which keys go together.
-/// Limits apply to worlds that people write; engine/spec_description.cpp has those of specs.
+/// The limits here apply to JSON worlds; engine/spec_description.cpp has those of specs.
 namespace troupe::worldio {
 namespace {
 
@@ -30,7 +30,7 @@ constexpr Unit meters = Unit::meters;
 constexpr Unit seconds = Unit::seconds;
 
 constexpr double k_most_period_s = 1e6;   // periods of devices, drives and controllers
-constexpr double k_most_chosen = 1e9;     // bodies of a group
+constexpr double k_most_chosen = 1e9;     // bodies in a group
 constexpr double k_most_return = 1e6;     // absolute value of ranger_return
 constexpr double k_least_step_m = 0.001;  // distance between bodies, cell size of free_floor
 constexpr std::array<std::string_view, 2> k_checks{"error", "warn"};
@@ -90,7 +90,7 @@ Result<DocumentKind> find_device(const Registry& registry, const std::string& na
                                                 : "is not a sensor: it belongs in \"devices\"")};
 }
 
-/// The device that models of the part's kind are, if any.
+/// The device that belongs to the model kind of a part, if any: a part of kind "ranger" is a ranger.
 std::optional<DocumentKind> implied_device(const Registry& registry, const JsonNode& part) {
   const JsonNode* named = part.find("kind");
   const std::string* name = named ? named->text() : nullptr;
@@ -180,7 +180,7 @@ const DocumentKinds k_measures{
     .expects = "the name of a measure",
     .hint = "the name of a measure"};
 
-// ---- texts in place of objects
+// ---- texts that may replace objects
 
 std::string_view trimmed(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
@@ -188,7 +188,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Parses `>= 0.9`. Empty if the text is not a comparison.
+/// Parses a comparison such as `>= 0.9`. Empty if the text is not a comparison.
 std::optional<ComparisonDocument> comparison_of(std::string_view text) {
   std::optional<std::size_t> longest;
   for (std::size_t i = 0; i < engine::k_comparisons.size(); ++i)
@@ -306,18 +306,19 @@ const DocumentShorthand k_condition_text{
         },
     .before_object = true};
 
-// ---- what several structs have
+// ---- keys that several structs have
 
 template <class T, auto... Path>
 void describe_returns(DocumentKeys<T>& d) {
   using engine::Returns;
-  d.template value<Path..., &Returns::obstacle>("obstacle", "blocks bodies");
-  d.template value<Path..., &Returns::ranger>("ranger_return", within(-k_most_return, k_most_return),
-                                              "intensity that a ranger reads; below 0: beams pass through");
+  d.template value<Path..., &Returns::obstacle>("obstacle", "blocks the motion of other bodies");
+  d.template value<Path..., &Returns::ranger>(
+      "ranger_return", within(-k_most_return, k_most_return),
+      "intensity that a ranger reads from the body; below 0: beams pass through the body");
   d.template value<Path..., &Returns::fiducial>(
-      "fiducial_return", "number that fiducial finders read; 0: they do not find the body");
-  d.template value<Path..., &Returns::fiducial_key>("fiducial_key",
-                                                    "fiducial finders find only bodies with their own key");
+      "fiducial_return", "number that fiducial finders read from the body; 0: they do not find it");
+  d.template value<Path..., &Returns::fiducial_key>(
+      "fiducial_key", "a fiducial finder finds only bodies whose key equals its own");
   d.template value<Path..., &Returns::gripper>("gripper_return", "grippers sense the body and can hold it");
   d.template value<Path..., &Returns::blob>("blob_return", "blob finders see the colour of the body");
   d.template value<Path..., &Returns::pushable>("pushable", "robots push the whole body instead of stalling");
@@ -344,7 +345,8 @@ bool is_fitted(const JsonNode& object) {
 
 bool has_no_map(const JsonNode& object) { return !has_map(object); }
 
-/// is_plan: the object is a floor plan, so that a key of images need not depend on `bitmap`.
+/// Describes the keys of an image. is_plan: the object is a floor plan, which always has a `bitmap`; in other
+/// objects, the keys of an image are only allowed together with `bitmap`.
 template <class T, auto Image>
 void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   constexpr std::string_view k_path =
@@ -371,13 +373,14 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   if (!is_plan) boundary.when(has_image);
 }
 
-/// Reports a missing size of an image or of fitted blocks.
+/// Reports an error if an image or fitted blocks need a size and the object has none.
 void check_size(const ImageDocument& image, bool is_needed, const JsonCursor& at) {
   if (is_needed && at.node().object() && !has_map(at.node()) && !image.size) {
     const DocumentTable& table = document_table<PartDocument>();
     const engine::Field& field = table.find("size")->field;
     for (const engine::UnitSuffix& unit : engine::unit_suffixes(field.unit))
-      if (at.node().find(fmt::format("{}{}", field.name, unit.suffix))) return;  // wrong, and reported
+      if (at.node().find(fmt::format("{}{}", field.name, unit.suffix)))
+        return;  // the size is there, but wrong: an error was already reported
     if (at.node().find(field.name)) return;
     at.error(fmt::format("missing {}: {}", quoted_keys(field), table.find("size")->hint));
   }
@@ -395,15 +398,18 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
     if (!is_own) key.require();
   };
   const auto joint = [&] {
-    d.template other<&D::joint>(Form::joint, "joint", "name of the joint that it moves with; null: none");
+    d.template other<&D::joint>(Form::joint, "joint",
+                                "name of the joint that moves it; null: no joint moves it");
   };
   if (is_own) kind();
-  d.template other<&D::name>(Form::name, "name", "its name within the type",
+  d.template other<&D::name>(Form::name, "name", "name, which no other device of the type may have",
                              is_own             ? "the device's name"
                              : word == "sensor" ? "the sensor's name"
                                                 : "the device's name");
   if (!is_own) kind();
-  d.template value<&D::pose>("pose", "pose in the frame of the body, or of the device it is mounted on");
+  d.template value<&D::pose>(
+      "pose",
+      "pose in the frame of the body or, with `on`, in the frame of the device on which it is mounted");
   joint();
   d.template value<&D::active>("active", "false: runs only while a controller or a program reads it");
   d.template value<&D::period>("period", seconds, within(0, k_most_period_s),
@@ -411,7 +417,8 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
       .or_named("update_period");
   d.template other<&D::params>(Form::parameters, "");
   if (is_own) return;
-  d.template other<&D::on>(Form::name, "on", "device on which it is mounted and with which it moves",
+  d.template other<&D::on>(Form::name, "on",
+                           "name of the device on which this device is mounted and with which it moves",
                            "the name of a device with a joint");
   const std::size_t shown = d.table().keys.size();
   d.template other<&D::color>(Form::color, "color");
@@ -441,10 +448,11 @@ void describe_group(DocumentKeys<G>& d) {
 template <class T, auto... Path>
 void describe_experiment(DocumentKeys<T>& d) {
   d.template list<Path..., &ExperimentDocument::stop_when>(
-      "stop_when", "conditions on measures: the run ends when one of them holds, docs/experiments.md");
+      "stop_when", "conditions on measures: the run ends when any of them holds, docs/experiments.md");
   d.template list<Path..., &ExperimentDocument::at>("at",
                                                     "interventions: changes to the world at given times");
-  d.template list<Path..., &ExperimentDocument::faults>("faults", "how robots fail");
+  d.template list<Path..., &ExperimentDocument::faults>("faults",
+                                                        "which robots fail during the run, when and how");
 }
 
 template <class P>
@@ -456,22 +464,23 @@ void describe_body(DocumentKeys<P>& d) {
       .when(no_image);
   d.template value<&P::origin>("origin", "pose of the centre of the image or of the scaled blocks")
       .when([](const JsonNode& object) { return has_image(object) || is_fitted(object); });
-  d.template list<&P::blocks>("blocks", "upright prisms").when(no_image);
-  d.template value<&P::floor_plan>("floor_plan", "marks an image of walls");
+  d.template list<&P::blocks>("blocks", "upright prisms that form the solid shape of the body or part")
+      .when(no_image);
+  d.template value<&P::floor_plan>("floor_plan", "true: the body is a floor plan, an image of walls");
   d.template value<&P::extent>("extent", meters, within(0, 2 * k_max_size_m),
-                               "declared size, if it differs from that of the body");
+                               "declared size: x, y and height, if it differs from the extent of the solids");
   d.template other<&P::color>(Form::color, "color");
   describe_returns<P, &P::returns>(d);
 }
 
 template <class P>
 void describe_contents(DocumentKeys<P>& d) {
-  d.template object<&P::device>("device", "makes the body or part itself a device");
+  d.template object<&P::device>("device", "makes the body or the part itself a device");
   d.template list<&P::sensors>("sensors", "devices that only observe the world");
   d.template list<&P::devices>("devices", "devices that act, by themselves or on command");
   d.template object<&P::controller>("controller");
   d.template list<&P::controllers>("controllers");
-  d.template list<&P::parts>("parts", "parts that are mounted on it");
+  d.template list<&P::parts>("parts", "parts that are mounted on this body or part");
   d.rule({.how = How::not_both,
           .keys = {"controller", "controllers"},
           .several = "give \"controller\" or \"controllers\", not both",
@@ -491,13 +500,15 @@ void check_block(const BlockDocument& block, const JsonCursor& at) {
   if (!block.z) return;
   const auto [low, high] = *block.z;
   if (low > high || (block.points && low == high))
-    at.error(fmt::format("\"z_m\" must rise from min to max, found {:.10g} and {:.10g}", low, high));
+    at.error(
+        fmt::format("\"z_m\" must be [min, max] with min below max, found {:.10g} and {:.10g}", low, high));
   if (!block.points || block.points->empty()) return;
   if (const Result<> outline = check_outline(*block.points); !outline)
     JsonCursor(at, "points_m", *at.node().find("points_m")).error(outline.error().text);
 }
 
-/// A name of a column must be plain: it is in the header of CSV tables, and people type it.
+/// Checks the name of a column. Only plain characters are allowed, because the name is part of the header of
+/// CSV tables and users type it.
 void check_measure(const MeasureDocument& measure, const JsonCursor& at) {
   constexpr std::string_view k_plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.:";
   if (measure.name.find_first_not_of(k_plain) == measure.name.npos) return;
@@ -588,7 +599,7 @@ void DriveDocument::describe(DocumentKeys<DriveDocument>& d) {
   d.table().kinds = &k_drives;
   d.other<&DriveDocument::kind>(Form::kind, "kind").require();
   d.value<&DriveDocument::period>("period", seconds, within(0, k_most_period_s),
-                                  "time between two commands that it takes; 0: every tick")
+                                  "time between two commands that the drive accepts; 0: every tick")
       .or_named("update_period");
   d.other<&DriveDocument::params>(Form::parameters, "");
 }
@@ -597,8 +608,9 @@ void ControllerDocument::describe(DocumentKeys<ControllerDocument>& d) {
   d.table().definition = "controller";
   d.table().kinds = &k_controllers;
   d.other<&ControllerDocument::kind>(Form::kind, "kind").require();
-  d.value<&ControllerDocument::period>("period", seconds, within(0, k_most_period_s),
-                                       "how often it runs if it reads no sensor and has no drive")
+  d.value<&ControllerDocument::period>(
+       "period", seconds, within(0, k_most_period_s),
+       "time between two calls of a controller that reads no sensor and has no drive; 0: every tick")
       .or_named("update_period");
   d.other<&ControllerDocument::params>(Form::parameters, "");
 }
@@ -608,10 +620,12 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
   d.other<&PartDocument::name>(Form::name, "name", "the full name of the part is BODY.NAME",
                                "the part's name")
       .require("the part's name");
-  d.other<&PartDocument::alias>(Form::name, "alias", "another name", "another name of the part");
-  d.other<&PartDocument::kind>(Form::model_kind, "kind", "Stage's name for the kind of the part");
+  d.other<&PartDocument::alias>(Form::name, "alias", "another name, by which it can be looked up",
+                                "another name of the part");
+  d.other<&PartDocument::kind>(Form::model_kind, "kind", "type of Stage model that corresponds to the part");
   d.value<&PartDocument::pose>("pose", "pose in the frame of the body, with all joints at rest");
-  d.other<&PartDocument::joint>(Form::joint, "joint", "name of the joint that it moves with; null: none");
+  d.other<&PartDocument::joint>(Form::joint, "joint",
+                                "name of the joint that moves it; null: no joint moves it");
   describe_body(d);
   describe_contents(d);
   d.check<check_part>();
@@ -619,17 +633,21 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
 
 void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.table().definition = "type";
-  d.other<&TypeDocument::name>(Form::name, "name",
-                               "name of the type, if not its key; several types may have the same name",
-                               "the name of the type");
-  d.other<&TypeDocument::kind>(Form::model_kind, "kind", "Stage's name for the kind of the root part");
+  d.other<&TypeDocument::name>(
+      Form::name, "name",
+      "name of the type, if it differs from the key; several types may have the same name",
+      "the name of the type");
+  d.other<&TypeDocument::kind>(Form::model_kind, "kind",
+                               "type of Stage model that corresponds to the body itself");
   describe_body(d);
   d.object<&TypeDocument::drive>("drive", "a body without a drive does not move by itself");
   describe_contents(d);
-  d.other<&TypeDocument::device_order>(Form::names, "device_order", "order of the devices: names each once");
+  d.other<&TypeDocument::device_order>(
+      Form::names, "device_order",
+      "names of all devices, each exactly once, in the order in which the type has them");
   d.rule({.how = How::any_of,
           .keys = {"size", "blocks", "bitmap", "device"},
-          .none = "has no body: give \"size_m\" (a box), \"blocks\", \"bitmap\" or \"device\""});
+          .none = "the type has no body: give \"size_m\" (a box), \"blocks\", \"bitmap\" or \"device\""});
   d.check<check_type>();
 }
 
@@ -640,7 +658,8 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
       true);
   for (DocumentKey& key : d.table().keys)
     if (key.field.name == "bitmap") key.require(key.expects);
-  d.value<&FloorplanDocument::pose>("pose", "pose of the centre; of a ROS map, pose of the map frame");
+  d.value<&FloorplanDocument::pose>("pose",
+                                    "pose of the centre of the image; for a ROS map, pose of the map frame");
   d.other<&FloorplanDocument::color>(Form::color, "color");
   describe_returns<FloorplanDocument, &FloorplanDocument::returns>(d);
   d.check<check_floorplan>();
@@ -648,17 +667,21 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
 
 void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {
   d.other<&ModelDocument::name>(Form::name, "name", {}, "a name").require("the model's name");
-  d.other<&ModelDocument::alias>(Form::name, "alias", "another name", "another name of the model");
+  d.other<&ModelDocument::alias>(Form::name, "alias", "another name, by which it can be looked up",
+                                 "another name of the model");
   d.other<&ModelDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
-  d.other<&ModelDocument::reserve_of>(Form::name, "reserve_of",
-                                      "population into which the body may be born, docs/lives.md",
-                                      "the name of a population");
+  d.other<&ModelDocument::reserve_of>(
+      Form::name, "reserve_of",
+      "name of the population into which the body may be born during the run, docs/lives.md",
+      "the name of a population");
   d.value<&ModelDocument::pose>("pose").write_always();
   d.other<&ModelDocument::color>(Form::color, "color");
-  d.value<&ModelDocument::fiducial_return>("fiducial_return", "number of this body for fiducial finders");
+  d.value<&ModelDocument::fiducial_return>("fiducial_return",
+                                           "number that fiducial finders read from this body");
   d.other<&ModelDocument::global_parts>(Form::names, "global_parts",
-                                        "parts that can be found by their name alone", "the name of a part");
+                                        "names of parts that can be looked up without the name of the body",
+                                        "the name of a part");
   d.check<check_model>();
 }
 
@@ -669,7 +692,8 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
   d.choice<&PlaceDocument::rule>("rule", k_rules)
       .require("grid, uniform, gaussian, poisson_disc or free_floor");
   d.other<&PlaceDocument::region>(Form::box, "region_m", "region of the origins of the bodies");
-  d.other<&PlaceDocument::polygon>(Form::points, "polygon_m", "polygon in which the origins must also lie")
+  d.other<&PlaceDocument::polygon>(Form::points, "polygon_m",
+                                   "polygon in which the origins of the bodies must also lie")
       .entries(3);
   d.other<&PlaceDocument::spill>(Form::box, "spill_m",
                                  "second region, for bodies that do not fit into the first")
@@ -715,8 +739,9 @@ void PopulationDocument::describe(DocumentKeys<PopulationDocument>& d) {
   d.value<&PopulationDocument::reserve>("reserve", within(0, LoadOptions().most_bodies),
                                         "number of bodies that may be born later")
       .counts_bodies = true;
-  d.other<&PopulationDocument::color>(Form::color_or_random, "color",
-                                      "\"random\": each body has a colour of its own");
+  d.other<&PopulationDocument::color>(
+      Form::color_or_random, "color",
+      "colour of all bodies; \"random\": each body has a random colour of its own");
   d.object<&PopulationDocument::place>("place").require("{\"rule\": ..., \"region_m\": ...}");
 }
 
@@ -724,9 +749,11 @@ void MeasureDocument::describe(DocumentKeys<MeasureDocument>& d) {
   d.table().kinds = &k_measures;
   d.table().shorthand = &k_measure_text;
   d.other<&MeasureDocument::kind>(Form::kind, "kind").require();
-  d.other<&MeasureDocument::of>(Form::name, "of", "a type, a population or a robot",
+  d.other<&MeasureDocument::of>(Form::name, "of",
+                                "name of the type, population or robot that is measured; default: all robots",
                                 "the name of a type, a population or a robot");
-  d.other<&MeasureDocument::name>(Form::name, "name", "name of the column", "the name of the column");
+  d.other<&MeasureDocument::name>(Form::name, "name", "name of the column in the table of results",
+                                  "the name of the column");
   d.other<&MeasureDocument::params>(Form::parameters, "");
   d.check<check_measure>();
 }
@@ -747,7 +774,7 @@ void AddDocument::describe(DocumentKeys<AddDocument>& d) {
   d.other<&AddDocument::population>(Form::name, "population", "a population with a reserve", "a name")
       .require();
   d.value<&AddDocument::count>("count", within(0, k_most_chosen),
-                               "number of births; default: all that remain");
+                               "number of births; default: all bodies that remain in the reserve");
   d.value<&AddDocument::pose>("pose").write_always();
   d.other<&AddDocument::region>(Form::box, "region_m");
   d.check<check_add>();
@@ -773,7 +800,7 @@ void SettingDocument::describe(DocumentKeys<SettingDocument>& d) {
 
 void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
   d.value<&InterventionDocument::time>("time", seconds, within(0, engine::k_most_seconds),
-                                       "time of the intervention")
+                                       "simulated time of the intervention")
       .require();
   d.object<&InterventionDocument::remove>("remove");
   d.object<&InterventionDocument::add>("add");
@@ -783,15 +810,15 @@ void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
   d.object<&InterventionDocument::set>("set");
   d.rule({.how = How::one_of,
           .keys = {engine::k_actions.begin(), engine::k_actions.end()},
-          .none = fmt::format("no action: give one of {}", comma_list(engine::k_actions)),
-          .several = "an entry has one action: give each action an entry of its own",
+          .none = fmt::format("the entry has no action: give one of {}", comma_list(engine::k_actions)),
+          .several = "the entry has several actions: give each action an entry of its own",
           .at_key = true});
 }
 
 void FaultDocument::describe(DocumentKeys<FaultDocument>& d) {
   describe_group(d);
   d.value<&FaultDocument::from>("from", seconds, within(0, engine::k_most_seconds),
-                                "time at which the faults begin");
+                                "simulated time from which the bodies have the faults");
   d.other<&FaultDocument::impairments>(Form::faults, "");
 }
 
@@ -819,10 +846,10 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                   "the path of the JSON Schema");
   static const std::string version = fmt::format("the version of the format, {}", k_format_version);
   d.other<>(Form::version, "troupe", "the version of the format").require(version);
-  d.other<&WorldDocument::title>(Form::name, "title", "title for people", "the world's title");
+  d.other<&WorldDocument::title>(Form::name, "title", "title of the world, for people", "the world's title");
   d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random draws");
   d.value<&WorldDocument::tick>("tick", seconds, within(k_least_tick_s, k_most_tick_s),
-                                "length of a tick; 0.1 s unless given")
+                                "length of a tick; default: 0.1 s")
       .write_always();
   d.value<&WorldDocument::quit_time>("quit_time", seconds, above(0), at_most(engine::k_most_seconds),
                                      "time at which a run ends");
@@ -835,21 +862,22 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                       "edge length of the cells of the grid engine");
   d.other<&WorldDocument::bounds>(Form::box, "bounds_m", "region in which robots may be");
   d.object<&WorldDocument::ground>("ground");
-  d.object<&WorldDocument::record>("record", "what a run records");
-  d.other<&WorldDocument::watch>(Form::block, "watch", "clock and pace of a run").block =
-      &engine::watch_fields();
-  d.other<&WorldDocument::window>(Form::block, "window", "the view of --camera window").block =
+  d.object<&WorldDocument::record>("record", "which file a run records, and which fields of the state");
+  d.other<&WorldDocument::watch>(Form::block, "watch", "whether a run prints the time, and how fast it runs")
+      .block = &engine::watch_fields();
+  d.other<&WorldDocument::window>(Form::block, "window", "the view that --camera window draws").block =
       &window_fields();
-  d.value<&WorldDocument::mortal>("mortal", "true: programs may remove and disable bodies, docs/lives.md");
+  d.value<&WorldDocument::mortal>("mortal",
+                                  "true: programs may always remove and disable bodies, docs/lives.md");
   d.choice<&WorldDocument::overlaps>(
       "overlaps", k_checks, "whether a model that overlaps something at the start is an error or a warning");
   d.choice<&WorldDocument::same_names>("same_names", k_checks,
                                        "whether two bodies of the same name are an error or a warning");
   d.list<&WorldDocument::floorplans>("floorplans", "walls drawn as images");
-  d.map<&WorldDocument::types>("types", "what identical bodies share, by name").write_always();
+  d.map<&WorldDocument::types>("types", "types, by name: what identical bodies share").write_always();
   d.list<&WorldDocument::models>("models", "single bodies").write_always();
   d.list<&WorldDocument::populations>("populations", "many bodies of one type, placed by a rule");
-  d.list<&WorldDocument::measures>("measures", "what troupe run --measures measures");
+  d.list<&WorldDocument::measures>("measures", "measures that troupe run --measures computes");
   describe_experiment<WorldDocument, &WorldDocument::experiment>(d);
 }
 

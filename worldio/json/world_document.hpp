@@ -24,8 +24,9 @@
 #include <vector>
 
 /// The content of a JSON world as plain data: types, images, populations, all in SI units, with the place of
-/// each value in its file. expand() makes an engine::WorldSpec of it; write_json_world() makes one from a
-/// spec. The keys, their units, limits and meanings are in world_document.cpp and in docs/world-format.md.
+/// each value in its file. expand() makes an engine::WorldSpec from it; write_json_world() makes a document
+/// from a spec. The keys, their units, limits and meanings are in world_document.cpp and in
+/// docs/world-format.md.
 namespace troupe::worldio {
 
 /// Describes a struct of a document: worldio/json/document_table.hpp.
@@ -36,7 +37,7 @@ inline constexpr std::int64_t k_format_version = 1;       ///< the only version 
 inline constexpr double k_max_size_m = 100000;            ///< maximum of coordinates and sizes
 inline constexpr std::size_t k_most_block_points = 1000;  ///< limited because the crossing test is quadratic
 
-/// The place of an object in its file, and of the values of its keys: for error messages.
+/// The place of an object in its file, and the places of the values of its keys. Error messages name these.
 struct Placed {
   /// A key that the object has, even if its value is wrong.
   struct Key {
@@ -98,12 +99,12 @@ struct DeviceDocument : Placed {
   std::string kind;                     ///< name in Registry::devices
   bool is_kind_implied = false;         ///< the kind follows from that of the enclosing part
   std::optional<Pose> pose;             ///< in the frame of the body, or of the device `on`
-  std::optional<JointName> joint;       ///< joint that it moves with; empty: that of its part
+  std::optional<JointName> joint;       ///< joint that moves it; empty: that of its part
   bool active = true;                   ///< false: runs only while a controller or a program reads it
   double period = 0;                    ///< s; 0: every tick
   engine::Record params;                ///< complete, by the kind's field table
   std::string on;                       ///< the device that it is mounted on; empty: none
-  std::optional<Color> color;           ///< this and the following members: the body of a kind with joints
+  std::optional<Color> color;           ///< this and the next members: the body of a device with a joint
   engine::Returns returns;              ///< how other bodies collide with it and sense it
   std::optional<Eigen::Vector3d> size;  ///< a box of this size, m
   std::vector<BlockDocument> blocks;    ///< in addition to the box
@@ -138,9 +139,9 @@ struct ControllerDocument : Placed {
 struct PartDocument : Placed {
   std::string name;                ///< name of the part; of a type, empty if it is the type's key
   std::string alias;               ///< another name; empty: none
-  std::string kind;                ///< Stage's name for its kind; empty: position with a drive, else model
+  std::string kind;                ///< its type of Stage model; empty: "position" with a drive, else "model"
   std::optional<Pose> pose;        ///< in the frame of the body
-  std::optional<JointName> joint;  ///< joint that it moves with; empty: that of the enclosing part
+  std::optional<JointName> joint;  ///< joint that moves it; empty: that of the enclosing part
   ImageDocument image;             ///< without a bitmap, its size is that of the box or the fitted blocks
   bool fit = false;                ///< the blocks are scaled to the size
   std::optional<Pose> origin;      ///< centre of the image or of the fitted blocks
@@ -253,7 +254,8 @@ struct ConditionDocument : Placed {
   static void describe(DocumentKeys<ConditionDocument>& d);  ///< its keys
 };
 
-/// A group of bodies: a population, a type or a model, or some of its bodies.
+/// A group of bodies: all bodies of a population, all bodies of a type or one model, or a random selection of
+/// these bodies.
 struct GroupDocument : Placed {
   std::optional<std::string> population;  ///< name of a population; or:
   std::optional<std::string> type;        ///< a key of WorldDocument::types; or:
@@ -279,13 +281,13 @@ struct MoveDocument : Placed {
   static void describe(DocumentKeys<MoveDocument>& d);  ///< its keys
 };
 
-/// New parameters for bodies of a type. Which parameters exist depends on the type, so they are stored
-/// unread.
+/// New parameters for all bodies of a type. They are stored as unread JSON, because which parameters are
+/// valid depends on the type.
 struct SettingDocument : Placed {
-  std::string type;                                        ///< a key of WorldDocument::types
-  std::optional<JsonNode> drive;                           ///< an object of parameters; or:
-  std::optional<JsonNode> device;                          ///< the same with `name`; or:
-  std::optional<JsonNode> controller;                      ///< the same with `kind`
+  std::string type;                    ///< a key of WorldDocument::types
+  std::optional<JsonNode> drive;       ///< new parameters of the drive; or:
+  std::optional<JsonNode> device;      ///< `name` of a device, and its new parameters; or:
+  std::optional<JsonNode> controller;  ///< `kind` of a controller, and its new parameters
   static void describe(DocumentKeys<SettingDocument>& d);  ///< its keys
 };
 
@@ -344,7 +346,7 @@ struct WorldDocument : Placed {
     error,  ///< as an error
     warn,   ///< as a warning
   };
-  std::shared_ptr<SourceFiles> files;  ///< the files that places refer to; null: none
+  std::shared_ptr<SourceFiles> files;  ///< the files to which places refer; null: none
   std::string schema;                  ///< `$schema`, for editors
   std::string title;                   ///< empty: the file's name without its ending
   std::uint64_t seed = 1;              ///< seed of all random draws
@@ -358,10 +360,10 @@ struct WorldDocument : Placed {
   std::optional<RecordDocument> record;                          ///< what a run records
   std::optional<engine::Record> watch;                           ///< by engine::watch_fields()
   std::optional<engine::Record> window;                          ///< by window_fields()
-  bool mortal = false;                                      ///< programs may always remove and disable bodies
-  Check overlaps = Check::error;                            ///< of models that overlap something at the start
-  Check same_names = Check::error;                          ///< of bodies that have the same name
-  std::vector<FloorplanDocument> floorplans;                ///< walls drawn as images
+  bool mortal = false;                        ///< programs may always remove and disable bodies
+  Check overlaps = Check::error;              ///< how a model that overlaps something at the start is treated
+  Check same_names = Check::error;            ///< how bodies with the same name are treated
+  std::vector<FloorplanDocument> floorplans;  ///< walls drawn as images
   std::vector<std::pair<std::string, TypeDocument>> types;  ///< by name
   std::vector<ModelDocument> models;                        ///< single bodies
   std::vector<PopulationDocument> populations;              ///< bodies placed by rules

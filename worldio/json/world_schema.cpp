@@ -81,8 +81,8 @@ double rounded_to_digits(double x) {
   return rounded;
 }
 
-/// A limit in another unit, rounded to few digits but not tighter than the reader's. `outward` is 1 for a
-/// maximum, -1 for a minimum.
+/// Returns a limit in another unit. It is rounded to few digits, but never so that the schema is stricter
+/// than the reader. `outward` is 1 for a maximum, -1 for a minimum.
 double limit_in(const UnitSuffix& suffix, double si, double outward) {
   if (suffix.to_si == 1) return si;
   constexpr double k_digits = 1e-9;
@@ -224,7 +224,8 @@ JsonNode kind_of(std::string_view name) { return object_of({{"const", text(name)
 
 JsonNode has_key(std::string_view key) { return object_of({{"required", texts(std::array{key})}}); }
 
-/// The schema of a plug-in's kind, whose name is not in `known` and whose parameters only the plug-in knows.
+/// Returns the schema of an object whose kind comes from a plug-in: its name is not in `known`, and its
+/// parameters are not checked, because only the plug-in knows them.
 JsonNode kind_of_a_plug_in(std::string_view what, std::string_view page,
                            const std::vector<std::string_view>& known) {
   const JsonNode other =
@@ -243,7 +244,8 @@ JsonNode counted(JsonNode list, const DocumentKey& key) {
   return list;
 }
 
-/// Makes the schemas of described structs. Structs with a definition name are defined once and referenced.
+/// Makes the schemas of structs that have a DocumentTable. A struct with a definition name is defined once in
+/// the schema and referenced everywhere else.
 class DocumentSchema {
  public:
   explicit DocumentSchema(const engine::Registry& registry) : registry_(registry) {}

@@ -14,7 +14,8 @@ namespace {
 
 using engine::Value;
 
-/// A pose with x, y and heading even at their defaults: people look for them and edit them.
+/// Returns a pose with x, y and heading even if they are at their defaults, because users look for them and
+/// edit them.
 JsonNode place_node(const engine::Record& pose) {
   const std::vector<engine::Field>& fields = engine::pose_fields().fields;
   JsonNode::Object object;
@@ -172,7 +173,7 @@ JsonNode ObjectWriter::node(const DocumentKey& key) const {
     case Form::object: return write_described(key.table(), key.find(object_), registry_);
     case Form::list:
     case Form::map: return entries(key);
-    default: return {};  // written by write_key()
+    default: return {};  // the other forms are written by write_key()
   }
 }
 

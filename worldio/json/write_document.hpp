@@ -6,9 +6,9 @@
 
 namespace troupe::worldio {
 
-/// The node that reads back as a described struct of the table's type, without values at their defaults.
-/// Nodes have the places of the document. For a kind that is not registered, only its name is written: its
-/// parameters have no keys.
+/// Returns the JSON node that reads back as the struct at `object`, which must be of the type that the table
+/// describes. Values at their defaults are omitted. Nodes have the places of the document. If a kind is not
+/// registered, only its name is written, because the keys of its parameters are unknown.
 JsonNode write_described(const DocumentTable& table, const void* object, const engine::Registry& registry);
 
 /// Writes a struct of type T with write_described().

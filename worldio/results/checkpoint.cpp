@@ -22,9 +22,9 @@ using engine::Element;
 using engine::StateField;
 using engine::StateTable;
 
-constexpr std::string_view k_id = "bodies";  // the ids of the rows; no field has this name
+constexpr std::string_view k_id = "bodies";  // the dataset with the ids of the rows; no field has this name
 
-/// Rows of a table sorted by id: the file does not depend on their order in memory.
+/// The rows of a table, sorted by id, so that the file does not depend on their order in memory.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
   std::vector<std::size_t> rows(table.rows());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
@@ -41,8 +41,9 @@ std::vector<std::uint32_t> ids_of(const StateTable& table, std::span<const std::
 
 std::size_t bytes_of(const StateField& field) { return engine::element_size(field.element) * field.columns; }
 
-/// The groups of the tables, as steps below /tables: "ranger/eye" is eye in ranger. Components of the same
-/// name in several types are numbered.
+/// The group of each table, as steps of the path below /tables: the component "ranger/eye" is stored in the
+/// group eye in the group ranger. If several types have a component of the same name, it gets a number:
+/// "ranger/eye#2".
 std::vector<std::vector<std::string>> places_of(std::span<const StateTable> tables) {
   std::vector<std::vector<std::string>> places;
   std::set<std::string> taken;
@@ -151,22 +152,22 @@ void write_table(Hdf5Group group, const StateTable& table) {
 void read_table(const Hdf5Group& group, StateTable& table) {
   const std::vector<std::size_t> rows = rows_by_id(table);
   if (group.dataset(std::string(k_id)).read<std::uint32_t>() != ids_of(table, rows))
-    group.fail("has other robots than the world");
+    group.fail("does not have the same bodies as the world");
   const std::vector<std::string> names = group.names();
   std::size_t known = 1;  // the ids
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
     const StateField& field = table.fields()[f];
-    // In a state that is older than a sparse field, the field is zero.
+    // An older checkpoint may lack a sparse field that was added to Troupe later. The field is then zero.
     const bool is_there = std::ranges::find(names, hdf5_name(field.name)) != names.end();
     if (!is_there && field.sparse) continue;
     ++known;
     const Hdf5Dataset dataset = group.dataset(hdf5_name(field.name));
     if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns} ||
         dataset.element() != field.element)
-      dataset.fail(
-          fmt::format("holds {} {} per robot, the world {} {}: changes must keep the shape of the state",
-                      dataset.row_values(), engine::element_name(dataset.element()), field.columns,
-                      engine::element_name(field.element)));
+      dataset.fail(fmt::format(
+          "has {} {} per body, but the world has {} {}: --set must not change the shape of the state",
+          dataset.row_values(), engine::element_name(dataset.element()), field.columns,
+          engine::element_name(field.element)));
     const std::size_t width = bytes_of(field);
     if (width == 0) continue;
     std::vector<std::byte> values(dataset.values() * engine::element_size(field.element));
@@ -174,7 +175,7 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     for (std::size_t i = 0; i < rows.size(); ++i)
       std::memcpy(table.cell<std::byte>(rows[i], f).data(), values.data() + i * width, width);
   }
-  if (names.size() != known) group.fail("has other fields than the world");
+  if (names.size() != known) group.fail("does not have the same fields as the world");
 }
 
 std::uint64_t hash_of(const std::string& text) {
@@ -226,7 +227,7 @@ void write_checkpoint(const fs::path& file, engine::World& world, const engine::
       throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), error.what()));
     }
   }();
-  // Built in memory: HDF5 does not always survive a full disk, and the state must.
+  // The file is built in memory: HDF5 does not always survive a full disk, but the state must survive it.
   write_sealed(file, k_checkpoint_kind, k_checkpoint_layout, bytes_of(file, world, spec, header, memories));
 }
 
@@ -271,7 +272,8 @@ Memories Checkpoint::memories() const {
     const Hdf5Group group = hdf5_.group("memories");
     for (const std::string& name : group.names()) {
       const Hdf5Dataset dataset = group.dataset(name);
-      if (dataset.element() != Element::u8) dataset.fail("is not a memory: memories are bytes");
+      if (dataset.element() != Element::u8)
+        dataset.fail("does not consist of bytes, as the memory of an observer must");
       std::vector<std::byte>& memory = memories[dataset.text("name")];
       memory.resize(dataset.values());
       dataset.read_bytes(0, memory);

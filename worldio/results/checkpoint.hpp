@@ -18,51 +18,55 @@ namespace troupe::worldio {
 /// A checkpoint: everything that is needed to continue a run, in one sealed HDF5 file
 /// (worldio/results/sealed_file.hpp).
 ///
-/// `/meta`        attributes: layout, tick, time_s, state_hash, counters, and the header that was given
+/// `/meta`        attributes: layout, tick, time_s, state_hash, counters, and the header given by the caller
 /// `/world`       the spec as JSON (worldio/json/spec_json.hpp), without its bodies and aliases
 /// `/bodies`      the bodies of the spec, one column per field
 /// `/aliases`     the other names of the bodies
-/// `/tables/<component>/<field>`  the state [rows, columns], as the tables describe it; rows are in the order
-///                of the ids in `/tables/<component>/bodies`
+/// `/tables/<component>/<field>`  the state, as arrays [rows, columns]; the rows are in the order of the ids
+/// in
+///                `/tables/<component>/bodies`
 /// `/bodies/subscribed`  ids of the bodies whose sensors the program itself subscribed to
 /// `/memories/<name>`  bytes that observers remember of earlier ticks; not part of the state
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
 
-/// What observers remember of earlier ticks, by name. Not part of the state.
+/// What observers, such as measures, remember of earlier ticks: bytes by name. Not part of the state.
 using Memories = std::map<std::string, std::vector<std::byte>>;
 
 /// What a result file says about the run that wrote it, as keys and values: version, world, seed, effective
 /// options.
 using FileHeader = std::vector<std::pair<std::string, std::string>>;
 
-/// Saves the world between two ticks. Throws std::runtime_error with the file's name if the file cannot be
-/// written or cannot express the world; an existing checkpoint of this name then stays as it was.
+/// Saves the world between two ticks. Throws std::runtime_error, with the name of the file, if the file
+/// cannot be written or if the world cannot be stored. An existing checkpoint of this name is then unchanged.
 void write_checkpoint(const std::filesystem::path& file, engine::World& world,
                       const engine::Registry& registry, const FileHeader& header,
                       const Memories& memories = {});
 
-/// A checkpoint that was opened and found intact. All functions throw InputError, `run.h5: error: ...`, if
-/// something is wrong with the file.
+/// A checkpoint that was opened and found intact. All functions throw InputError with a message
+/// `run.h5: error: ...` if the file is not a valid checkpoint.
 class Checkpoint {
  public:
+  /// Opens a file and checks that it is an intact checkpoint.
   explicit Checkpoint(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return file_; }
+  /// The tick after which the state was saved.
   std::uint64_t tick() const { return tick_; }
   double time_s() const { return time_s_; }
   std::uint64_t state_hash() const { return state_hash_; }
   /// The texts of /meta, which include the header.
   const std::map<std::string, std::string>& header() const { return header_; }
-  /// The text of one key; empty if there is none.
+  /// Returns the text of one key of header(); empty if there is no such key.
   std::string header(const std::string& key) const;
 
-  /// The spec of the run's world, with `changes` applied as --set does: restore_spec().
+  /// Returns the spec of the world of the run, with `changes` applied as by --set: see restore_spec().
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;
+  /// Reads what observers remembered when the state was saved.
   Memories memories() const;
-  /// Restores the state into a world that was built from spec().
+  /// Sets the state of `world`, which must have been built from spec(), to that of the checkpoint.
   void restore(engine::World& world) const;
 
  private:
@@ -77,7 +81,7 @@ class Checkpoint {
   std::map<std::string, std::string> header_;
 };
 
-/// Whether a file begins like a checkpoint.
+/// Whether the first bytes of a file are those of a checkpoint.
 bool is_checkpoint(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

@@ -4,7 +4,7 @@
 #include "worldio/results/hdf5_heap.hpp"
 
 #include <fmt/format.h>
-#define H5_USE_110_API  // the API of Debian 12's HDF5, also with newer libraries
+#define H5_USE_110_API  // use the API of HDF5 1.10, the version of Debian 12, even if the library is newer
 #include <hdf5.h>
 
 #include <algorithm>
@@ -19,15 +19,16 @@ namespace {
 
 static_assert(std::is_same_v<hid_t, std::int64_t>);
 
-/// For HDF5's iterations over attributes and links: collects their names.
+/// Callback for the functions of HDF5 that iterate over attributes or links: collects the names.
 template <class Info>
 herr_t add_name(hid_t, const char* name, const Info*, void* names) {
   static_cast<std::vector<std::string>*>(names)->emplace_back(name);
   return 0;
 }
 
-/// While one exists, only its thread is inside HDF5's library, which is not always built to be thread-safe,
-/// and the library does not print its stack of errors. They can be nested.
+/// A guard for calls of the HDF5 library. While an object of this class exists, only its thread is inside the
+/// library, which is not always built to be thread-safe, and the library does not print its stack of errors.
+/// Guards can be nested.
 class LibraryCall {
  public:
   LibraryCall() : lock_(mutex) {
@@ -47,18 +48,19 @@ class LibraryCall {
 
 Hdf5Id text_type(std::size_t size) {
   Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 has no text of 0 bytes
+  H5Tset_size(type.get(), std::max<std::size_t>(size, 1));  // HDF5 does not allow texts of 0 bytes
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
   if (size != H5T_VARIABLE) H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
   return type;
 }
 
-/// Converts texts of variable length to the references that the file holds, so that HDF5 does not follow them
-/// (worldio/results/hdf5_heap.hpp). With H5T_CONV_INIT, HDF5 asks each registered conversion whether it
-/// applies.
+/// A conversion of HDF5 data types, from texts of variable length to the references that the file stores for
+/// them. With it, HDF5 does not follow the references, which hdf5_heap.hpp does more safely. With the command
+/// H5T_CONV_INIT, HDF5 asks each registered conversion whether it applies.
 herr_t convert_to_reference(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t,
                             std::size_t, void*, void*, hid_t) {
-  if (conversion->command != H5T_CONV_INIT) return 0;  // the bytes are already those of the file
+  if (conversion->command != H5T_CONV_INIT)
+    return 0;  // nothing to convert: the bytes in memory are already those of the file
   conversion->need_bkg = H5T_BKG_NO;
   const bool is_this = H5Tis_variable_str(from) > 0 && H5Tget_size(from) == k_heap_reference_bytes &&
                        H5Tget_class(to) == H5T_OPAQUE && H5Tget_size(to) == k_heap_reference_bytes;
@@ -67,8 +69,9 @@ herr_t convert_to_reference(hid_t from, hid_t to, H5T_cdata_t* conversion, std::
 
 Hdf5Id reference_type() { return {H5Tcreate(H5T_OPAQUE, k_heap_reference_bytes), H5Tclose}; }
 
-/// Starts the library without its flush at exit: a file that was abandoned on a full disk is still open then,
-/// and the library would try for ever. The owners of files close them.
+/// Starts the library and disables its flush at the exit of the program. A file that was abandoned on a full
+/// disk is still open at the exit, and the library would try to flush it for ever. All other files are closed
+/// by their owners before.
 void start_library() {
   static const bool started = [] {
     H5dont_atexit();
@@ -79,8 +82,8 @@ void start_library() {
   if (!started) throw Hdf5Error("HDF5 cannot be started");
 }
 
-/// Properties for looking up names, with which a link into another file is an error. A file of unknown origin
-/// could otherwise name any file of the user, and a recording that is continued would write there.
+/// Properties for looking up names that make a link into another file an error. Otherwise a file of unknown
+/// origin could link to any file of the user, and continuing a recording would write to that file.
 hid_t within_file(hid_t access_class) {
   const hid_t properties = H5Pcreate(access_class);
   H5Pset_elink_cb(
@@ -90,7 +93,7 @@ hid_t within_file(hid_t access_class) {
   return properties;
 }
 
-/// Property lists that exist as long as the library.
+/// Property lists, which are made once and exist until the library ends.
 ///@{
 hid_t links() {
   static const hid_t properties = within_file(H5P_LINK_ACCESS);
@@ -106,8 +109,9 @@ hid_t datasets() {
 }
 ///@}
 
-/// Checks that a dataset may be used. HDF5 supports more: datasets whose values are in other files, or are
-/// decoded by a plug-in of HDF5, which is code.
+/// Checks that a dataset has its values in this file and needs no plug-in of HDF5 to decode them. HDF5
+/// supports both, but a file of unknown origin could use them to read other files or to run code. The error
+/// is a predicate of the dataset.
 Result<> check_own(hid_t dataset) {
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
   if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
@@ -125,7 +129,7 @@ Result<> check_own(hid_t dataset) {
   return {};
 }
 
-/// The deepest entry of the library's stack of errors: the cause.
+/// Returns the message of the deepest entry of HDF5's stack of errors, which is the cause of the failure.
 std::string reason() {
   std::string deepest;
   H5Ewalk2(
@@ -135,7 +139,8 @@ std::string reason() {
         return herr_t{0};
       },
       &deepest);
-  // Of errors of the system, the entry has more than the message: time, address, file descriptor, ...
+  // For an error of the operating system, the entry has more than its message: time, address, file
+  // descriptor, ...
   constexpr std::string_view k_mark = "error message = '";
   if (const auto start = deepest.find(k_mark); start != deepest.npos) {
     const auto end = deepest.find('\'', start + k_mark.size());
@@ -161,7 +166,7 @@ hid_t memory_type(engine::Element element) {
   return H5T_NATIVE_UINT8;
 }
 
-/// Little-endian, so that files do not depend on the machine.
+/// The type that an element has in the file: little-endian, so that files do not depend on the machine.
 hid_t file_type(engine::Element element) {
   switch (element) {
     case engine::Element::f64: return H5T_IEEE_F64LE;
@@ -197,15 +202,17 @@ Hdf5Id space_of(const std::vector<std::size_t>& extent) {
   return {H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose};
 }
 
-/// Properties without creation times, so that files with equal contents have equal bytes.
+/// Properties for creating objects that disable creation times, so that files with equal contents have equal
+/// bytes.
 Hdf5Id creation_properties(hid_t kind) {
   Hdf5Id properties(H5Pcreate(kind), H5Pclose);
   H5Pset_obj_track_times(properties.get(), false);
   return properties;
 }
 
-/// By default, HDF5's cache of a file's metadata grows to 32 MiB, of data that a long recording has written
-/// and never needs again. With a bound of 2 MiB, the memory of a run is constant after some seconds.
+/// Limits the cache for the metadata of a file to 2 MiB. By default it grows to 32 MiB, filled with metadata
+/// that a long recording has written and never needs again. With the limit, the memory of a run is constant
+/// after some seconds.
 void bound_metadata_cache(hid_t access) {
   constexpr std::size_t k_most_bytes = std::size_t{2} << 20;
   H5AC_cache_config_t config{};
@@ -217,18 +224,20 @@ void bound_metadata_cache(hid_t access) {
   H5Pset_mdc_config(access, &config);
 }
 
-/// The file format of HDF5 1.10, which SWMR needs and HDF5 1.10 can read, even if the library is newer.
+/// Selects the file format of HDF5 1.10, even if the library is newer: SWMR needs this format, and HDF5 1.10
+/// can read it.
 Hdf5Id access_properties() {
   Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
-  H5Pset_fclose_degree(access.get(), H5F_CLOSE_SEMI);  // closing before its objects is an error
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_SEMI);  // closing a file before its objects is an error
   bound_metadata_cache(access.get());
   return access;
 }
 
-/// For files that are written: no cache of chunks. Batches are appended once and whole; HDF5 would keep up to
-/// 1 MiB of each dataset for good, and a recording of all state has hundreds. Readers keep the caches:
-/// without them they would unpack a chunk of a file that was compressed later once for each of its frames.
+/// Properties for files that are written: they disable the cache of chunks. Each batch is appended once and
+/// as a whole, so a cache gains nothing, but HDF5 would keep up to 1 MiB of each of the hundreds of datasets
+/// of a recording in memory. Readers keep the cache: in a file that was compressed afterwards, they would
+/// otherwise unpack a chunk again for each of its frames.
 Hdf5Id writing_access_properties() {
   Hdf5Id access = access_properties();
   H5Pset_cache(access.get(), 0, 0, 0, 0);
@@ -299,8 +308,8 @@ void Hdf5Object::write_attribute(const std::string& name, std::int64_t type, std
 }
 
 void Hdf5Object::set_text(const std::string& name, std::string_view value) {
-  // In the format that checkpoints need, the header of an object has room for 64 KiB. Longer texts are in the
-  // global heap, which no checksum protects.
+  // In this file format, the header of an object has room for 64 KiB. Longer texts are stored in the global
+  // heap, which no checksum protects.
   constexpr std::size_t k_most_fixed = 60000;
   const LibraryCall call;
   const std::string text = value.empty() ? std::string(1, '\0') : std::string(value);
@@ -363,7 +372,7 @@ std::string Hdf5Object::text(const std::string& name) const {
   return unpadded(std::move(value));
 }
 
-/// Reads a text of variable length, as older recordings have.
+/// Reads a text of variable length, which is how older recordings store attributes.
 std::string Hdf5Object::variable_text(std::int64_t attribute, const std::string& name) const {
   std::array<std::uint8_t, k_heap_reference_bytes> reference{};
   check(H5Aread(attribute, reference_type().get(), reference.data()), "read");
@@ -419,7 +428,7 @@ std::size_t Hdf5Dataset::row_values() const {
 
 std::size_t Hdf5Dataset::values() const {
   const std::size_t values = product(std::span<const std::size_t>(extent_));
-  // Unwritten rows take no room, but no real file consists of nothing else.
+  // Rows that were never written take no room in a file, but no real file consists only of such rows.
   const LibraryCall call;
   const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
   hsize_t bytes = 0;
@@ -691,13 +700,13 @@ Hdf5File Hdf5File::create(const fs::path& file, std::size_t user_block) {
 }
 
 Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block) {
-  constexpr std::size_t k_piece = 1 << 20;  // by which the memory grows
+  constexpr std::size_t k_piece = 1 << 20;  // step, in bytes, by which the memory grows
   start_library();
   const LibraryCall call;
   const Hdf5Id access = access_properties();
   H5Pset_fapl_core(access.get(), k_piece, false);
-  // Newer superblocks have a flag of files that are open to write, and a checksum. H5Fget_file_image clears
-  // the flag, but does not update the checksum.
+  // Newer superblocks have a checksum, and a flag that says that the file is open for writing.
+  // H5Fget_file_image() clears the flag, but does not update the checksum.
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);
   return {made(file, user_block, access.get()), file};
 }

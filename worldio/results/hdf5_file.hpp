@@ -14,14 +14,14 @@
 
 namespace troupe::worldio {
 
-/// A file cannot be written, or is not what a reader expects: `run.h5: error: ...` with the reason in plain
-/// words. HDF5 itself prints nothing.
+/// An error that is thrown if a file cannot be written or is not what a reader expects. The message is
+/// `run.h5: error: ...` with the reason in plain words. HDF5 itself prints nothing.
 class Hdf5Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Owns an id of HDF5's library.
+/// Owns an id (a handle) of the HDF5 library and closes it when destroyed.
 class Hdf5Id {
  public:
   using Close = int (*)(std::int64_t);
@@ -32,7 +32,7 @@ class Hdf5Id {
   Hdf5Id& operator=(Hdf5Id&& other) noexcept;
   std::int64_t get() const { return id_; }
   bool valid() const { return id_ >= 0; }
-  /// Closes the id. False if that failed.
+  /// Closes the id. Returns false if closing failed.
   bool reset() noexcept;
   /// Gives up the id without closing it: the library keeps it open until the process ends.
   void release() noexcept { id_ = -1; }
@@ -43,33 +43,36 @@ class Hdf5Id {
 };
 
 /// A group or a dataset, with its attributes. The name of an attribute may contain any character, even "/".
-/// All functions throw Hdf5Error with the file, the object and the attribute.
+/// On failure, all functions throw Hdf5Error; the message names the file, the object and the attribute.
 class Hdf5Object {
  public:
-  /// Path in the file: "/state/pose".
+  /// The path of the object in the file, such as "/state/pose".
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// Adds an attribute. Texts are UTF-8 of fixed length in the object's header, which a checksum protects;
-  /// h5py reads them as bytes. Texts of more than 60,000 bytes have variable length.
+  /// Adds an attribute. Texts are UTF-8 and stored with a fixed length in the header of the object, which a
+  /// checksum protects; h5py reads them as bytes. Texts of more than 60,000 bytes are stored with variable
+  /// length outside that header.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
   /// The names of the attributes, in alphabetical order.
   std::vector<std::string> attributes() const;
   bool has_attribute(const std::string& name) const;
-  /// The value of an attribute. Throws if there is none, or if it has another type.
+  /// Returns the value of an attribute. Throws if the attribute does not exist or has another type.
   std::string text(const std::string& name) const;
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
 
-  /// Throws an Hdf5Error about this object: `run.h5: error: /frames/tick MESSAGE`.
+  /// Throws an Hdf5Error about this object: `run.h5: error: /frames/tick MESSAGE`. The message is a
+  /// predicate, such as "is larger than the file".
   [[noreturn]] void fail(std::string_view message) const;
 
  protected:
   Hdf5Object() = default;
   Hdf5Object(Hdf5Id id, std::filesystem::path file, std::string path);
-  /// Returns `result`. Throws with HDF5's reason if it is negative.
+  /// Returns `result`, the return value of a function of HDF5. If it is negative, throws an Hdf5Error:
+  /// "cannot be ACTION", with the reason that HDF5 gives. `action` is a participle, such as "read".
   std::int64_t check(std::int64_t result, std::string_view action) const;
   void write_attribute(const std::string& name, std::int64_t type, std::int64_t file_type, const void* value);
   Hdf5Id open_attribute(const std::string& name) const;
@@ -80,8 +83,8 @@ class Hdf5Object {
   std::string path_;
 };
 
-/// An array of one element type. Its first dimension is the row; values are read and written in row-major
-/// order.
+/// An array of one element type. Its first dimension counts the rows. Values are read and written in
+/// row-major order.
 class Hdf5Dataset : public Hdf5Object {
  public:
   Hdf5Dataset() = default;  ///< refers to no dataset
@@ -90,11 +93,12 @@ class Hdf5Dataset : public Hdf5Object {
   std::size_t rows() const { return extent_.empty() ? 1 : extent_.front(); }
   /// The number of values in a row.
   std::size_t row_values() const;
-  /// The number of all values: rows() * row_values(). Throws if the file cannot hold so many, so that a
-  /// damaged file cannot make the caller allocate terabytes.
+  /// The number of all values: rows() * row_values(). Throws if the file is too small for this number, so
+  /// that a damaged file cannot make the caller allocate terabytes.
   std::size_t values() const;
 
-  /// Writes, or reads, all values. The span must have values() elements of the type element() (bool: uint8).
+  /// Write and read all values. The span must have values() elements of the type element(); bool is stored as
+  /// uint8.
   template <class T>
   void write(std::span<const T> from) {
     write_rows(0, rows(), from.data(), from.size(), engine::element_of<T>());
@@ -114,7 +118,8 @@ class Hdf5Dataset : public Hdf5Object {
   void read_rows(std::size_t first, std::span<T> into) const {
     read_rows(first, into.data(), into.size(), engine::element_of<T>());
   }
-  /// As write() and read_rows(), if the element type is only known at run time: the bytes of whole rows.
+  /// Like write() and read_rows(), for an element type that is only known at run time. The spans are the
+  /// bytes of whole rows.
   void write_bytes(std::span<const std::byte> from);
   void read_bytes(std::size_t first, std::span<std::byte> into) const;
 
@@ -124,10 +129,10 @@ class Hdf5Dataset : public Hdf5Object {
     append(from.data(), from.size(), engine::element_of<T>());
   }
   void append_bytes(std::span<const std::byte> from);
-  /// Removes the last rows, or adds rows of the fill value.
+  /// Sets the number of rows: removes the last rows, or adds rows that have the fill value.
   void resize(std::size_t rows);
-  /// Hands written data to the operating system: from then on it survives the death of the process, and
-  /// readers in SWMR mode see it.
+  /// Hands the written data to the operating system. From then on, the data survives if the process is
+  /// killed, and readers in SWMR mode (Hdf5File::start_swmr()) see it.
   void flush();
 
  private:
@@ -145,34 +150,36 @@ class Hdf5Dataset : public Hdf5Object {
 
 /// The layout of an extendible dataset in the file.
 struct Hdf5Chunks {
-  std::vector<std::size_t> extent;    ///< of a chunk: as many dimensions as the dataset, all above 0
+  std::vector<std::size_t> extent;    ///< size of a chunk along each dimension of the dataset, each above 0
   std::optional<std::uint64_t> fill;  ///< value of unwritten rows; if empty, NaN for floats, else 0
 };
 
 class Hdf5Group : public Hdf5Object {
  public:
-  /// Creates a group in this one. The name must be new and one step of a path: without "/" (hdf5_name()).
+  /// Creates a group in this group. The name must be new and must not contain "/": see hdf5_name().
   Hdf5Group create_group(const std::string& name);
   Hdf5Group group(const std::string& name) const;
   bool has(const std::string& name) const;
   bool has_group(const std::string& name) const;
-  /// The names of the groups and datasets in it, in alphabetical order.
+  /// The names of the groups and datasets in this group, in alphabetical order.
   std::vector<std::string> names() const;
 
   /// Creates a dataset of fixed size, which write() fills.
   Hdf5Dataset create_dataset(const std::string& name, engine::Element element,
                              const std::vector<std::size_t>& extent);
-  /// Creates a dataset without rows, for append(). `row` is the extent of a row.
+  /// Creates a dataset without rows, to which append() adds rows. `row` is the extent of a row along each
+  /// dimension after the first.
   Hdf5Dataset create_extendible(const std::string& name, engine::Element element,
                                 const std::vector<std::size_t>& row, const Hdf5Chunks& chunks);
   Hdf5Dataset dataset(const std::string& name) const;
-  /// Creates a dataset of one dimension with these values.
+  /// Creates a dataset of one dimension and writes these values to it.
   template <class T>
   void write(const std::string& name, std::span<const T> values) {
     create_dataset(name, engine::element_of<T>(), {values.size()}).write(values);
   }
 
-  /// Writes, or reads, a dataset that is one text or a list of texts: UTF-8, padded to the longest.
+  /// Write and read a dataset that is one text or a list of texts. Texts are UTF-8 and padded to the length
+  /// of the longest.
   void write_text(const std::string& name, std::string_view text);
   std::string read_text(const std::string& name) const;
   void write_texts(const std::string& name, std::span<const std::string> texts);
@@ -186,35 +193,39 @@ class Hdf5Group : public Hdf5Object {
   std::string path_of(const std::string& name) const;
 };
 
-/// A file and its root group. Only one thread at a time may use a file and the objects opened from it;
-/// threads that use different files take turns inside HDF5's library. The destructor closes the file, if its
-/// datasets and groups were destroyed before, and ignores errors; close() reports them.
+/// A file and its root group. Only one thread at a time may use a file and the objects opened from it.
+/// Threads that use different files take turns inside the HDF5 library. The destructor closes the file and
+/// ignores errors, which close() reports. All datasets and groups of the file must be destroyed before.
 class Hdf5File : public Hdf5Group {
  public:
-  /// Creates a file, replacing one of the same name. The first `user_block` bytes (0, or a power of two from
-  /// 512 on) belong to the caller: HDF5 does not touch them.
+  /// Creates a file, replacing an existing file of the same name. The first `user_block` bytes of the file
+  /// (0, or a power of two, at least 512) belong to the caller: HDF5 does not touch them.
   static Hdf5File create(const std::filesystem::path& file, std::size_t user_block = 0);
-  /// Creates a file in memory, where errors of the disk cannot damage it; image() returns its bytes. Messages
-  /// call it `file`.
+  /// Creates a file in memory, where errors of the disk cannot damage it. image() returns its bytes. `file`
+  /// is only the name that error messages give.
   static Hdf5File create_in_memory(const std::filesystem::path& file, std::size_t user_block = 0);
-  /// Opens a closed file to read.
+  /// Opens a closed file for reading.
   static Hdf5File open(const std::filesystem::path& file);
-  /// Opens a file to read that is being written in SWMR mode, or whose writer was killed in that mode.
+  /// Opens a file for reading that a program is writing in SWMR mode, or whose writer was killed in that
+  /// mode.
   static Hdf5File open_swmr(const std::filesystem::path& file);
-  /// Opens a closed file to read and write.
+  /// Opens a closed file for reading and writing.
   static Hdf5File open_to_write(const std::filesystem::path& file);
 
-  /// Starts SWMR mode ("single writer, multiple readers"): others can read the file while it is written, and
-  /// flushed data survives the writer's death. Groups, datasets and attributes can no longer be created.
+  /// Starts SWMR mode ("single writer, multiple readers"): other programs can read the file while it is being
+  /// written, and flushed data survives if the writer is killed. From then on, no group, dataset or attribute
+  /// can be created.
   void start_swmr();
   /// Hands all written data to the operating system.
   void flush();
-  /// The current bytes of a file in memory, beginning with the user block (zeros).
+  /// Returns the present bytes of a file in memory. They begin with the user block, which is zero.
   std::vector<std::byte> image();
-  /// Writes the remaining data and closes the file; its datasets and groups must be gone. Throws if it fails.
+  /// Writes the remaining data and closes the file. Its datasets and groups must have been destroyed before.
+  /// Throws if that fails.
   void close();
-  /// Leaves the file on the disk as it is and writes no more to it: on a full disk, writing the rest would
-  /// damage it. Datasets and groups of the file that still exist only waste memory.
+  /// Leaves the file on the disk as it is and never writes to it again, because on a full disk writing the
+  /// remaining data would damage the file. Datasets and groups of the file may still exist; they only waste
+  /// memory.
   void abandon() noexcept;
 
  private:
@@ -226,8 +237,9 @@ class Hdf5File : public Hdf5Group {
 /// error that says so.
 bool has_hdf5();
 
-/// Turns a name into one step of a path: "/", "%" and NUL become "%2F", "%25" and "%00"; the names ".", ".."
-/// and "" become "%2E", "%2E%2E" and "%".
+/// Returns a name as one step of a path in an HDF5 file: "/", "%" and NUL become "%2F", "%25" and "%00"; the
+/// names ".",
+/// ".." and "" become "%2E", "%2E%2E" and "%".
 std::string hdf5_name(std::string_view name);
 
 }  // namespace troupe::worldio

@@ -12,17 +12,18 @@
 namespace troupe::worldio {
 namespace {
 
-// A collection: signature, version, three reserved bytes, its size with this head. Then objects: number,
-// reference count, four reserved bytes, size, and the content padded to whole words; number 0 is the free
-// space at the end (HDF5 File Format Specification 3.0, section III.E).
+// A collection of the global heap begins with a head: signature, version, three reserved bytes, and the size
+// of the collection including this head. Its objects follow. Each has a number, a reference count, four
+// reserved bytes, a size, and the content padded to whole words. The object with number 0 is the free space
+// at the end (HDF5 File Format Specification 3.0, section III.E).
 constexpr std::string_view k_signature = "GCOL";
 constexpr std::uint8_t k_version = 1;
-constexpr std::uint64_t k_head_bytes = 16;  // head of a collection, and of an object
+constexpr std::uint64_t k_head_bytes = 16;  // size of the head of a collection and of that of an object
 constexpr std::uint64_t k_word_bytes = 8;
 
 using Head = std::array<std::uint8_t, k_head_bytes>;
 
-/// Reads bytes of a file from `at` on; false if it does not have so many.
+/// Fills `into` with the bytes of a file from position `at`. False if the file is too short.
 bool read_at(std::ifstream& stream, std::uint64_t at, std::span<std::uint8_t> into) {
   stream.clear();
   stream.seekg(static_cast<std::streamoff>(at));

@@ -20,7 +20,7 @@
 namespace troupe::worldio {
 namespace {
 
-// Offsets of the fields, for addresses of 8 bytes, the only size in use.
+// Offsets of the fields in the superblock, bytes. Addresses have 8 bytes, the only size in use.
 constexpr std::size_t k_bytes = 48;
 constexpr std::size_t k_version = 8;
 constexpr std::size_t k_offset_size = 9;
@@ -120,8 +120,8 @@ void close_superblock(const std::filesystem::path& file) {
   if (!head) fail("its HDF5 header is damaged");
   struct stat status {};
   if (fstat(descriptor.get(), &status) != 0) fail(system_reason());
-  // HDF5 takes a file for truncated if space was allocated but not written, and for damaged if it is longer
-  // than the superblock says.
+  // The file must have exactly the recorded size. HDF5 considers a shorter file truncated (space was
+  // allocated but never written) and a longer file damaged.
   const auto size = static_cast<std::uint64_t>(status.st_size);
   const std::uint64_t end = std::max(size, little_endian(std::span(*head).subspan(k_end, 8)));
   if (end > size && ftruncate(descriptor.get(), static_cast<off_t>(end)) != 0) fail(system_reason());

@@ -10,11 +10,12 @@ namespace troupe::worldio {
 /// The first bytes of an HDF5 file, unless it begins with a user block.
 inline constexpr std::string_view k_hdf5_signature = "\x89HDF\r\n\x1a\n";
 
-/// The fields of the superblock of an HDF5 file that matter after the death of its writer (HDF5 File Format
-/// Specification 3.0, section II.A, versions 2 and 3). They are read and written without HDF5.
+/// The fields of the superblock (the header) of an HDF5 file that matter after the program that wrote the
+/// file was killed (HDF5 File Format Specification 3.0, section II.A, versions 2 and 3). They are read and
+/// written without the HDF5 library.
 struct Hdf5Superblock {
   std::uint8_t flags = 0;  ///< whether a writer has the file open
-  std::uint64_t end = 0;   ///< size of the file that the writer recorded, bytes
+  std::uint64_t end = 0;   ///< size of the file, as the writer recorded it here, bytes
 
   static constexpr std::uint8_t k_writing = 1;
   static constexpr std::uint8_t k_swmr_writing = 4;
@@ -22,13 +23,13 @@ struct Hdf5Superblock {
   bool swmr_writing() const { return (flags & k_swmr_writing) != 0; }
 };
 
-/// Empty if the file does not begin with a complete superblock of these versions: HDF5 writes it with the
-/// first flush.
+/// Reads the superblock of a file. Empty if the file does not begin with a complete superblock of these
+/// versions. HDF5 writes the superblock with the first flush.
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file);
 
-/// Marks a file that has lost its writer as closed, so that plain tools open it, and makes its size and the
-/// recorded size equal. It changes 48 bytes in one write, which happens or does not, and may extend the file.
-/// Throws std::runtime_error with the file and the reason.
+/// Marks a file whose writer was killed as closed, so that ordinary HDF5 tools open it, and makes the size of
+/// the file equal to the recorded size. It changes 48 bytes in a single write, which happens completely or
+/// not at all, and may extend the file. Throws std::runtime_error with the file and the reason.
 void close_superblock(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

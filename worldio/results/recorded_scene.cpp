@@ -25,13 +25,14 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double k_reach = 1e6;                 // m: ten times the reach of a world
-constexpr std::int64_t k_most_beams = 1 << 20;  // of a fan: ten times the limit of a world
+constexpr std::int64_t k_most_beams = 1 << 20;  // beams of a fan: ten times the maximum in a world
 
 [[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {
   throw Hdf5Error(fmt::format("{}: error: {}", recording.file().string(), message));
 }
 
-/// Thrown for values that no world has; like nlohmann's exceptions it becomes an error with the file's name.
+/// Thrown for values that no world can have. The caller turns it, like the exceptions of nlohmann's parser,
+/// into an error with the name of the file.
 struct Damaged {};
 
 double number_of(const Json& json) {
@@ -60,7 +61,7 @@ Solid solid_of(const Json& json) {
   return solid;
 }
 
-/// Reads the index of the joint that something is mounted on, which must be below `known`.
+/// Reads the index of a joint from the member `key`. It must be below `known`, the number of joints.
 std::int32_t joint_of(const Json& json, const char* key, std::size_t known) {
   const auto found = json.find(key);
   if (found == json.end()) return engine::k_rigid;
@@ -69,7 +70,7 @@ std::int32_t joint_of(const Json& json, const char* key, std::size_t known) {
   return static_cast<std::int32_t>(joint);
 }
 
-/// The component of a joint, as a path in /state.
+/// Returns the path in /state of the component of a joint.
 std::string component_of(std::string_view joint) {
   std::string component = "joint";
   for (std::size_t start = 0; start <= joint.size();) {
@@ -122,7 +123,7 @@ engine::Record record_of(const Json& block, const engine::FieldTable& table) {
       case engine::FieldType::record:
         record[i] = std::vector<engine::Record>{record_of(*found, *field.record)};
         break;
-      default: break;  // a transducer has no other types
+      default: break;  // parameters of transducers have no other types
     }
   }
   return record;
@@ -148,12 +149,12 @@ RecordedScene::Type type_of(const Json& json) {
   type.name = text_of(json.at("name"));
   type.joints = joints_of(json);
   add_shapes(json, type);
-  std::map<std::string, int> met;  // in recordings, the second sensor of a name gets "~2"
+  std::map<std::string, int> met;  // how many sensors have each name: the second is called "NAME~2"
   for (const Json& sensor : json.at("sensors")) {
     std::string name = hdf5_name(text_of(sensor.at("name")));
     if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
     if (sensor.value("part", 0) == 0) type.body_devices.push_back(name);
-    if (sensor.at("params").contains("transducers"))  // a ranger, of whatever kind
+    if (sensor.at("params").contains("transducers"))  // only the kinds of rangers have transducers
       type.eyes.push_back({std::move(name), fans_of(sensor), joint_of(sensor, "joint", type.joints.size())});
   }
   return type;
@@ -188,7 +189,8 @@ RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) 
   return scene;
 }
 
-/// If several devices of a body show a colour, the first counts, as in the engine.
+/// Finds the component that gives each type its shown colour. If several devices of a body show a colour, the
+/// first one counts, as in the engine.
 void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
   std::vector<std::size_t> best(scene.types.size(), std::numeric_limits<std::size_t>::max());
   for (const RecordingReader::Array& array : recording.arrays()) {

@@ -17,10 +17,10 @@ struct Registry;
 
 namespace troupe::worldio {
 
-/// The appearance of a recorded world, for drawing its frames. It needs neither the world's own file nor the
-/// kinds and plug-ins that it ran with.
+/// The appearance of a recorded world, for drawing its frames. It is read from the recording alone: neither
+/// the world file nor the kinds and plug-ins of the run are needed.
 struct RecordedScene {
-  /// Beams of a ranger that leave one point.
+  /// Beams of a ranger that start at one point, spread over an angle.
   struct Fan {
     Pose pose_body_fan;
     double range_max_m = 0;
@@ -28,54 +28,57 @@ struct RecordedScene {
     std::size_t beams = 1;
   };
   struct Eye {         ///< a ranger
-    std::string name;  ///< as a step of /sensors/<type>/<sensor>
+    std::string name;  ///< name of its group <sensor> in /sensors/<type>/<sensor>
     std::vector<Fan> fans;
-    std::int32_t joint = engine::k_rigid;  ///< index of the joint that it is mounted on
+    std::int32_t joint = engine::k_rigid;  ///< index of the joint that moves it; k_rigid: none
   };
   struct Joint {
-    std::string component;                  ///< in /state, with its displacement from rest, in its own frame
-    std::int32_t parent = engine::k_rigid;  ///< index of the joint that carries it, which comes before it
-    Pose pose_body_joint;                   ///< at rest
+    std::string
+        component;  ///< group in /state with the displacement of the joint from rest, in its own frame
+    std::int32_t parent =
+        engine::k_rigid;   ///< index of the joint that carries this joint and comes before it
+    Pose pose_body_joint;  ///< pose at rest
   };
   struct Type {
     std::string name;
-    engine::FrameType look;  ///< joints at rest
+    engine::FrameType look;  ///< the shapes, with all joints at rest
     std::vector<Eye> eyes;
     std::vector<Joint> joints;
-    std::vector<std::string> body_devices;  ///< of the first part, as steps of /sensors/<type>/<sensor>
-    /// Component whose field `shown_color` gives each body its colour (engine/shown_color.hpp):
-    /// "sensors/robot/lamp"; empty if none was recorded.
+    std::vector<std::string>
+        body_devices;  ///< devices of the first part: names of their groups in /sensors/<type>
+    /// The component whose field `shown_color` gives each body its colour (engine/shown_color.hpp), such as
+    /// "sensors/robot/lamp". Empty if no such field was recorded.
     std::string shown_color;
-    std::vector<std::int32_t> shape_joints;  ///< per shape of `look`: index of the joint that it moves with
+    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: index of the joint that moves it
   };
   struct Body {
     std::string name;
     std::uint32_t type = 0;
-    Pose pose_world_body;  ///< at the start, as in the world
+    Pose pose_world_body;  ///< pose at the start of the run
     Color color;
   };
   std::string title;
-  std::optional<Box> limits;  ///< where robots may go
+  std::optional<Box> limits;  ///< the region in which robots may be, m; empty: unlimited
   std::vector<Type> types;
   std::vector<Body> bodies;  ///< indexed by BodyId
 };
 
-/// The columns of /scene for all bodies of a world, walls included, as the world describes them.
+/// Returns the columns of /scene for all bodies of a world, walls included, as the spec describes them.
 RecordingReader::Scene scene_columns(const engine::WorldSpec& spec);
 
-/// Returns the colour of a body from a recorded `shown_color` (red, green, blue, each 0 to 1), or
-/// `of_the_world` if the body was absent or shows no colour.
+/// Returns the colour of a body in a frame: `parts`, a recorded `shown_color` (red, green, blue, each 0 to
+/// 1). If the body was absent or showed no colour, returns `of_the_world`, its colour in the world file.
 Color shown_color(std::span<const double> parts, const Color& of_the_world);
 
 /// Reads the scene of a recording. Throws Hdf5Error with the file's name if the recording is damaged, or so
 /// old that it has no /scene.
 RecordedScene recorded_scene(const RecordingReader& recording);
 
-/// The scene of a running world, without recorded colours.
+/// Returns the scene of a running world, without recorded colours.
 RecordedScene recorded_scene(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// Returns the window of the world (worldio/window_fields.hpp), if it has one. Throws Hdf5Error if the file
-/// is damaged.
+/// Returns the window settings of the recorded world (worldio/window_fields.hpp). Empty if the world has
+/// none. Throws Hdf5Error if the file is damaged.
 std::optional<engine::Record> recorded_window(const RecordingReader& recording);
 
 }  // namespace troupe::worldio

@@ -19,9 +19,9 @@ using engine::HashGroup;
 using engine::StateTable;
 using engine::World;
 
-/// Whether a name of --record-fields chooses a whole table; chosen_fields() adds the names of single fields.
-/// "pose" also chooses the poses of parts that move and fields with StateField::appearance: a body cannot be
-/// drawn without them.
+/// Whether a name of --record-fields chooses a whole table of the state. (chosen_fields() handles names of
+/// single fields.) The name "pose" also chooses the poses of moving parts and the fields with
+/// StateField::appearance, because a body cannot be drawn without them.
 bool chooses(const std::string& name, const StateTable& table) {
   const std::string_view component = table.component();
   return name == "all" || name == component || name == component.substr(0, component.find('/')) ||
@@ -53,7 +53,7 @@ std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const 
   return fields;
 }
 
-/// Makes names unique: the second "robot" becomes "robot~2".
+/// Makes names unique: the second name "robot" becomes "robot~2".
 class UniqueNames {
  public:
   std::string add(std::string_view name) {
@@ -87,7 +87,7 @@ RecordedComponent component_of(const StateTable& table, std::vector<std::string>
   return component;
 }
 
-/// Row of the table -> index of its body in `bodies`, which is sorted.
+/// Returns, for each row of the table, the index of its body in `bodies`, which must be sorted.
 std::vector<std::uint32_t> places(const StateTable& table, std::span<const BodyId> bodies) {
   std::vector<std::uint32_t> places;
   places.reserve(table.rows());
@@ -96,7 +96,8 @@ std::vector<std::uint32_t> places(const StateTable& table, std::span<const BodyI
   return places;
 }
 
-/// Adds the sensors of each type separately: the number of readings differs between types.
+/// Adds the sensors of each type as components of their own, because the number of readings differs between
+/// types.
 void add_sensors(const World& world, std::span<const std::string> names,
                  std::vector<RecordedComponent>& components) {
   const std::vector<std::string> type_names = recorded_type_names(world);
@@ -105,7 +106,7 @@ void add_sensors(const World& world, std::span<const std::string> names,
     for (const BodyType::Device& sensor : world.types()[t].devices) {
       const std::string name = sensor_names.add(sensor.name);
       const StateTable& table = world.tables()[sensor.table];
-      if (sensor.table == 0) continue;  // a type without a body has no tables
+      if (sensor.table == 0) continue;  // a type without bodies has no tables
       std::vector<std::size_t> fields = chosen_fields(table, names);
       if (fields.empty()) continue;
       std::vector<BodyId> bodies(table.ids().begin(), table.ids().end());
@@ -224,7 +225,7 @@ void gather(const World& world, const RecordedComponent& component,
         }
       }
     }
-    if (world.absent_count() > 0 && component.name != "life")  // it says which bodies are absent
+    if (world.absent_count() > 0 && component.name != "life")  // `life` itself says which bodies are absent
       leave_out_absent(world, component, source, fields);
   }
 }

@@ -12,10 +12,10 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr int k_most_steps = 8;  // of a component's name; Troupe writes at most three
+constexpr int k_most_steps = 8;  // in the path of a component; Troupe writes at most three
 
-/// The place of an array in the order of the phases of a tick, so that a comparison finds the earliest
-/// difference first.
+/// The position of an array in the order in which a tick computes the arrays. Arrays are sorted by it, so
+/// that a comparison of two recordings finds the earliest difference first.
 int phase_order(const RecordingReader::Array& array) {
   const std::string& component = array.component;
   if (component.starts_with("sensors/")) return 0;
@@ -90,7 +90,7 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& com
       continue;
     }
     Hdf5Dataset dataset = group.dataset(name);
-    dataset.values();  // throws if the file cannot hold them
+    dataset.values();  // throws if the file is too small for so many values
     const std::vector<std::size_t>& extent = dataset.extent();
     if (component.empty()) {  // /state/alive belongs to no component
       if (name == "alive" && extent.size() == 2 && extent[1] == bodies.size() &&
@@ -119,7 +119,7 @@ void RecordingReader::read_frames() {
   ticks_ = frames.dataset("tick").read<std::uint64_t>();
   times_s_ = frames.dataset("time_s").read<double>();
   hashes_ = frames.dataset("hash").read<std::uint64_t>();
-  // Ticks are written last: a frame that has one is complete.
+  // The tick of a frame is written last: a frame that has a tick is complete.
   std::size_t whole = std::min({ticks_.size(), times_s_.size(), hashes_.size()});
   whole = static_cast<std::size_t>(
       std::find(ticks_.begin(), ticks_.begin() + static_cast<std::ptrdiff_t>(whole), k_no_tick) -

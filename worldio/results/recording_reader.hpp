@@ -14,37 +14,42 @@
 
 namespace troupe::worldio {
 
-/// Reads a recording (docs/recordings.md) frame by frame: a closed one, one that is being written, or one
-/// that was cut off. All functions throw Hdf5Error with the file's name.
+/// Reads a recording (docs/recordings.md) frame by frame. The recording may be closed, still being written,
+/// or cut off because its writer was killed. On failure, all functions throw Hdf5Error with the name of the
+/// file.
 class RecordingReader {
  public:
+  /// Opens a recording and reads everything except the frames.
   explicit RecordingReader(const std::filesystem::path& file);
 
-  /// Returns /meta of an HDF5 file. Throws if the file is not a recording, or one of another layout.
+  /// Returns the group /meta of an HDF5 file. Throws if the file is not a recording or has another layout.
   static Hdf5Group checked_meta(const Hdf5File& file);
 
   const std::filesystem::path& file() const { return hdf5_.file_name(); }
-  /// Whether its writer is still running, or was killed: then `troupe repair` makes it readable for plain
-  /// tools.
+  /// Whether the recording was not closed: its writer is still running or was killed. If the writer was
+  /// killed, `troupe repair` makes the file readable for ordinary HDF5 tools.
   bool unfinished() const { return unfinished_; }
   /// The attributes of /meta, as texts.
   const std::map<std::string, std::string>& meta() const { return meta_; }
+  /// The number of ticks from one frame to the next.
   std::uint64_t every_ticks() const { return every_ticks_; }
+  /// Reads /world: the spec of the world as JSON, from spec_to_json().
   std::string world_json() const { return hdf5_.read_text("world"); }
 
-  /// The bodies, one per row of /state, in the order of their ids.
+  /// The bodies of the recording, one for each row of /state, in the order of their ids: id, name of the
+  /// type, and name.
   std::span<const std::uint32_t> ids() const { return ids_; }
   std::span<const std::string> types() const { return types_; }
   std::span<const std::string> names() const { return names_; }
 
-  /// All bodies of the world as it was loaded, walls included: one entry each, by BodyId.
+  /// All bodies of the world as it was loaded, walls included. Each column has one entry per body, by BodyId.
   struct Scene {
     std::vector<std::uint32_t> word, number;  ///< engine::Name; `word` is an index into the words in /world
     std::vector<std::uint32_t> type;          ///< index into the types of /world
     std::vector<double> pose;                 ///< x, y, z (m) and heading (rad), world frame
     std::vector<float> color;                 ///< red, green, blue, opacity
   };
-  /// Empty if the recording is so old that it has none.
+  /// Returns the scene. Empty if the recording is so old that it has no scene.
   std::optional<Scene> scene() const;
 
   /// The number of complete frames, and the tick, time and state hash of each.
@@ -62,13 +67,14 @@ class RecordingReader {
     Hdf5Dataset dataset;
     std::size_t row_bytes() const { return field.columns * engine::element_size(field.element); }
   };
-  /// In the order in which a tick computes them: sensors, memories, velocities, poses.
+  /// All arrays, in the order in which a tick computes them: sensors, memories, velocities, poses.
   std::span<const Array> arrays() const { return arrays_; }
-  /// Per row of an array, 1 if its body has the component, else 0: then the row holds NaN, or 0 if integer.
+  /// Returns, for each row of an array, 1 if its body has the component, else 0. A row without the component
+  /// holds NaN, or 0 if the array has integers.
   std::vector<std::uint8_t> has(const Array& array) const;
-  /// Per body, 1 if it is in the world in a frame, else 0.
+  /// Returns, for each body in ids(), 1 if it is in the world at this frame, else 0.
   std::vector<std::uint8_t> alive(std::size_t frame) const;
-  /// Reads one frame of an array, row-major; `into` must have the size of its rows.
+  /// Reads one frame of an array in row-major order. `into` must have row_bytes() bytes for each row.
   void read(const Array& array, std::size_t frame, std::span<std::byte> into) const;
 
  private:

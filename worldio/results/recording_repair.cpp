@@ -21,7 +21,7 @@ namespace troupe::worldio {
 namespace fs = std::filesystem;
 namespace {
 
-/// Whether a file descriptor of a process was opened to write, from its flags in Linux's /proc/PID/fdinfo/FD.
+/// Whether a process opened a file descriptor for writing. Reads the flags in Linux's /proc/PID/fdinfo/FD.
 bool opened_to_write(const fs::path& process, const fs::path& descriptor) {
   std::ifstream info(process / "fdinfo" / descriptor.filename());
   for (std::string key, value; info >> key >> value;)
@@ -29,8 +29,8 @@ bool opened_to_write(const fs::path& process, const fs::path& descriptor) {
   return false;
 }
 
-/// The id of a process on this machine that has the file open to write. Processes that this user may not
-/// inspect are not found.
+/// Returns the id of a process on this machine that has the file open for writing. Empty if none is found;
+/// processes that this user may not inspect are never found.
 std::optional<std::string> writer_of(const fs::path& file) {
   struct stat wanted {};
   if (stat(file.c_str(), &wanted) != 0) return std::nullopt;
@@ -50,7 +50,8 @@ std::optional<std::string> writer_of(const fs::path& file) {
   return std::nullopt;
 }
 
-/// Cuts every array of the group, and of the groups in it, to the complete frames.
+/// Removes the incomplete frames from every array in the group and in the groups inside it: `frames` rows
+/// remain.
 void cut(const Hdf5Group& group, std::size_t frames) {
   for (const std::string& name : group.names()) {
     if (group.has_group(name)) {
@@ -85,7 +86,8 @@ std::uint64_t repair_copy(const fs::path& copy) {
   hdf5.flush();
   hdf5.close();
   if (RecordingReader(copy).frames() != frames || !is_even(copy, frames))
-    throw Hdf5Error(fmt::format("{}: error: cannot be repaired: its arrays cannot be cut", copy.string()));
+    throw Hdf5Error(fmt::format(
+        "{}: error: cannot be repaired: its arrays cannot be cut to the complete frames", copy.string()));
   return frames;
 }
 
@@ -105,14 +107,15 @@ Repair repair_recording(const fs::path& file) {
     if (is_even(file, frames)) return {false, frames};
   }
   if (const std::optional<std::string> writer = writer_of(file))
-    throw Hdf5Error(fmt::format("{}: error: process {} is writing it: there is nothing to repair yet",
-                                file.string(), *writer));
+    throw Hdf5Error(
+        fmt::format("{}: error: process {} is still writing the file: there is nothing to repair yet",
+                    file.string(), *writer));
 
   fs::path copy;
   std::error_code ignored;
   try {
-    // Keeps other repairs out while the copy is changed. It is not the copy itself, because HDF5 locks that.
-    // A copy that a killed repair left is overwritten.
+    // The lock file keeps other repairs out while the copy is changed. The copy itself cannot be the lock
+    // file, because HDF5 locks it. If a killed repair left a copy, it is overwritten.
     const PartialFile turn(file);
     copy = fs::path(turn.path()).concat(".copy");
     fs::copy_file(file, copy, fs::copy_options::overwrite_existing);

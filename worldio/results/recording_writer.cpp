@@ -17,12 +17,13 @@ namespace {
 using engine::Element;
 using engine::World;
 
-// Size of a batch: large enough that the calls cost little compared with the bytes, small enough to stay in
-// the caches. A chunk is a batch of one array; with many robots it has at most k_chunk_bytes.
+// The size of a batch. It is large enough that the time of the calls is small compared with that of copying
+// the bytes, and small enough that the batch stays in the caches of the CPU. A chunk of an array holds one
+// batch of it; with many robots, it has at most k_chunk_bytes.
 constexpr std::size_t k_batch_bytes = std::size_t{2} << 20;
 constexpr std::size_t k_chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t k_most_batch_frames = 256;
-constexpr std::size_t k_frame_chunk = 1024;  // of /frames, whose rows are single numbers
+constexpr std::size_t k_frame_chunk = 1024;  // rows per chunk of an array in /frames
 
 std::string joined(std::span<const std::string> words) {
   std::string text;
@@ -38,7 +39,7 @@ std::vector<std::string> split(const std::string& text) {
 }
 
 std::size_t bytes_of(const std::vector<RecordedComponent>& components, std::size_t rows) {
-  std::size_t bytes = rows;  // of /state/alive
+  std::size_t bytes = rows;  // bytes of /state/alive in a frame
   for (const RecordedComponent& component : components)
     for (std::size_t f = 0; f < component.fields.size(); ++f) bytes += component.bytes(f);
   return bytes;
@@ -49,7 +50,8 @@ std::size_t batch_frames(std::size_t frame_bytes) {
                     k_most_batch_frames);
 }
 
-/// Chunks hold a batch of whole frames, or a part of one frame if frames are large.
+/// Returns the chunks of an array: a chunk holds a batch of whole frames, or part of one frame if frames are
+/// large.
 Hdf5Chunks chunks(std::size_t frames, const std::vector<std::size_t>& row, std::size_t element_bytes) {
   Hdf5Chunks chunks{.extent = {frames}};
   std::size_t inner = element_bytes;
@@ -60,7 +62,7 @@ Hdf5Chunks chunks(std::size_t frames, const std::vector<std::size_t>& row, std::
   return chunks;
 }
 
-/// The group at a path, which is created if it does not exist.
+/// Returns the group at a path below `root`. Creates the groups on the path that do not exist.
 Hdf5Group group_at(Hdf5Group& root, std::span<const std::string> path) {
   Hdf5Group group = root.has_group(path[0]) ? root.group(path[0]) : root.create_group(path[0]);
   return path.size() == 1 ? std::move(group) : group_at(group, path.subspan(1));
@@ -143,14 +145,15 @@ void RecordingWriter::guarded(Work&& work) {
 
 void RecordingWriter::give_up() noexcept {
   open_ = false;
-  thread_.reset();  // it may still be writing: not every error is its own
+  thread_.reset();  // waits for the thread, which may still be writing
   outputs_.clear();
   frame_outputs_.clear();
   file_.abandon();
   try {
     close_superblock(file_.file_name());
   } catch (const std::exception&) {
-    // The first error is reported; `troupe repair` can close the file later.
+    // This second error is ignored, because the first one is reported. `troupe repair` can close the file
+    // later.
   }
 }
 
@@ -255,11 +258,12 @@ void RecordingWriter::cut_after(std::uint64_t tick) {
   const std::vector<std::uint64_t> ticks = frame_outputs_[0].read<std::uint64_t>();
   const auto frames = static_cast<std::size_t>(std::ranges::upper_bound(ticks, tick) - ticks.begin());
   next_tick_ = frames == 0 ? 0 : ticks[frames - 1] + 1;
-  // The next due frame must not be before the world's tick.
+  // The next frame that is due after the last recorded one must not be before the tick of the world.
   const std::uint64_t due = (next_tick_ + every_ticks_ - 1) / every_ticks_ * every_ticks_;
   if (due < tick)
     frame_outputs_[0].fail(fmt::format(
-        "ends before tick {}, but the run continues at tick {}: there would be a gap", due, tick));
+        "ends before tick {}, but the run continues at tick {}: frames would be missing in between", due,
+        tick));
   for (Hdf5Dataset& output : frame_outputs_) output.resize(frames);
   for (Output& output : outputs_) output.dataset.resize(frames);
 }
@@ -268,7 +272,7 @@ void RecordingWriter::start(bool in_background) {
   file_.flush();
   file_.start_swmr();
   if (in_background) {
-    written_ = gathered_;  // every byte that no frame overwrites is absent() in both
+    written_ = gathered_;  // in both batches, every byte that no frame overwrites is absent()
     written_.reserve(batch_frames_);
     thread_.emplace(1);
   }
@@ -319,7 +323,7 @@ void RecordingWriter::start_flush() {
       write(gathered_);
       return;
     }
-    thread_->finish();  // so that the other batch is free
+    thread_->finish();  // wait until the other batch is written and can be used again
     std::swap(gathered_, written_);
     thread_->add([this] { write(written_); });
   });

@@ -15,54 +15,59 @@
 
 namespace troupe::worldio {
 
-/// The number of the layout that docs/recordings.md describes.
+/// The version of the layout that docs/recordings.md describes.
 inline constexpr std::int64_t k_recording_layout = 1;
 /// The value of /frames/tick where no tick was written: a frame is complete once its tick has another value.
 inline constexpr std::uint64_t k_no_tick = ~std::uint64_t{0};
 
 /// The header of a recording, in addition to what the world itself provides.
 struct RecordingHead {
-  std::vector<std::pair<std::string, std::string>> meta;  ///< attributes of /meta: the hash log's header
-  std::string world_json;                                 ///< /world
+  std::vector<std::pair<std::string, std::string>>
+      meta;                ///< attributes of /meta: the keys and values of the header of a hash log
+  std::string world_json;  ///< the content of /world
   std::uint64_t every_ticks = 1;
   std::vector<std::string> fields;  ///< as requested
 };
 
-/// Writes a recording (docs/recordings.md) frame by frame, in HDF5's single-writer mode: others can read it
-/// meanwhile, and flushed data outlives the process.
+/// Writes a recording (docs/recordings.md) frame by frame, in the SWMR mode of HDF5 (single writer, multiple
+/// readers): other programs can read the file in the meantime, and flushed data survives if the process is
+/// killed.
 ///
 /// Frames are gathered in memory and written in batches, one chunk per batch. The state of a batch is flushed
 /// before its ticks are written, so a frame whose tick can be read is complete.
 ///
-/// With `in_background`, a thread of the writer writes a batch while the next one is gathered: the caller
-/// waits only if batches come faster than the file takes them. The file has the same bytes.
+/// With `in_background`, a thread of the writer writes a batch while the caller gathers the next one. The
+/// caller waits only if batches come faster than they can be written. The bytes of the file are the same as
+/// without it.
 ///
-/// All functions throw Hdf5Error; the next call throws the errors of that thread. After an error the file
-/// stays as it was last flushed, marked as closed, and every further call does nothing.
+/// On failure, all functions throw Hdf5Error. An error in the background thread is thrown by the next call.
+/// After an error, the file stays as it was last flushed and is marked as closed, and every further call does
+/// nothing.
 class RecordingWriter {
  public:
-  /// Creates a file without frames, replacing one of the same name.
+  /// Creates a file without frames, replacing an existing file of the same name.
   RecordingWriter(const std::filesystem::path& file, const engine::World& world,
                   std::vector<RecordedComponent> components, const RecordingHead& head,
                   bool in_background = false);
-  /// Continues the recording of the same world at tick world.tick(): removes the frames of later ticks and
-  /// appends new ones. Throws if the recording has other bodies or fields, or ends before the last frame that
-  /// was due until now. A recording that was cut off is repaired first.
+  /// Continues an existing recording of the same world at tick world.tick(): removes the frames of later
+  /// ticks, and record() then appends new ones. Throws if the recording has other bodies or fields than the
+  /// world, or if it lacks the last frame that was due before this tick. A recording that was cut off is
+  /// repaired first.
   RecordingWriter(const std::filesystem::path& file, const engine::World& world, bool in_background = false);
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
-  /// As close(), but ignores errors.
+  /// Like close(), but ignores errors.
   ~RecordingWriter();
 
-  /// Whether a frame of this tick is due and not recorded yet.
+  /// Whether a frame of this tick is due (every `every_ticks` ticks) and not recorded yet.
   bool due(std::uint64_t tick) const;
-  /// Adds the current state of the world as a frame, with its hash. Requires due(world.tick()).
+  /// Adds the present state of the world as a frame, with its hash. due(world.tick()) must be true.
   void record(const engine::World& world, std::uint64_t state_hash);
-  /// Writes and flushes the frames that are not in the file yet.
+  /// Writes and flushes all frames that are not in the file yet.
   void flush();
-  /// As flush(), but in the background it may return before the frames are in the file.
+  /// Like flush(), but with `in_background` it may return before the frames are in the file.
   void start_flush();
-  /// Flushes, and closes the file for plain tools.
+  /// Flushes all frames and closes the file, so that ordinary HDF5 tools can open it.
   void close();
 
  private:

@@ -41,7 +41,7 @@ std::string deflated(std::string_view bytes) {
   std::string out(size, '\0');
   if (compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
                 static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK)
-    throw std::runtime_error("zlib has no room to compress");
+    throw std::runtime_error("out of memory: zlib cannot compress the data");
   out.resize(size);
   return out;
 }

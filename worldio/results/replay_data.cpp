@@ -20,10 +20,11 @@
 namespace troupe::worldio {
 namespace {
 
-// A block is long enough that its first frame, which has no prediction, adds little, and short enough that a
-// browser unpacks it between two pictures.
+// The number of frames in a block. It is large enough that the first frame, which is stored without
+// prediction, adds little to the size. It is small enough that a browser unpacks a block in the time between
+// two pictures.
 constexpr std::size_t k_block_poses = 2000000;
-constexpr std::size_t k_block_values = 16000000;  // of the widest array
+constexpr std::size_t k_block_values = 16000000;  // in a block of the widest array
 constexpr std::size_t k_least_block = 4;
 constexpr std::size_t k_most_block = 256;
 
@@ -35,7 +36,7 @@ std::size_t block_frames(const ReplayPlan& plan) {
   return std::clamp(frames, k_least_block, k_most_block);
 }
 
-/// Every stride-th frame, and the last.
+/// Returns the indices of every stride-th frame and of the last frame.
 std::vector<std::size_t> chosen_frames(std::size_t recorded, std::size_t stride) {
   std::vector<std::size_t> frames;
   for (std::size_t frame = 0; frame < recorded; frame += stride) frames.push_back(frame);
@@ -49,7 +50,7 @@ std::int32_t in_steps(double value, double step) {
   return static_cast<std::int32_t>(std::llround(std::clamp(value / step, -k_most, k_most)));
 }
 
-/// Makes headings continuous where they pass half a turn.
+/// Makes a series of headings continuous where it jumps from half a turn to minus half a turn, or back.
 void unwrap(std::span<std::int32_t> series) {
   std::int32_t last = 0;
   for (std::int32_t& value : series) {
@@ -62,12 +63,14 @@ void unwrap(std::span<std::int32_t> series) {
   }
 }
 
-/// Encodes the streams of blocks, one block after another.
+/// Encodes the data of a page, block after block. A stream is the data of one field, or of the poses, in one
+/// block.
 class BlockWriter {
  public:
   BlockWriter(const RecordingReader& recording, const ReplayPlan& plan) : plan_(plan), reader_(recording) {}
 
-  /// Poses: x, y, heading and, where it changes, z, of each robot over the frames.
+  /// Returns the stream of the poses: for each robot x, y, heading and, if heights change, z, each over all
+  /// frames of the block.
   std::string poses(std::span<const std::size_t> frames) {
     packed_.clear();
     const std::array<double, 4> steps{k_replay_step_m, k_replay_step_m, 2 * k_pi / k_replay_turn,
@@ -84,7 +87,7 @@ class BlockWriter {
     return deflated(packed_);
   }
 
-  /// One field: each of its columns of each robot over the frames.
+  /// Returns the stream of one field: for each robot each column of the field, over all frames of the block.
   std::string field(const ReplayField& field, std::span<const std::size_t> frames) {
     packed_.clear();
     gather(*field.array, field.rows, frames, field.min, field.step);
@@ -94,7 +97,8 @@ class BlockWriter {
   }
 
  private:
-  /// Fills values_[(row x columns + column) x frames + frame], in steps above `from`.
+  /// Fills values_[(row * columns + column) * frames + frame] with the values of an array, as multiples of a
+  /// step above `from`.
   void gather(const RecordingReader::Array& array, std::span<const std::uint32_t> rows,
               std::span<const std::size_t> frames, double from, double step) {
     const std::size_t columns = array.field.columns;
@@ -129,7 +133,8 @@ std::string packed(const RecordingReader& recording, const ReplayPlan& plan,
   return little_endian(static_cast<std::uint32_t>(header.size())) + header + streams;
 }
 
-/// The data of a page, or nothing and the factor by which it would be too large.
+/// The result of an attempt to make a page: its data or, if the page would be too large, the factor by which
+/// it would exceed the limit.
 struct Try {
   std::optional<std::string> bytes;
   double excess = 1;
@@ -139,7 +144,7 @@ Try make(const RecordingReader& recording, const ReplayPlan& plan, std::span<con
          std::size_t most_bytes) {
   BlockWriter writer(recording, plan);
   ReplayBlocks blocks{.frames = block_frames(plan), .bytes = {}};
-  // The constant data is measured first: with thousands of types it is most of a page.
+  // The size of the constant data is checked first, because with thousands of types it is most of a page.
   const std::size_t fixed_bytes = packed(recording, plan, frames, blocks, "").size();
   const auto excess_of = [&](std::size_t stream_bytes, std::size_t done) {
     const double room = static_cast<double>(most_bytes) - static_cast<double>(fixed_bytes);
@@ -164,7 +169,7 @@ Try make(const RecordingReader& recording, const ReplayPlan& plan, std::span<con
   return {.bytes = std::move(bytes)};
 }
 
-/// The next stride to try after one that gave too large a page.
+/// Returns the next stride to try if `stride` gave a page that was too large by the factor `excess`.
 std::size_t next_stride(std::size_t stride, double excess, std::size_t recorded) {
   const double wanted = std::ceil(static_cast<double>(stride) * excess);
   const auto most = static_cast<double>(std::max<std::size_t>(recorded, 2) - 1);
@@ -188,10 +193,11 @@ ReplayData replay_data(const RecordingReader& recording, const ReplayOptions& op
       return data;
     }
     if (frames.size() <= 2)
-      throw InputError(fmt::format(
-          "{}: error: not even two frames of {} bodies fit: give more room with --max-mb, or show less with "
-          "--fields pose",
-          recording.file().string(), plan.order.size()));
+      throw InputError(
+          fmt::format("{}: error: not even two frames of {} bodies fit into the page: give more room with "
+                      "--max-mb, or show less with "
+                      "--fields pose",
+                      recording.file().string(), plan.order.size()));
     data.stride = next_stride(data.stride, page.excess, data.recorded);
   }
 }

@@ -9,24 +9,26 @@
 namespace troupe::worldio {
 
 struct ReplayOptions {
-  std::size_t most_bytes = 18000000;  ///< limit of ReplayData::bytes: frames are left out until it holds
-  std::vector<std::string> fields;    ///< shown in addition to poses; empty: all that were recorded
+  std::size_t most_bytes =
+      18000000;                     ///< maximum size of ReplayData::bytes; frames are omitted until it is met
+  std::vector<std::string> fields;  ///< fields shown in addition to poses; empty: all recorded fields
 };
 
 /// A recording for a replay page: rounded, compressed, and with fewer frames if it would be too large.
 struct ReplayData {
-  std::string bytes;         ///< docs/replay.md
-  std::size_t robots = 0;    ///< bodies that drive
-  std::size_t others = 0;    ///< other bodies that can move, sense or decide, or be gripped
-  std::size_t recorded = 0;  ///< frames of the recording
-  std::size_t frames = 0;    ///< frames in the page
+  std::string bytes;         ///< the data, in the format of docs/replay.md
+  std::size_t robots = 0;    ///< number of bodies with a drive
+  std::size_t others = 0;    ///< number of other bodies that can move, sense or decide, or be gripped
+  std::size_t recorded = 0;  ///< number of frames in the recording
+  std::size_t frames = 0;    ///< number of frames in the page
   std::size_t stride = 1;    ///< the page has every stride-th frame, and always the last
-  double every_s = 0;        ///< time from frame to frame
-  bool at_rest = false;      ///< parts that move are drawn at rest: their poses were not recorded
+  double every_s = 0;        ///< simulated time from one frame of the page to the next
+  bool at_rest = false;  ///< whether moving parts are drawn at rest, because their poses were not recorded
 };
 
-/// Throws InputError if the recording lacks what a page needs or a field of `options`, or if not even two
-/// frames fit; Hdf5Error if it cannot be read.
+/// Makes the data of a replay page from a recording. Throws InputError if the recording lacks what a page
+/// needs or a field of `options`, or if not even two frames fit into the page; throws Hdf5Error if the
+/// recording cannot be read.
 ReplayData replay_data(const RecordingReader& recording, const ReplayOptions& options);
 
 }  // namespace troupe::worldio

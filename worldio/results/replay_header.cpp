@@ -19,7 +19,7 @@ std::string color_text(const Color& color) {
   return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.r), to_byte(color.g), to_byte(color.b));
 }
 
-/// Corners as x, y, x, y, ... in steps of k_replay_shape_m.
+/// Returns the corners of a ring as a list x, y, x, y, ... of multiples of k_replay_shape_m.
 Json corners_json(const Ring& ring) {
   Json corners = Json::array();
   for (const Vec2& point : ring)
@@ -29,7 +29,7 @@ Json corners_json(const Ring& ring) {
 
 Json pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
 
-/// Tops as convex polygons, walls as closed chains of corners.
+/// Returns a shape as JSON: its top as convex polygons and its walls as closed chains of corners.
 Json shape_json(const engine::FrameShape& shape, std::int32_t joint) {
   Json json;
   if (joint != engine::k_rigid) json["joint"] = joint;
@@ -42,7 +42,7 @@ Json shape_json(const engine::FrameShape& shape, std::int32_t joint) {
     for (const ConvexPrism& piece : convex_pieces(shape.solid))
       json["tops"].push_back(corners_json(piece.outline));
   } catch (const std::length_error&) {
-    // Contours that cross too often to be cut up are drawn without tops.
+    // If contours cross too often to be divided into convex polygons, the shape is drawn without a top.
   }
   return json;
 }
@@ -77,7 +77,7 @@ Json type_json(const RecordedScene::Type& type) {
   return json;
 }
 
-/// The visible bodies that never move: those that are not among `ids`.
+/// Returns the visible bodies that are not in the recording, because they are static: those not in `ids`.
 Json fixed_json(std::span<const std::uint32_t> ids, const RecordedScene& scene) {
   std::vector<std::uint8_t> moves(scene.bodies.size(), 0);
   for (const std::uint32_t id : ids) moves[id] = 1;
@@ -91,7 +91,8 @@ Json fixed_json(std::span<const std::uint32_t> ids, const RecordedScene& scene) 
   return fixed;
 }
 
-/// Runs of rows of one type; and id, name and colour of each row.
+/// Returns the robots of a page as JSON: the runs of consecutive rows of one type, and the id, name and
+/// colour of each row.
 Json robots_json(std::span<const std::uint32_t> ids_in_order, const RecordedScene& scene) {
   std::vector<std::array<std::uint32_t, 2>> types;
   Json ids = Json::array();

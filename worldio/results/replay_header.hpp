@@ -11,27 +11,32 @@
 
 namespace troupe::worldio {
 
-inline constexpr int k_replay_format = 1;
-inline constexpr double k_replay_step_m = 0.001;    ///< step of positions
-inline constexpr int k_replay_turn = 2048;          ///< steps in a whole turn: 0.18 degrees each
-inline constexpr double k_replay_shape_m = 0.0001;  ///< step of outlines
+inline constexpr int k_replay_format = 1;         ///< version of the format of docs/replay.md
+inline constexpr double k_replay_step_m = 0.001;  ///< resolution of positions, m
+inline constexpr int k_replay_turn =
+    2048;  ///< number of steps in a whole turn: a heading has a resolution of 0.18 degrees
+inline constexpr double k_replay_shape_m = 0.0001;  ///< resolution of outlines, m
 
-/// The frames of a page are compressed in blocks, each with one stream for the poses and one per field.
+/// The sizes of the compressed blocks of a page. A block has some consecutive frames: one stream of bytes for
+/// the poses and one for each field.
 struct ReplayBlocks {
-  std::size_t frames = 0;                       ///< per block; the last may have fewer
-  std::vector<std::vector<std::size_t>> bytes;  ///< per block: of each stream
+  std::size_t frames = 0;                       ///< number of frames per block; the last block may have fewer
+  std::vector<std::vector<std::size_t>> bytes;  ///< for each block, the size of each of its streams
 };
 
-/// Returns what does not change, as JSON: shapes, names, colours, times, fields (docs/replay.md).
+/// Returns, as JSON, everything that does not change from frame to frame: shapes, names, colours, times, and
+/// descriptions of the fields (docs/replay.md). `frames` are the indices of the recorded frames that the page
+/// has.
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 
-/// What a page that shows a running world needs at its start.
+/// The data that a page which shows a running world needs at its start.
 struct LivePage {
-  std::string header;                ///< as replay_header(), without the keys that only recordings have
+  std::string header;                ///< like replay_header(), without the keys that only recordings have
   std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page: by type, then by id
-  bool has_z = false;                ///< heights may change; else the header has them
+  bool has_z = false;                ///< whether heights may change; if not, the header has them
 };
+/// Returns the data for a page that shows this world while it runs.
 LivePage live_page(const engine::World& world, const engine::Registry& registry);
 
 }  // namespace troupe::worldio

@@ -18,9 +18,9 @@ namespace {
 using Array = RecordingReader::Array;
 using engine::Element;
 
-constexpr double k_levels = 4095;           // enough for a colour or a reading
-constexpr double k_endless = 1e150;         // larger numbers count as NaN, so that differences stay finite
-constexpr double k_most_whole = 100000000;  // whole numbers that span more are rounded
+constexpr double k_levels = 4095;    // number of steps of a field: enough for a colour or a reading
+constexpr double k_endless = 1e150;  // larger numbers are treated as NaN, so that differences stay finite
+constexpr double k_most_whole = 100000000;  // whole numbers with a larger range than this are rounded
 
 [[noreturn]] void refuse(const RecordingReader& recording, const std::string& message) {
   throw InputError(fmt::format("{}: error: {}", recording.file().string(), message));
@@ -83,7 +83,8 @@ ReplayField field_of(const RecordingReader& recording, const Array& array,
                      std::span<const std::uint32_t> order) {
   constexpr std::uint32_t k_none = std::numeric_limits<std::uint32_t>::max();
   const std::vector<std::uint8_t> has = recording.has(array);
-  std::vector<std::uint32_t> places(order.size(), k_none);  // row of the recording -> row of the array
+  std::vector<std::uint32_t> places(order.size(),
+                                    k_none);  // for each row of the recording, its row in the array
   for (std::size_t r = 0; r < array.bodies.size(); ++r)
     if (has[r] != 0) places[array.bodies[r]] = static_cast<std::uint32_t>(r);
   ReplayField field{.array = &array};
@@ -99,17 +100,18 @@ ReplayField field_of(const RecordingReader& recording, const Array& array,
   return field;
 }
 
-/// The smallest number that is 1, 2 or 5 times a power of ten and at least x, for any x above 0.
+/// Returns the smallest number of the form 1, 2 or 5 times a power of ten that is at least x. x must be above
+/// 0.
 double round_step(double x) {
   double power = 1;
   while (power < x && power < 1e300) power *= 10;
-  while (power >= x * 10 && power > 1e-300) power /= 10;  // now x <= power < 10 x, but for rounding
+  while (power >= x * 10 && power > 1e-300) power /= 10;  // now x <= power < 10 x, apart from rounding
   if (power / 5 >= x) return power / 5;
   return power / 2 >= x ? power / 2 : power;
 }
 
 void choose_steps(ReplayField& field) {
-  if (field.min > field.max) {  // all numbers are absent
+  if (field.min > field.max) {  // the field has no finite number in any frame
     field.min = field.max = 0;
     return;
   }
@@ -125,11 +127,11 @@ void choose_steps(ReplayField& field) {
   const double finest = unit == "m" || unit == "rad" ? 0.001 : 0.0;
   field.step = is_joint(*field.array) && finest > 0 ? finest : std::max(round_step(span / k_levels), finest);
   if (span / field.step > k_most_whole) field.step = round_step(span / k_most_whole);
-  field.min = std::floor(field.min / field.step) * field.step;  // so that values read as round numbers
+  field.min = std::floor(field.min / field.step) * field.step;  // so that the page shows round numbers
   field.steps = static_cast<std::uint32_t>(std::ceil((field.max - field.min) / field.step));
 }
 
-/// Finds the range of the numbers in all frames.
+/// Reads all frames and finds the smallest and the largest number of each field.
 void survey(const RecordingReader& recording, ReplayPlan& plan) {
   FrameReader reader(recording);
   std::vector<double> values;
@@ -174,7 +176,7 @@ bool lacks_joints(const ReplayPlan& plan, const RecordingReader& recording) {
   return false;
 }
 
-/// If heights never change, stores them once in place of the array.
+/// If no height ever changes, stores the heights once in the plan and drops the array of z.
 void survey_heights(const RecordingReader& recording, ReplayPlan& plan) {
   plan.heights.assign(plan.order.size(), 0.0);
   const Array* const z = plan.pose[3];
@@ -245,7 +247,8 @@ ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::st
   plan.at_rest = lacks_joints(plan, recording);
   survey(recording, plan);
   survey_heights(recording, plan);
-  if (plan.bounds.empty()) plan.bounds = Box::around(Vec2::Zero(), 1);  // no robot is ever in the world
+  if (plan.bounds.empty())
+    plan.bounds = Box::around(Vec2::Zero(), 1);  // no robot is in the world in any frame
   std::vector<std::uint8_t> moves(plan.scene.bodies.size(), 0);
   for (const std::uint32_t id : recording.ids()) moves[id] = 1;
   double robot_radius = 0;

@@ -13,18 +13,19 @@
 
 namespace troupe::worldio {
 
-/// Rows [first, first + count) of a page.
+/// The rows first, ..., first + count - 1 of a page, one row per robot.
 struct ReplayRun {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
 };
 
-/// An array of the state that a page shows in addition to poses. Values are min + k * step, for integers k.
+/// An array of the state that a page shows in addition to poses. Its values are rounded to min + k * step,
+/// with whole numbers k from 0 to `steps`.
 struct ReplayField {
   const RecordingReader::Array* array = nullptr;
   std::vector<std::uint32_t> rows;  ///< rows of the array, in the order of the page
-  std::vector<ReplayRun> runs;      ///< rows of the page that have it
-  double min = 0;                   ///< over the finite numbers of all frames
+  std::vector<ReplayRun> runs;      ///< rows of the page that have the field
+  double min = 0;                   ///< smallest finite number in all frames; `max`: the largest
   double max = 0;
   double step = 1;
   std::uint32_t steps = 0;  ///< the largest k
@@ -33,17 +34,18 @@ struct ReplayField {
 /// What a page shows of a recording, and in which order.
 struct ReplayPlan {
   RecordedScene scene;
-  std::vector<std::uint32_t> order;  ///< row of the page -> row of the recording: by type, then by id
-  /// x, y, heading and z; z is null if no robot ever changes its height.
+  std::vector<std::uint32_t>
+      order;  ///< for each row of the page, its row in the recording; sorted by type, then by id
+  /// The arrays of x, y, heading and z; z is null if no robot ever changes its height.
   std::array<const RecordingReader::Array*, 4> pose{};
-  std::vector<double> heights;  ///< by row of the page, m, if z is null
-  Box bounds;                   ///< of everything that is visible in any frame, m
+  std::vector<double> heights;  ///< if z is null: the height of each row of the page, m
+  Box bounds;                   ///< box around everything that is visible in any frame, m
   std::vector<ReplayField> fields;
-  bool at_rest = false;  ///< there are parts that move whose poses were not recorded
+  bool at_rest = false;  ///< whether there are moving parts whose poses were not recorded
 };
 
-/// Reads one frame of an array as numbers, row-major, and resizes `into`. NaN: no value, or the body is
-/// absent.
+/// Reads frames of arrays as numbers. read() resizes `into` and fills it in row-major order; NaN means that
+/// there is no value or that the body is absent.
 class FrameReader {
  public:
   explicit FrameReader(const RecordingReader& recording)
@@ -57,10 +59,11 @@ class FrameReader {
   std::size_t alive_frame_;  // the frame of alive_
 };
 
-/// Plans a page, for which it reads every frame once to find the range of the numbers. `fields`: components
-/// ("stall"), fields ("ranges") or both ("stall/stalled"); empty: all that were recorded. Joints and shown
-/// colours are always included. Throws InputError if there are no poses, no frames, or no such field; and
-/// Hdf5Error.
+/// Plans a page. It reads every frame once to find the ranges of the numbers. `fields` names components
+/// ("stall"), fields
+/// ("ranges") or a field of a component ("stall/stalled"); empty: all recorded fields. The poses of joints
+/// and shown colours are always included. Throws InputError if the recording has no poses, no frames, or not
+/// one of `fields`; throws Hdf5Error if it cannot be read.
 ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::string> fields);
 
 }  // namespace troupe::worldio

@@ -34,7 +34,8 @@ std::string head(std::string_view kind, unsigned layout, std::uint64_t bytes, st
   return text + '\n';
 }
 
-/// The number after `key` in the line of the head that begins with it.
+/// Returns the number after `key` in the line of the head that begins with `key`. Empty if there is no such
+/// line.
 std::optional<std::uint64_t> number_after(std::string_view head, std::string_view key, int base = 10) {
   const std::size_t line = head.find(fmt::format("\n{} ", key));
   if (line == head.npos) return std::nullopt;
@@ -45,12 +46,13 @@ std::optional<std::uint64_t> number_after(std::string_view head, std::string_vie
 }
 
 struct Content {
-  std::string head;  // the whole file if it is shorter
+  std::string head;  // the head; the whole file if that is shorter than a head
   std::uint64_t bytes = 0;
   std::uint64_t hash = 0;
 };
 
-/// Reads head and hash of a file. Throws std::system_error.
+/// Reads the head of a file and computes the hash of the rest. Throws std::system_error if the file cannot be
+/// read.
 Content content_of(const fs::path& file) {
   constexpr std::size_t k_piece = 1 << 20;
   const auto failed = [] { return std::system_error(errno, std::generic_category()); };
@@ -72,8 +74,8 @@ Content content_of(const fs::path& file) {
   return content;
 }
 
-/// Syncs the names in a folder to the disk, if the file system can do that. The content of the file is
-/// already on the disk.
+/// Syncs the folder of a file, which holds its name, to the disk, if the file system can do that. The content
+/// of the file must be on the disk already.
 void sync_folder_of(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -90,7 +92,7 @@ void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
   const auto refuse = [&file](const std::string& reason) {
     throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
   };
-  // The rename would replace a device, such as /dev/null, by a file.
+  // A device such as /dev/null is refused, because the rename would replace it by a file.
   if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) refuse("it is not a regular file");
   const std::span<const std::byte> rest = bytes.subspan(k_seal_bytes);
   const std::string text = head(kind, layout, rest.size(), hash_bytes(rest));
@@ -122,7 +124,7 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
   if (text.empty()) refuse(fmt::format("this is not a {}: the file is empty", kind));
   if (text.starts_with(k_hdf5_signature)) refuse(fmt::format("this is an HDF5 file, but not a {}", kind));
   if (!text.starts_with(mark) && !mark.starts_with(text)) {
-    if (text.starts_with("troupe ")) refuse(fmt::format("this is not a {}, or a damaged one", kind));
+    if (text.starts_with("troupe ")) refuse(fmt::format("this is not a {}, or it is damaged", kind));
     refuse(fmt::format("this is not a {}", kind));
   }
   // The first two lines are the same in every layout.

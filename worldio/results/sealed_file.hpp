@@ -7,29 +7,30 @@
 
 namespace troupe::worldio {
 
-/// A sealed file exists completely or not at all, and any byte that changes later is detected. Its first 512
-/// bytes are text:
+/// A sealed file either exists completely or not at all, and a change of any of its bytes is detected. Its
+/// first 512 bytes, the head, are text:
 ///
 ///     troupe checkpoint
 ///     layout 1
 ///     bytes 123456
 ///     xxh3 6b0f...
 ///
-/// padded with blanks. Then follow `bytes` bytes, whose XXH3 (64 bits) is in the fourth line. HDF5 takes this
-/// head for a user block, so its own tools and h5py can open the file.
+/// padded with blanks. After the head come as many bytes as its third line says; their XXH3 hash (64 bits) is
+/// in the fourth line. To HDF5 the head is a user block, so the tools of HDF5 and h5py can open the file.
 inline constexpr std::size_t k_seal_bytes = 512;
 
-/// Writes a head and `bytes` without its first 512, which leave room for the head. Writes to another name
-/// next to `file` (worldio/partial_file.hpp), syncs it to the disk and renames it. Throws std::runtime_error
-/// `run.h5: error: ...` if that fails; then there is no partial file, and `file` is unchanged.
+/// Writes `bytes` as a sealed file of this kind. The head replaces the first 512 elements of `bytes`. The
+/// function writes to another name in the same folder (worldio/partial_file.hpp), syncs that file to the disk
+/// and renames it to `file`. If that fails, throws std::runtime_error `run.h5: error: ...`; no partial file
+/// remains, and `file` is unchanged.
 void write_sealed(const std::filesystem::path& file, std::string_view kind, unsigned layout,
                   std::span<const std::byte> bytes);
 
-/// Reads and checks the whole file. Throws InputError with what is wrong: it does not exist, is another kind
-/// of file, has another layout, was cut off, or is damaged.
+/// Reads the whole file and checks it. Throws InputError if it does not exist, is another kind of file, has
+/// another layout, was cut off or is damaged. The message says which.
 void check_seal(const std::filesystem::path& file, std::string_view kind, unsigned layout);
 
-/// Whether a file begins like a sealed file of this kind.
+/// Whether the first line of a file is that of a sealed file of this kind.
 bool has_seal(const std::filesystem::path& file, std::string_view kind);
 
 }  // namespace troupe::worldio

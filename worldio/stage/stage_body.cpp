@@ -17,7 +17,7 @@ Solid box(double x_min, double x_max, double y_min, double y_max, double z_min, 
   return {{{Vec2(x_min, y_min), Vec2(x_max, y_min), Vec2(x_max, y_max), Vec2(x_min, y_max)}}, {z_min, z_max}};
 }
 
-/// Returns 12 for "point[12]".
+/// Returns the number in a key such as "point[12]", here 12. Empty for any other key.
 std::optional<std::int64_t> point_number(std::string_view key) {
   constexpr std::string_view k_stem = "point[";
   std::int64_t number = 0;
@@ -37,7 +37,7 @@ bool StageBodies::flag(const StageModel& model, std::string_view key) {
 StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                             const std::vector<StageModel>& blocks) {
   std::vector<Solid> solids;
-  // While this is set, explicit blocks replace everything made so far.
+  // While `is_default` is true, the block children of the model replace all solids made so far.
   bool is_default = kind.has_default_body;
   if (is_default) solids.push_back(box(-0.5, 0.5, -0.5, 0.5, 0, 1));
   if (flag(model, "noblocks")) {
@@ -90,7 +90,8 @@ void StageBodies::check_map(const StageModel& model, const FloorImage& map, cons
                                 size_m.y()));
   if (!blocks.empty())
     values_.error(blocks.front().where,
-                  "a model whose \"bitmap\" is a ROS map cannot have blocks: the map is not stretched");
+                  "a model whose \"bitmap\" is a ROS map cannot have blocks, because the map is not "
+                  "stretched to \"size\"");
 }
 
 const FloorImage* StageBodies::read_image(const StageProperty& property, engine::ImageSpec& spec) {
@@ -132,7 +133,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   for (const StageEntity* layer : block.layers) written += layer->properties.count;
   if (*count > written + k_most_missing) {
     values_.error(values_.where(*points),
-                  fmt::format("\"points\" is {}, but the block has far fewer", *count));
+                  fmt::format("\"points\" is {}, but the block has far fewer points", *count));
     return;
   }
   std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
@@ -170,7 +171,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
     if (!v) return;
     z = {(*v)[0] * values_.length_unit(), (*v)[1] * values_.length_unit()};
     if (z.min > z.max) {
-      values_.error(values_.where(*property), "\"z\" needs [min max] with min at most max");
+      values_.error(values_.where(*property), "\"z\" needs [min max], and min must not exceed max");
       return;
     }
   }

@@ -15,7 +15,8 @@
 
 namespace troupe::worldio {
 
-/// The solids of a model. `image` or `blocks` is set where that image or those blocks are all its solids.
+/// The solids of a model. `image` is set if all solids come from one image, `blocks` if all come from blocks:
+/// they are these blocks before scaling.
 struct StageBody {
   std::vector<Solid> solids;
   std::optional<engine::ImageSpec> image;
@@ -32,17 +33,19 @@ class StageBodies {
         values_(values),
         images_(diagnostics) {}
 
-  /// Returns the body of a model in the model's frame, before `origin` is applied. It is stretched to `size`,
-  /// m, and centred in x and y; z is scaled and not shifted. `blocks` are resolved. A ROS map keeps its own
-  /// place and its own size in x and y, which overwrites that of `size`.
+  /// Returns the body of a model in the frame of the model, before `origin` is applied. The body is stretched
+  /// to `size`, m, and centred in x and y; z is scaled and not shifted. `blocks` are the block children of
+  /// the model, with their macros applied. A ROS map keeps its own place and its own size in x and y, which
+  /// is stored in `size`.
   StageBody make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
 
  private:
   bool flag(const StageModel& model, std::string_view key);
-  /// Null, with an error, if the image cannot be read or has no solid pixel.
+  /// Reads the image of a `bitmap` and sets the path in `spec`. Null, with an error, if the image cannot be
+  /// read or has no solid pixel.
   const FloorImage* read_image(const StageProperty& property, engine::ImageSpec& spec);
-  /// Reports what the model gives and a ROS map overrides: the map has its own size and place.
+  /// Reports properties of the model that a ROS map overrides, because the map has its own size and place.
   void check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
   void add_block(const StageModel& block, std::vector<Solid>& solids);

@@ -29,9 +29,9 @@ struct Dynamic {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::count>("count", within(0, 10000), "children to add");
+      d.member<&Params::count>("count", within(0, 10000), "number of boxes to add");
       d.member<&Params::reach>("reach", meters, within(0, 1000),
-                               "how far from the model's origin, in x and in y");
+                               "largest distance of a box from the origin of the model, along x and along y");
     }
   };
 
@@ -104,12 +104,12 @@ void add_noise(const Record& params, std::uint64_t, const engine::Registry&, Typ
 
 engine::ControllerKind dynamic_controller() {
   return engine::make_controller_kind<Dynamic>(k_dynamic,
-                                               "add small boxes to the model when the world is read");
+                                               "add boxes of 0.1 m to the model when the world is read");
 }
 
 engine::ControllerKind lasernoise_controller() {
   return engine::make_controller_kind<LaserNoise>(
-      k_lasernoise, "give the model's ranger a normal error in proportion to its readings");
+      k_lasernoise, "add a normally distributed error, proportional to the reading, to the model's ranger");
 }
 
 StageAddition stage_addition(std::string_view controller) {

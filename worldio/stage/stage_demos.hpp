@@ -7,23 +7,24 @@
 
 namespace troupe::worldio {
 
-/// Two controllers of Stage's examples. They change their model when a `.world` file is read and do nothing
-/// while the world runs.
+// Two controllers of Stage's examples. They change their model when a `.world` file is read; they do not act
+// while the world runs.
 
-/// When a `.world` file is read, adds `count` children to its model: boxes of 0.1 m that stand on it, at
-/// poses drawn uniformly within `reach`, m, of its origin in x and y. The draws depend only on the seed and
-/// on the model's name within its body, so bodies with equal text stay equal. Does nothing while the world
-/// runs.
+/// The controller `dynamic`. When a `.world` file is read, it adds `count` children to its model: boxes of
+/// 0.1 m that stand on the model. Their poses are uniformly random, at most `reach`, m, from the origin of
+/// the model along x and along y. The random numbers depend only on the seed and on the name of the model
+/// within its body, so that bodies with equal text stay equal. It does nothing while the world runs.
 engine::ControllerKind dynamic_controller();
 
-/// When a `.world` file is read, gives the first transducer of its ranger a normally distributed error
-/// (`noise_relative`) with a standard deviation of `share`, 5 % unless given, of each reading; Stage's
-/// controller multiplies the readings instead. A JSON world sets `noise_relative` of the ranger directly.
-/// While the world runs, it only keeps its ranger running.
+/// The controller `lasernoise`. When a `.world` file is read, it gives the first transducer of its ranger a
+/// normally distributed error (`noise_relative`). The standard deviation is the fraction `share` of each
+/// reading, by default 5 %. Stage's controller multiplies the readings instead. A JSON world sets
+/// `noise_relative` of the ranger directly. While the world runs, the controller only keeps its ranger
+/// running.
 engine::ControllerKind lasernoise_controller();
 
-/// Applies one of these controllers to the type of its model. `params` are the controller's, `seed` is the
-/// world's, `part` is the part that the controller belongs to.
+/// Applies one of these controllers to `type`, the type of its model. `params` are the parameters of the
+/// controller, `seed` is that of the world, and `part` is the index of the part that has the controller.
 using StageAddition = void (*)(const engine::Record& params, std::uint64_t seed,
                                const engine::Registry& registry, engine::TypeSpec& type, std::uint32_t part);
 

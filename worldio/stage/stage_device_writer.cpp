@@ -39,7 +39,7 @@ void write_parameters(const DeviceSpec& device, const DeviceKind& kind, StageTex
     };
     const auto at = static_cast<std::size_t>(kind.params.find(parameter.field));
     const Value& value = device.params[at];
-    if (parameter.column == 0) {  // of a tuple [a b] whose second number is another field
+    if (parameter.column == 0) {  // the first number of a tuple [a b]; the second is another field
       const auto other = std::ranges::find_if(stage_parameters(), [&](const StageParameter& one) {
         return one.model == parameter.model && one.property == parameter.property && one.column == 1;
       });
@@ -61,7 +61,7 @@ void write_ranger(const DeviceSpec& device, StageText& text) {
   if (ranger.intensity) text.flag("intensity", true);
   for (const engine::TransducerParams& transducer : ranger.transducers) {
     const Pose& pose = transducer.pose;
-    constexpr double k_middle = 0.02 / 2;  // m: height of the beams of Stage's transducers
+    constexpr double k_middle = 0.02 / 2;  // m: height of the beams in a transducer of Stage's default size
     const double z = solved(pose.z, pose.z - k_middle, [](double x) { return x + k_middle; });
     text.open("sensor");
     text.pose("pose", {pose.x, pose.y, z, pose.heading});
@@ -116,7 +116,7 @@ void write_radio(const DeviceSpec& device, const DeviceKind& kind, StageText& te
   text.number("range", get(kind.params, device.params, "range").number());
 }
 
-/// Writes a value as an argument of `ctrl`; empty if the syntax cannot express it.
+/// Returns a value as an argument of `ctrl`. Empty if the syntax of `ctrl` cannot express the value.
 std::optional<std::string> argument(const Value& value) {
   if (const bool* x = std::get_if<bool>(&value.v)) return *x ? "1" : "0";
   if (const auto* x = std::get_if<std::int64_t>(&value.v)) return fmt::format("{}", *x);
@@ -202,7 +202,7 @@ std::string stage_call(const engine::ControllerSpec& controller, const engine::C
   for (std::size_t i = 0; i < defaults.size(); ++i) {
     if (same_bits(controller.params[i], defaults[i])) continue;
     if (const auto text = argument(controller.params[i]))
-      call += fmt::format(" {}={}", kind.params.fields[i].name, *text);  // in SI units
+      call += fmt::format(" {}={}", kind.params.fields[i].name, *text);  // values are in SI units
   }
   return call;
 }

@@ -6,19 +6,23 @@
 
 #include <string>
 
-/// Writes devices, drives and controllers as properties of Stage models: the inverse of StageKinds, for a
-/// file in metres and radians. A parameter without a property is omitted; check_stage_round_trip() reports
-/// it.
+/// Functions that write devices, drives and controllers as properties of Stage models, in metres and radians.
+/// They are the inverse of StageKinds. A parameter for which Stage has no property is omitted;
+/// check_stage_round_trip() reports it.
 namespace troupe::worldio {
 
+/// Writes the properties of a device into the model that is open in `text`.
 void write_stage_device(const engine::DeviceSpec& device, const engine::DeviceKind& kind, StageText& text);
+/// Writes the properties of a drive into the position model that is open in `text`.
 void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text);
-/// Writes the drive of a position model inside another model; `period_s` is that of its controllers.
+/// Writes the drive of a position model that is inside another model. `period_s` is the period of the
+/// controllers of that model, s.
 void write_stage_wheels(const engine::DeviceSpec& wheels, double period_s, const engine::Registry& registry,
                         StageText& text);
-/// A `ctrl` string such as `script law=wave`: the name and the parameters that differ from their defaults.
+/// Returns the value of `ctrl` for a controller, such as `script law=wave`: its name, and the parameters that
+/// differ from their defaults.
 std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind);
-/// The `update_interval`, ms, that reads back as exactly these seconds.
+/// Returns the `update_interval`, ms, that is read back as exactly this period, s.
 double stage_milliseconds(double seconds);
 
 }  // namespace troupe::worldio

@@ -53,7 +53,7 @@ constexpr auto k_parameters = std::to_array<StageParameter>({
     {"radio", "beacon", "beacon"},
 });
 
-// Of two rows with the same law, the first is written.
+// If two rows have the same law, the writer uses the name in the first row.
 constexpr auto k_radio_laws = std::to_array<StageRadioLaw>({
     {"simple", "disc", "pass"},
     {"friis", "friis", "pass"},

@@ -15,20 +15,23 @@ enum class StageUnit : std::uint8_t { plain, length, angle, degrees, millisecond
 struct StageParameter {
   std::string_view model;     ///< type of the model: "fiducial"
   std::string_view property;  ///< as in the file
-  std::string_view field;     ///< in the table of the device kind, which says what the value must be
+  std::string_view field;     ///< name of the parameter, in the field table of the device kind
   StageUnit unit = StageUnit::plain;
-  int column = -1;  ///< index into a tuple [a b ...]; -1: the whole property is the parameter
+  int column =
+      -1;  ///< index into a tuple [a b ...] whose element is the parameter; -1: the whole property is
 };
+/// Returns all properties that map directly to one parameter of a device.
 std::span<const StageParameter> stage_parameters();
 
-/// A propagation law of radios, by the name that the `wifi` models of Stage 2 had for it.
+/// A propagation law of radios, with its name in the `wifi` models of Stage 2.
 struct StageRadioLaw {
   std::string_view model;  ///< as in the file
   std::string_view law;    ///< parameter `law` of the radio
   std::string_view walls;  ///< parameter `walls` of the radio, unless the file gives it
 };
+/// Returns all propagation laws that the property `model` of a radio can name.
 std::span<const StageRadioLaw> stage_radio_laws();
-/// Range of a radio, m, unless the file gives it; for every law but "disc", which has its own default.
+/// Default of the range of a radio, m, for every law but "disc", which has another default.
 inline constexpr double k_stage_radio_range = 1000;
 
 }  // namespace troupe::worldio

@@ -25,7 +25,8 @@ std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
   return names;
 }
 
-/// Checks a number against a field's limits. The error reads "must be above 0 m".
+/// Checks a number, in SI units, against the limits of a field. The error is a predicate such as "must be
+/// above 0 m".
 Result<> check_limits(const Field& field, double value) {
   const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
   const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
@@ -36,14 +37,15 @@ Result<> check_limits(const Field& field, double value) {
   return {};
 }
 
-/// Reads an angle, rad, slightly above a whole turn as a whole turn: files write 6.2832.
+/// Returns an angle, rad. If it is slightly above a whole turn, returns a whole turn, because files write a
+/// whole turn as 6.2832.
 double within_a_turn(double angle) {
   constexpr double k_turn = 2 * k_pi;
   constexpr double k_rounding = 1e-5;
   return angle > k_turn && angle < k_turn * (1 + k_rounding) ? k_turn : angle;
 }
 
-/// Sets a field if the table has it: a kind need not have every property of Stage's models.
+/// Sets a field if the table has it: a kind need not have a field for every property of Stage's models.
 void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
   if (const int at = table.find(name); at >= 0) record[static_cast<std::size_t>(at)] = std::move(value);
 }
@@ -86,7 +88,8 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
   const FieldTable& table = engine::described<TransducerParams>();
   TransducerParams params;
   bool is_right = true;  // no early return: every wrong property is reported
-  // Checks a value against the limits of its field; messages use the name in the file.
+  // Checks a value against the limits of its field. Error messages use the name that the property has in the
+  // file.
   const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
     const auto at = static_cast<std::size_t>(table.find(field_name));
     const Result<> kept = check_limits(table.fields[at], value);
@@ -95,15 +98,15 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
                     fmt::format("\"{}\" {}; here is {}", values_.key(property), kept.error().text, value));
     return static_cast<bool>(kept);
   };
-  // read(property) -> whether it is right
+  // The function `read` is called with the property and returns whether its value is right.
   const auto read = [&](std::string_view key, auto&& read_property) {
     const StageProperty* property = sensor.find(document_, key);
     if (property && !read_property(*property)) is_right = false;
   };
 
   Eigen::Vector3d size(0.02, 0.02, 0.02);
-  const bool is_the_ranger = !sensor.alias.empty();  // then the body has pose and size
-  if (sensor.alias == "laser") {                     // the defaults of older files
+  const bool is_the_ranger = !sensor.alias.empty();  // then pose and size are those of the body
+  if (sensor.alias == "laser") {                     // defaults of the lasers of older files
     params.range_max = 8;
     params.fov = radians(180);
     params.samples = 180;
@@ -192,7 +195,7 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
 std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
                                                      const std::vector<StageModel>& sensors) {
   if (registry_.device("ranger") == nullptr) {
-    values_.error(model.where, "this build has no ranger");
+    values_.error(model.where, "this build of Troupe has no device of kind \"ranger\"");
     return {};
   }
   const bool is_sensor = !model.alias.empty() && sensors.empty();
@@ -222,8 +225,9 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
     const auto v = values_.tuple(*property, 3, 3, "[x y z], fractions of the gripper's size");
     if (!v) return {};
     if (!std::ranges::all_of(*v, [](double part) { return part > 0 && part < 1; }) || (*v)[1] >= 0.5) {
-      values_.error(values_.where(*property),
-                    "\"paddle_size\" needs fractions of the gripper's size, between 0 and 1, y below 0.5");
+      values_.error(
+          values_.where(*property),
+          "\"paddle_size\" needs fractions of the gripper's size, above 0 and below 1, and y below 0.5");
       return {};
     }
     set(kind.params, spec->params, "paddle_size", *v);
@@ -277,7 +281,8 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
   return spec;
 }
 
-/// Reads a property as a value of this field. Empty, with an error, if it is wrong.
+/// Reads a property as a value of `field`. A number is multiplied by `to_si`; `column` is the index into a
+/// tuple of two, or -1 for the whole property. Empty, with an error, if the value is wrong.
 std::optional<Value> StageKinds::value(const StageProperty& property, const Field& field, double to_si,
                                        int column) {
   const auto checked = [&](std::optional<double> given) -> std::optional<double> {
@@ -423,7 +428,8 @@ std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
 
 std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& model, std::string_view key) {
   const double quarter_turn = radians(90);
-  std::vector<double> bounds{-1, 1, -1, 1, -1, 1, -quarter_turn, quarter_turn};  // Stage's, m and rad
+  std::vector<double> bounds{-1,          1, -1, 1, -1, 1, -quarter_turn,
+                             quarter_turn};  // the defaults of Stage, m and rad
   const StageProperty* property = model.find(document_, key);
   if (!property) return bounds;
   const auto v = values_.tuple(*property, 8, 8, "[xmin xmax ymin ymax zmin zmax amin amax]");
@@ -549,8 +555,8 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
   }
   for (std::size_t i = 0; i < fields.size(); ++i)
     if (!spec.params[i].given() && !fields[i].optional) {
-      values_.error(
-          where, fmt::format("controller \"{0}\" needs \"{1}\": ctrl \"{0} {1}=...\"", name, fields[i].name));
+      values_.error(where, fmt::format("controller \"{0}\" needs the parameter \"{1}\": ctrl \"{0} {1}=...\"",
+                                       name, fields[i].name));
       return {};
     }
   return spec;

@@ -19,15 +19,15 @@ class StageKinds {
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)
       : document_(document), registry_(registry), values_(values) {}
 
-  /// Time between updates, s; 0: every tick.
+  /// Returns the time between two updates of a model, s; 0: every tick.
   double period_s(const StageModel& model);
 
-  /// Reads a ranger and its `sensor` children. Empty, with a warning, if it has none; empty, with errors, if
-  /// a property is wrong.
+  /// Reads a ranger and its `sensor` children. Empty, with a warning, if there are no sensors. Empty, with
+  /// errors, if a property is wrong.
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
   /// Reads a model that is a device of this kind. Empty, with errors, if a property is wrong.
   std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
-  /// As device(), for a gripper whose model has this size, m.
+  /// Like device(), for a gripper whose model has this size, m.
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
                                             const Eigen::Vector3d& size);
   /// Reads the drive of a position model. Empty, with errors, if a property is wrong.
@@ -35,15 +35,17 @@ class StageKinds {
   /// Reads the drive of a position model inside another model, as a device. Empty, with errors, if a property
   /// is wrong.
   std::optional<engine::DeviceSpec> wheels(const StageModel& model, const engine::DeviceKind& kind);
-  /// Reads `ctrl`: strings "name arguments". Arguments are in the order of the kind's parameters, or written
-  /// parameter=value. A string that is wrong is an error and left out.
+  /// Reads the property `ctrl`, one or more strings "name arguments". Arguments are in the order of the
+  /// parameters of the controller, or are written as parameter=value. A wrong string is an error, and the
+  /// result omits it.
   std::vector<engine::ControllerSpec> controllers(const StageModel& model);
 
  private:
-  /// [xmin xmax ymin ymax zmin zmax amin amax], in m and rad per second or per second squared. Stage's
-  /// defaults if the model does not have the property; empty, with an error, if it is wrong.
+  /// Reads `velocity_bounds` or `acceleration_bounds`: [xmin xmax ymin ymax zmin zmax amin amax], in m and
+  /// rad per second or per second squared. Returns the defaults of Stage if the model does not have the
+  /// property. Empty, with an error, if the property is wrong.
   std::optional<std::vector<double>> drive_bounds(const StageModel& model, std::string_view key);
-  /// Reads how the robot localizes itself. False, with errors, if a property is wrong.
+  /// Reads how the robot estimates its pose (gps or odometry). False, with errors, if a property is wrong.
   bool localize(const StageModel& model, const engine::FieldTable& table, engine::Record& params);
   bool is_always_on(const StageModel& model);
   std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,

@@ -11,14 +11,15 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_deepest = 200;  // the limit of the parser and of macros
+constexpr std::size_t k_deepest = 200;  // levels; the parser and the macros have the same limit
 
 std::string with_article(std::string_view type) {
   if (type == "world") return "the world";
   return fmt::format("{} {}", type == "actuator" ? "an" : "a", type);
 }
 
-/// The name of a property in messages: "mass", but "noise of a sensor".
+/// Returns the name of a property for messages: "mass" for a property of every model or of the world, but
+/// "noise of a sensor" for a property of one type.
 std::string called(const StageRow& row) {
   if (row.type == "model" || row.type == "world") return std::string(row.name);
   return fmt::format("{} of {}", row.name, with_article(row.type));
@@ -46,9 +47,9 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (!model) return;
   if (model->type == "window") add(window_only_, model->where, "window");
   if (macros_.is_only_a_body(model->type))
-    values_.warning_once(
-        model->where,
-        fmt::format("this program does not implement {}; it is only a body here", with_article(model->type)));
+    values_.warning_once(model->where,
+                         fmt::format("this program does not implement {}; the model is only a body",
+                                     with_article(model->type)));
   if (values_.thorough()) check_overruled(*model);
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
@@ -67,8 +68,9 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
     const bool is_transducers = type == "ranger" && find_stage_row("sensor", key) != nullptr;
     const std::vector<std::string_view> known = stage_property_names(type);
     values_.warning_once(
-        where, fmt::format("{} has no property \"{}\"; it is ignored{}", with_article(type), key,
-                           is_transducers ? ": it belongs in a sensor( ... )" : did_you_mean(key, known)));
+        where,
+        fmt::format("{} has no property \"{}\"; the property is ignored{}", with_article(type), key,
+                    is_transducers ? ": it must be inside a sensor( ... )" : did_you_mean(key, known)));
     return;
   }
   switch (row->support) {
@@ -82,7 +84,7 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
   }
 }
 
-/// Warns of properties that an entity sets again later: the last value counts.
+/// Warns of each property that the same entity sets again later, because only the last value counts.
 void StageLint::check_repeated(std::span<const StageProperty> properties) {
   if (!values_.thorough()) return;
   std::unordered_map<std::string_view, Where> later;
@@ -94,7 +96,7 @@ void StageLint::check_repeated(std::span<const StageProperty> properties) {
   }
 }
 
-/// Warns of properties that have no effect because of the other properties or the type of the model.
+/// Warns of properties that have no effect because of other properties of the model or because of its type.
 void StageLint::check_overruled(const StageModel& model) {
   const auto report = [&](std::string_view key, std::string_view why) {
     if (const StageProperty* property = model.find(document_, key))
@@ -115,10 +117,10 @@ void StageLint::check_overruled(const StageModel& model) {
       children, [&](const StageModel::Child& child) { return document_.word(*child.entity) == "sensor"; });
   if (!model.alias.empty() && has_sensors)
     for (const std::string_view key : {"samples", "fov", "range", "range_min", "range_max"})
-      report(key, "the sensors in it have their own");
+      report(key, "the sensors inside this model have their own");
   if (!is_position) return;
   const StageProperty* drive = model.find(document_, "drive");
-  if (!drive || values_.text(*drive) != "car") report("wheelbase", "only a car has one");
+  if (!drive || values_.text(*drive) != "car") report("wheelbase", "only a car has a wheelbase");
 }
 
 void StageLint::finish() {

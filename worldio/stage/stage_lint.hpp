@@ -11,9 +11,10 @@
 
 namespace troupe::worldio {
 
-/// Warns of every property that has no effect, so that nothing in a file is dropped silently: looks each one
-/// up in the table of all properties. As in Stage, the bodies of unused macros are not checked. Thorough
-/// diagnostics report each place separately, and properties that other properties of the model override.
+/// Warns of every property of a world file that has no effect, so that nothing is dropped silently. It looks
+/// each property up in the table of all properties (stage_rows()). As in Stage, macros that no model uses are
+/// not checked. With thorough diagnostics (`troupe lint`), each place is reported separately, and also every
+/// property that another property of the model overrides.
 class StageLint {
  public:
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)
@@ -22,20 +23,21 @@ class StageLint {
   void check_world();
   /// Checks an entity, its macros and its children. The body of a macro is checked once.
   void check(const StageEntity& entity) { check(entity, 0); }
-  /// Writes the summary warnings.
+  /// Reports the warnings about groups of properties. Call it last.
   void finish();
 
  private:
-  /// A group of properties that share one warning; thorough diagnostics report each place instead.
+  /// A group of properties that are reported together in one warning, or with thorough diagnostics one by
+  /// one.
   struct Summary {
-    std::string_view all;   ///< text before the names
-    std::string_view each;  ///< text after a name
+    std::string_view all;   ///< text of the common warning, before the names of the properties
+    std::string_view each;  ///< text of the warning about one property, after its name
     Where first = {};
     std::vector<std::string> names = {};
   };
 
   void check(const StageEntity& entity, std::size_t depth);
-  /// `type` is that of the entity, or the alias that the file has for it.
+  /// `type`: the type of the entity that has the property, or the alias that the file uses for it ("laser").
   void check_property(const StageProperty& property, std::string_view type);
   void check_repeated(std::span<const StageProperty> properties);
   void check_overruled(const StageModel& model);
@@ -45,9 +47,12 @@ class StageLint {
   StageMacros& macros_;
   StageValues& values_;
   std::unordered_set<const StageEntity*> macros_seen_;
-  Summary no_effect_{"accepted without effect, docs/stage-worlds.md says why", "no effect here"};
-  Summary window_only_{"accepted, but only Stage's window would use it", "for Stage's window only"};
-  Summary obsolete_{"obsolete, ignored by Stage too", "obsolete, ignored by Stage too"};
+  Summary no_effect_{"properties without effect, docs/stage-worlds.md says why",
+                     "this property has no effect in Troupe"};
+  Summary window_only_{"without effect on the run, because only Stage's window uses them",
+                       "this property affects only Stage's window"};
+  Summary obsolete_{"obsolete properties, ignored as in Stage",
+                    "this property is obsolete, ignored as in Stage"};
 };
 
 }  // namespace troupe::worldio

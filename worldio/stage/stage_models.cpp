@@ -16,7 +16,8 @@ constexpr std::string_view k_radio_alias = "wifi";
 /// Types of models that Stage had before version 4.3.
 constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",   "puck",
                                           "region",  "simple_laser", "speech"};
-constexpr std::size_t k_names_compared = 2000;  // more would delay the error message
+constexpr std::size_t k_names_compared =
+    2000;  // with more macros, comparing their names would delay the error message
 
 }  // namespace
 
@@ -97,7 +98,7 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   near.push_back(k_radio_alias);
   if (macros_.size() <= k_names_compared)
     for (const auto& [name, macro] : macros_) near.push_back(name);
-  // The order of the hash table must not choose between two names that are equally near.
+  // Sorted, because the order of the hash table must not decide between two names that are equally similar.
   std::ranges::sort(near);
   const bool is_dropped = std::ranges::find(k_dropped, model.type) != std::end(k_dropped);
   values_.error(model.where,

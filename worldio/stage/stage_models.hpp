@@ -11,8 +11,9 @@
 
 namespace troupe::worldio {
 
-/// An entity with its macros applied. The properties of a later layer override those of earlier layers; its
-/// children are added to theirs.
+/// An entity with its macros applied. It consists of layers: the bodies of its macros and its own body. The
+/// properties of a later layer override those of earlier layers, and the children of a later layer are added
+/// to those of earlier layers.
 struct StageModel {
   struct Child {
     const StageEntity* entity;
@@ -20,15 +21,17 @@ struct StageModel {
   };
 
   std::string_view type;  ///< a model type, "block", "sensor" or "window"
-  /// "laser" or "sonar" for a ranger that the file calls so, "wifi" for a radio; else empty. A laser or sonar
-  /// without a sensor in it is its own sensor.
+  /// The name in the file, if that is an older name of the type: "laser" or "sonar" for a ranger, "wifi" for
+  /// a radio. Else empty. A laser or sonar that contains no sensor is its own sensor.
   std::string_view alias;
-  std::vector<std::string_view> names;     ///< as in the file, then the bases of the macros, the type last
+  std::vector<std::string_view>
+      names;  ///< the word in the file, then the bases of the macros, and last the type
   std::vector<const StageEntity*> layers;  ///< the innermost base first, the entity itself last
   Where where;
 
-  /// The last property of this name; null when there is none.
+  /// Returns the last property of this name, which is the one that counts. Null if there is none.
   const StageProperty* find(const StageDocument& document, std::string_view key) const;
+  /// Returns the children of all layers: those of the innermost base first, in the order of the file.
   std::vector<Child> children(const StageDocument& document) const;
 };
 
@@ -39,15 +42,16 @@ class StageMacros {
 
   /// Adds a macro. The first definition of a name is used; another one is a warning.
   void define(const StageItem& item);
-  /// Follows the chain of bases, then the aliases of older files. Empty, with an error, if the chain does not
-  /// end at a type or is a cycle.
+  /// Applies the macros of an entity: follows the chain of their bases, then replaces a type name of older
+  /// files such as "laser". Empty, with an error, if the chain of bases is a cycle or does not end at a type.
   std::optional<StageModel> resolve(const StageEntity& entity);
   /// Whether models of this type have a device: a ranger, a gripper, ...
   bool is_device(std::string_view type) const;
   /// Whether models of this type have a device in Stage, but the registry does not have that device.
   bool is_only_a_body(std::string_view type) const;
-  /// Warns of macros of the world's own file that resolve() never used, and of included files of which
-  /// nothing was used. Single unused macros of an included file are no mistake: it is a library.
+  /// Warns of macros of the world file itself that resolve() never used, and of included files of which
+  /// nothing was used. A single unused macro of an included file is no mistake, because such a file is a
+  /// library.
   void report_unused();
 
  private:

@@ -18,10 +18,10 @@ using Kind = StageToken::Kind;
 
 constexpr std::size_t k_most_errors = 50;
 constexpr std::size_t k_most_inclusions = 1000;
-constexpr std::size_t k_most_included_bytes = 256 << 20;  // of all inclusions; a file counts each time
+constexpr std::size_t k_most_included_bytes = 256 << 20;  // a file counts each time it is included
 constexpr std::size_t k_deepest_nesting = 200;
 
-/// Thrown when it is useless to parse on; caught in parse_stage().
+/// Thrown when parsing cannot usefully continue; caught in parse_stage().
 struct GiveUp {};
 
 class SyntaxErrors {
@@ -31,8 +31,9 @@ class SyntaxErrors {
   void add(Where where, std::string message) {
     diagnostics_.error(where, std::move(message));
     if (++count_ == k_most_errors) {
-      diagnostics_.error(where,
-                         fmt::format("stopped after {} syntax errors; the rest is not read", k_most_errors));
+      diagnostics_.error(
+          where,
+          fmt::format("stopped after {} syntax errors; the rest of the file is not read", k_most_errors));
       throw GiveUp{};
     }
   }
@@ -51,7 +52,7 @@ bool is_number_part(char c) { return is_digit(c) || c == '+' || c == '-' || c ==
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
-/// Length of a word up to its first unmatched bracket, where a tuple begins or ends.
+/// The length of a word up to its first unmatched bracket: there, the word ends and a tuple begins or ends.
 std::size_t matched_length(std::string_view word) {
   std::size_t open = std::string_view::npos;
   for (std::size_t i = 0; i < word.size(); ++i) {
@@ -152,7 +153,8 @@ class Lexer {
     if (c == ',') return "unexpected ','; the values of a tuple are separated by blanks: [1 2 3]";
     if (c == '=') return "unexpected '='; a property is written: name value";
     if (c == ';') return "unexpected ';'; a line end or a blank separates properties";
-    if (c == '{' || c == '}') return fmt::format("unexpected '{}'; a body is written in ( )", c);
+    if (c == '{' || c == '}')
+      return fmt::format("unexpected '{}'; the properties of a model are written in ( )", c);
     if (c == '\'') return "unexpected \"'\"; strings are written in double quotes";
     if (c > ' ' && c < 127) return fmt::format("unexpected '{}'", c);
     return fmt::format("unexpected byte 0x{:02x}", static_cast<unsigned char>(c));
@@ -176,9 +178,9 @@ class Lexer {
     const std::string_view text = source.take_while(is_number_part);
     if (is_letter(source.peek()) || source.peek() == '_') {
       const std::string_view rest = source.take_while(is_word_part);
-      errors_.add(
-          source.where(),
-          fmt::format("\"{}{}\" is not a number; numbers have neither exponent nor unit: 0.02", text, rest));
+      errors_.add(source.where(),
+                  fmt::format("\"{}{}\" is not a number; numbers are written without exponent and unit: 0.02",
+                              text, rest));
     }
     add(source, Kind::number, text);
   }
@@ -207,11 +209,12 @@ class Lexer {
       return;
     }
     ++source.at;
-    // Stage drops the rest of the line silently; here a warning says so.
+    // Stage drops the rest of the line silently; Troupe reports it in a warning.
     std::string_view rest = source.take_while([](char x) { return !is_line_end(x); });
     rest = rest.substr(std::min(rest.size(), rest.find_first_not_of(" \t")));
     if (!rest.empty() && rest[0] != '#')
-      diagnostics_.warning(where, fmt::format("ignored after an include, as in Stage: {}", rest));
+      diagnostics_.warning(
+          where, fmt::format("the rest of the line after an include is ignored, as in Stage: {}", rest));
     splice(where, name);
   }
 
@@ -221,9 +224,10 @@ class Lexer {
     const std::optional<fs::path> found = find_stage_file(path, search_path_);
     std::optional<std::string> text = found ? read_file(*found) : std::nullopt;
     if (!text) {
-      errors_.add(where,
-                  fmt::format("cannot read the included file {}{}", path.lexically_normal().string(),
-                              search_path_.empty() ? "" : ", nor a file of that name on the search path"));
+      errors_.add(where, fmt::format("cannot read the included file {}{}", path.lexically_normal().string(),
+                                     search_path_.empty()
+                                         ? ""
+                                         : ", nor a file of that name in the folders of the search path"));
       return;
     }
     if (*found != path) document_.base_directory = found->parent_path();
@@ -235,7 +239,8 @@ class Lexer {
       return;
     }
     if (++inclusions_ > k_most_inclusions) {
-      errors_.add(where, fmt::format("files are included more than {} times", k_most_inclusions));
+      errors_.add(where,
+                  fmt::format("too large: files are included more than {} times in all", k_most_inclusions));
       throw GiveUp{};
     }
     included_bytes_ += text->size();
@@ -284,7 +289,8 @@ class Parser {
     return a.file == b.file && a.line == b.line;
   }
 
-  /// Moves the elements of `open` from index `since` on to the end of `all` and returns their run.
+  /// Moves the elements of `open` from index `since` to its end to the end of `all`, and returns the range of
+  /// `all` that they occupy.
   template <class T>
   static StageEntity::Run close(std::vector<T>& open, std::size_t since, std::vector<T>& all) {
     const StageEntity::Run run{static_cast<std::uint32_t>(all.size()),
@@ -295,14 +301,14 @@ class Parser {
     return run;
   }
 
-  /// Parses a body up to the ) that closes `entity`; its ( is already consumed.
+  /// Parses the body of `entity` up to its closing ). The opening ( is already consumed.
   void body(StageEntity& entity, std::size_t depth) {
     const std::size_t properties = open_properties_.size();
     const std::size_t children = open_children_.size();
     if (depth > k_deepest_nesting) {
       document_.well_nested = false;
       errors_.add(document_.token(entity.word).where(),
-                  fmt::format("nested deeper than {}", k_deepest_nesting));
+                  fmt::format("nested deeper than {} levels", k_deepest_nesting));
       throw GiveUp{};
     }
     while (peek().kind != Kind::close) {
@@ -324,7 +330,8 @@ class Parser {
     entity.children = close(open_children_, children, document_.all_children);
   }
 
-  /// Parses one property, which is added to `properties`, or one entity. True for an entity.
+  /// Parses one property, which it adds to `properties`, or one entity, which it stores in `entity`. Returns
+  /// true for an entity.
   bool item(std::vector<StageProperty>& properties, StageEntity& entity, std::size_t depth) {
     const StageToken token = peek();
     switch (token.kind) {
@@ -408,7 +415,8 @@ class Parser {
     return count;
   }
 
-  /// Parses `define NAME BASE body`. Drops it unless `keep`: inside a model it is an error.
+  /// Parses `define NAME BASE body`. If `keep` is false, drops the macro: inside a model, where it is an
+  /// error.
   void define(bool keep) {
     const StageToken word = peek();
     ++at_;
@@ -442,7 +450,7 @@ class Parser {
 
   StageDocument& document_;
   SyntaxErrors& errors_;
-  std::vector<StageProperty> open_properties_;  // of the entities that are still open
+  std::vector<StageProperty> open_properties_;  // properties of the entities whose ) is not reached yet
   std::vector<StageEntity> open_children_;
   std::size_t at_ = 0;
 };

@@ -12,8 +12,10 @@
 
 namespace troupe::worldio {
 
-/// The syntax of Stage's world files, without their meaning. The lexer splices in included files, so each
-/// token carries its own file and line.
+// The syntax of Stage's world files, without their meaning.
+
+/// A token. The lexer inserts the tokens of an included file in place of the `include`, so each token has its
+/// own file and line.
 
 struct StageToken {
   enum class Kind : std::uint8_t { word, number, string, open, close, tuple_open, tuple_close, end };
@@ -25,16 +27,18 @@ struct StageToken {
   Where where() const { return {file, line}; }
 };
 
-/// `key value` or `key [value ...]`.
+/// A property: `key value` or, with a tuple, `key [value ...]`.
 struct StageProperty {
   std::uint32_t key = 0;    ///< index into StageDocument::tokens
   std::uint32_t count = 0;  ///< number of values
   bool tuple = false;
 
-  std::uint32_t first() const { return key + (tuple ? 2 : 1); }  ///< index of the first value, as `key`
+  std::uint32_t first() const {
+    return key + (tuple ? 2 : 1);
+  }  ///< index of the first value in StageDocument::tokens
 };
 
-/// `word ( properties and entities )`.
+/// An entity: `word ( properties and entities )`. Models, blocks, sensors and windows are entities.
 struct StageEntity {
   struct Run {
     std::uint32_t first = 0;
@@ -52,8 +56,8 @@ struct StageItem {
   StageEntity entity;
 };
 
-/// A parsed file. A world has about a dozen tokens per robot, so tokens are packed, and entities refer to
-/// runs of shared lists instead of owning lists.
+/// A parsed world file, with the files that it includes. To save memory (a world has about a dozen tokens per
+/// robot), tokens are packed, and an entity refers to ranges of shared lists instead of owning lists.
 struct StageDocument {
   struct Source {
     std::string text;
@@ -73,8 +77,8 @@ struct StageDocument {
   std::vector<StageEntity> all_children;
   std::vector<StageProperty> world;  ///< properties at the top level, in order
   std::vector<StageItem> items;      ///< defines and entities, in order
-  /// The folder that relative paths start from: that of the world file, or of the last file found through the
-  /// search path.
+  /// The folder that relative paths are relative to: that of the world file or, once a file was found through
+  /// the search path, the folder of the last such file.
   std::filesystem::path base_directory;
   /// False if parentheses do not match: then it is unknown which property belongs to which entity.
   bool well_nested = true;
@@ -104,10 +108,12 @@ struct StageDocument {
   }
 };
 
-/// Parses the text of the world `file` and the files that it includes.
-/// errors  every violation of the grammar, at its file and line, with the correct form. Parsing continues
-///         after an error, up to 50 of them. Nesting deeper than 200, more than 1,000 inclusions, and more
-///         than 256 MiB of included text are errors.
+/// Parses the text of the world `file` and of the files that it includes.
+/// file         used in messages; relative paths are relative to its folder
+/// search_path  folders in which a missing included file is searched by its base name
+/// Reports every violation of the grammar at its file and line, with the correct form. Parsing continues
+/// after an error, up to 50 errors. Nesting deeper than 200 levels, more than 1,000 inclusions and more than
+/// 256 MiB of included text are errors.
 StageDocument parse_stage(const std::filesystem::path& file, std::string text,
                           std::span<const std::filesystem::path> search_path, Diagnostics& diagnostics);
 

@@ -31,7 +31,8 @@ std::string device_name(const TypeSpec& type, std::uint32_t part, std::string_vi
   return below.empty() ? std::string(last) : fmt::format("{}.{}", below, last);
 }
 
-/// The pack that supplies a part: on the part itself or the nearest part below it. Null if there is none.
+/// The power pack that supplies a part: that of the part itself, else that of the nearest part on which it is
+/// mounted. Null if there is none.
 DeviceSpec* pack_of(TypeSpec& type, std::uint32_t part) {
   for (;; part = type.parts[part].parent) {
     for (DeviceSpec& device : type.devices)
@@ -83,7 +84,8 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   read_contact(model, part, type);
 }
 
-/// Reads the properties in Stage's order: a later one overwrites the stored energy.
+/// Reads the properties of the pack in the order in which Stage reads them, because a later property
+/// overwrites the stored energy.
 void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec& type) {
   bool has_pack = false;
   bool infinite = false;

@@ -10,8 +10,8 @@
 namespace troupe::worldio {
 
 /// Turns the energy properties of Stage models (joules, watts, give_watts, ...) into Troupe's devices: a
-/// power pack on each part that stores energy, a power contact on each part that gives or takes it. Reads one
-/// type at a time.
+/// power pack on each part that stores energy, and a power contact on each part that gives or takes energy.
+/// It handles one type at a time.
 class StagePower {
  public:
   StagePower(const StageDocument& document, const engine::Registry& registry, StageValues& values)
@@ -19,15 +19,16 @@ class StagePower {
 
   /// Reads the model of one `part` and adds its devices to `type`. Call it for every part, in order.
   void read(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
-  /// Call it after the last part: adds the draw of each part to the pack of that part or of the nearest part
-  /// below it, and removes contacts without a pack, with a warning.
+  /// Call it after the last part of a type. It adds the power that each part draws to the pack of that part,
+  /// or to the pack of the nearest part on which it is mounted. It removes contacts without a pack, with a
+  /// warning.
   void finish(engine::TypeSpec& type);
 
  private:
   struct Draw {
     std::uint32_t part;
     double watts;
-    bool runs;  ///< even if the body has no controller
+    bool runs;  ///< the part draws power even if the body has no controller
   };
 
   void read_pack(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);

@@ -11,27 +11,32 @@ namespace {
 
 using enum StageSupport;
 
-// One row per property: the source of the documentation, the warnings and the spelling suggestions.
+// One row per property. The table in the documentation, the warnings and the suggestions for misspelt names
+// all come from these rows.
 constexpr auto k_rows = std::to_array<StageRow>({
-    {"world", "name", honoured, "title of the world; the file's path unless given"},
-    {"world", "interval_sim", honoured, "the tick, ms; at least 0.001"},
-    {"world", "quit_time", honoured, "s; when a run ends, unless an option says otherwise"},
+    {"world", "name", honoured, "title of the world; default: the path of the file"},
+    {"world", "interval_sim", honoured, "length of a tick, ms; at least 0.001"},
+    {"world", "quit_time", honoured,
+     "time at which a run ends, s, unless an option of the run says otherwise"},
     {"world", "unit_length", fixed, "\"m\", \"cm\" or \"mm\"; anything else is an error"},
     {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error"},
     {"world", "wrap_headings", honoured,
-     "an addition: 0 keeps headings of transducers and bumpers beyond half a turn, which Stage wraps"},
-    {"world", "seed", honoured, "an addition: the seed of all random numbers; 1 unless given"},
+     "added by Troupe: 0 keeps headings of transducers and bumpers that are beyond half a turn; Stage always "
+     "wraps them into half a turn"},
+    {"world", "seed", honoured, "added by Troupe: the seed of all random numbers; default 1"},
     {"world", "resolution", honoured,
-     "m, from 0.0001 to 100: cell size of the grid ray engine; the exact one, and collisions, have no cells"},
+     "cell size of the grid ray engine, m, from 0.0001 to 100; the exact ray engine and collisions use no "
+     "cells"},
     {"world", "threads", no_effect,
      "the number of threads is an option of the run and never changes a result"},
     {"world", "test", no_effect, "a debugging aid of Stage's parser"},
     {"world", "show_clock", fixed,
-     "lines on standard error, as with `--clock`; Stage's program overrides it"},
-    {"world", "show_clock_interval", honoured, "ticks from one line to the next"},
+     "1: prints the time on standard error, as `--clock` does; in Stage, the option of the program overrides "
+     "this property"},
+    {"world", "show_clock_interval", honoured, "number of ticks from one line of `show_clock` to the next"},
     {"world", "speedup", fixed,
-     "the pace of `troupe run --rate world`; without that option, or at 0, a run is as fast as possible; "
-     "Stage uses it only with a window"},
+     "speed of a run relative to real time with `troupe run --rate world`; at 0 or without that option, a "
+     "run is as fast as possible; Stage uses this property only with a window"},
     {"world", "paused", window_only, "a run starts at once: without a window, nothing could resume it"},
     {"world", "confirm_on_quit", window_only, ""},
     {"world", "size", obsolete, ""},
@@ -41,55 +46,72 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "gui_menu_interval", obsolete, ""},
     {"world", "threadpool", obsolete, ""},
 
-    {"model", "name", honoured, "`/name` is a global name, not one below the parent's"},
+    {"model", "name", honoured,
+     "a name that begins with `/` is global: it is not put below the name of the parent"},
     {"model", "pose", honoured,
      "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning"},
     {"model", "size", honoured,
-     "[x y z], above 0 if there is a body; the older [x y] has the type's default height, with a warning"},
-    {"model", "origin", honoured, "offset of the body from the pose; children do not inherit it"},
-    {"model", "update_interval", fixed, "ms; 0 is every tick, where Stage hangs"},
+     "[x y z], above 0 if the model has a body; the older form [x y] takes the default height of the model "
+     "type, with a warning"},
+    {"model", "origin", honoured, "offset of the body from `pose`; it does not move the children"},
+    {"model", "update_interval", fixed, "time between two updates, ms; 0: every tick (with 0, Stage hangs)"},
     {"model", "color", fixed,
-     "X11 name; \"random\" depends on the seed and the body, for a child on its name"},
+     "X11 name, or \"random\": a random colour that depends on the seed and the body, for a child on the "
+     "seed and its name"},
     {"model", "color_rgba", honoured, "used if `color` is not given"},
     {"model", "bitmap", fixed,
-     "the outline of the solid pixels, stretched to `size`; its inside is solid too; or a ROS map"},
+     "an image whose solid pixels, stretched to `size`, are the body, or the YAML file of a ROS map; whole "
+     "regions are solid, in Stage only their outlines"},
     {"model", "bitmap_margins", honoured,
-     "an addition: the whole image fills `size`, not only its solid pixels; 0 unless given"},
+     "added by Troupe: 1 stretches the whole image to `size`, 0 (default) only the bounding box of its solid "
+     "pixels"},
     {"model", "bitmap_unknown", honoured,
-     "an addition: unknown cells of a ROS map are solid too; 0 unless given"},
-    {"model", "noblocks", honoured, ""},
+     "added by Troupe: 1 makes unknown cells of a ROS map solid; default 0"},
+    {"model", "noblocks", honoured, "1: the model type's default body is not added"},
     {"model", "boundary", honoured,
-     "four walls of 0.01 m; explicit blocks without a bitmap discard them, with a warning"},
-    {"model", "stack_children", honoured, ""},
-    {"model", "obstacle_return", fixed, "whole regions block, not only their outlines"},
-    {"model", "ranger_return", fixed, "bodies of any size are seen, however small"},
-    {"model", "fiducial_return", honoured, "the number that fiducial finders read; 0: they do not find it"},
-    {"model", "fiducial_key", honoured, "the key of the finders that can find it"},
-    {"model", "gripper_return", fixed, "grippers sense it, and take the whole body; held bodies do not jump"},
-    {"model", "blob_return", fixed, "0: blob finders do not see its colour; Stage never reads it"},
+     "1: adds four walls, 0.01 m thick; if the model has blocks but no bitmap, the blocks replace the walls, "
+     "with a warning"},
+    {"model", "stack_children", honoured,
+     "1 (default): children start at the top of the model; 0: at its base"},
+    {"model", "obstacle_return", fixed,
+     "1: the model blocks other bodies; whole regions block, in Stage only their outlines"},
+    {"model", "ranger_return", fixed,
+     "intensity that rangers read; below 0: beams pass through. Rangers see bodies of any size, however "
+     "small"},
+    {"model", "fiducial_return", honoured,
+     "number that fiducial finders read; 0: they do not find the model"},
+    {"model", "fiducial_key", honoured, "only fiducial finders with the same key find the model"},
+    {"model", "gripper_return", fixed,
+     "1: grippers sense the model and can hold it; they take the whole body, which does not jump"},
+    {"model", "blob_return", fixed,
+     "0: blob finders do not see the colour of the model; Stage never reads this property"},
     {"model", "ctrl", fixed, "names a controller of Troupe with its arguments: `\"expand speed=0.2\"`"},
-    {"model", "alwayson", honoured, "its sensor runs even if no controller reads it"},
-    {"model", "event_queue", no_effect, "Stage overwrites it"},
+    {"model", "alwayson", honoured, "1: the sensor of the model runs even if no controller reads it"},
+    {"model", "event_queue", no_effect, "Stage overwrites the value"},
     {"model", "friction", no_effect, "Stage stores it and does not use it"},
     {"model", "map_resolution", no_effect, "Stage stores it and does not use it"},
-    {"model", "debug", no_effect, "Stage prints a line"},
+    {"model", "debug", no_effect, "in Stage, it prints a line"},
     {"model", "mass", honoured,
-     "kg, of a top-level position model: its drive draws 1 W, and 10 W per kg and m/s"},
+     "kg; for a top-level `position`, whose drive draws 1 W, plus 10 W per kg and m/s"},
     {"model", "watts", fixed,
-     "W, drawn while the model runs, at any tick; ignored for models whose draw follows from what they do: "
-     "position, ranger (0.2 W a sensor), blobfinder (2), bumper (0.1), actuator (2), camera (100)"},
+     "power that the model draws while it runs, W, whatever the length of a tick; no effect for model types "
+     "whose power follows from what they do: position, ranger (0.2 W per sensor), blobfinder (2 W), bumper "
+     "(0.1 W), actuator (2 W), camera (100 W)"},
     {"model", "joules", fixed,
-     "J, a full power pack; below 0 it never runs out. An empty pack stops what it supplies: see "
-     "`when_empty`"},
+     "energy of a full power pack, J; below 0: the pack never runs out. An empty pack stops the parts that "
+     "it supplies: see `when_empty`"},
     {"model", "kjoules", fixed, "as `joules`, in kJ"},
     {"model", "joules_capacity", honoured,
-     "J, what the pack can hold; without `joules` it is empty at the start"},
+     "capacity of the power pack, J; without `joules`, the pack is empty at the start"},
     {"model", "kjoules_capacity", honoured, "as `joules_capacity`, in kJ"},
     {"model", "when_empty", honoured,
-     "an addition: \"stop\" (sensors keep their readings, drives stand still) or, as in Stage, \"nothing\""},
+     "added by Troupe: what an empty pack does. \"stop\": sensors keep their readings and drives stand "
+     "still; \"nothing\": no effect, as in Stage"},
     {"model", "give_watts", fixed,
-     "W, to each body that touches it (0.02 m) and takes energy, while the model runs; whole regions touch"},
-    {"model", "take_watts", honoured, "W, at most, from each body that touches it and gives energy"},
+     "power that the model gives, while it runs, to each body that takes energy and touches it (at most 0.02 "
+     "m apart), W; the whole region of the model counts, not only its outline"},
+    {"model", "take_watts", honoured,
+     "greatest power that the model takes from each body that touches it and gives energy, W"},
     {"model", "say", window_only, ""},
     {"model", "gui_nose", window_only, ""},
     {"model", "gui_outline", window_only, ""},
@@ -136,139 +158,154 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "range_db", obsolete, ""},
     {"model", "range3", obsolete, ""},
 
-    {"block", "points", honoured, "at least 3"},
+    {"block", "points", honoured, "number of corners, at least 3"},
     {"block", "point[k]", honoured,
      "[x y] in any scale: all blocks of a model together are stretched to its `size`"},
     {"block", "z", honoured,
-     "[min max], in the same scale; a block without it has no height, with a warning"},
+     "[min max], in the same scale as the points; a block without `z` has no height, and a warning says so"},
 
     {"position", "drive", fixed, "\"diff\", \"omni\" or \"car\"; anything else is an error"},
     {"position", "velocity_bounds", fixed,
-     "[xmin xmax ymin ymax zmin zmax amin amax]; turn rates do not wrap at 180 degrees"},
-    {"position", "wheelbase", honoured, "of a car; above 0"},
+     "[xmin xmax ymin ymax zmin zmax amin amax]; a is the turn rate, which is not wrapped at 180 degrees per "
+     "second"},
+    {"position", "wheelbase", honoured, "wheelbase of a car; above 0"},
     {"position", "velocity", fixed,
-     "[x y z a]: its velocity until its first update, which with the default `update_interval` comes before "
-     "the first motion; turn rates do not wrap at 180 degrees"},
+     "[x y z a]: velocity until the first update of the drive; with the default `update_interval`, that "
+     "update comes before the first motion. Turn rates (a) are not wrapped at 180 degrees per second"},
     {"position", "acceleration_bounds", fixed,
-     "[xmin xmax ymin ymax zmin zmax amin amax]: bounds commanded accelerations, not speeds, as in Stage; "
-     "also of a `car`, and over the time since the last update"},
+     "[xmin xmax ymin ymax zmin zmax amin amax]: bounds of commanded accelerations, not of speeds, as in "
+     "Stage; in Troupe also for a car, and each acceleration acts for the whole time since the last update"},
     {"position", "localization", fixed,
-     "\"gps\" or \"odom\"; anything else is an error. Odometry counts true motion: it does not change while "
-     "the robot is stalled, misses no tick between updates, and counts motion to the left"},
+     "\"gps\" or \"odom\"; anything else is an error. In Troupe, odometry counts the true motion: it does "
+     "not change while the robot is stalled, misses no tick between updates, and counts motion to the left"},
     {"position", "localization_origin", honoured,
-     "of \"odom\"; ignored by \"gps\", as in Stage, with a warning, unless `gps_origin` is 1"},
-    {"position", "gps_origin", honoured, "an addition: 1 gives \"gps\" poses in the frame of the origin"},
+     "origin of the estimated poses with \"odom\"; \"gps\" ignores it, as in Stage, with a warning, unless "
+     "`gps_origin` is 1"},
+    {"position", "gps_origin", honoured,
+     "added by Troupe: 1 gives the poses of \"gps\" in the frame of `localization_origin`"},
     {"position", "odom_error", fixed,
-     "[x y z a], the last in `unit_angle`, as in Stage; unless given, drawn for each robot from the world's "
-     "seed, not from the clock"},
+     "[x y z a], with a in `unit_angle`, as in Stage; default: random for each robot, from the seed of the "
+     "world, not from the clock"},
     {"position", "odom_heading", honoured,
-     "an addition: \"new\", as in Stage, adds the motion of a tick along the heading after its turn; \"old\" "
-     "along the heading before it, as robots move, so that without error the estimate is exact"},
+     "added by Troupe: the heading along which odometry adds the motion of a tick. \"new\": the heading "
+     "after the turn of that tick, as in Stage; \"old\": the heading before the turn, along which robots "
+     "really move, so that the estimate is exact if there is no error"},
     {"position", "odom", obsolete, ""},
 
     {"ranger", "intensity", honoured,
-     "an addition: 1 also reads the `ranger_return` of the body that each beam hits; Stage always does"},
+     "added by Troupe: 1 also reads the `ranger_return` of the body that each beam hits; Stage always does"},
 
-    {"sensor", "pose", honoured, "[x y z heading] in the ranger's frame, its origin included"},
-    {"sensor", "size", honoured, "half of its height is added to the height of the beams"},
+    {"sensor", "pose", honoured, "[x y z heading] in the frame of the ranger, after its `origin` is applied"},
+    {"sensor", "size", honoured, "half of the height is added to the height of the beams"},
     {"sensor", "range", honoured,
-     "[min max]; as in Stage the minimum is kept but not applied, unless `apply_range_min`"},
-    {"sensor", "fov", honoured, "angle from the first sample to the last"},
-    {"sensor", "samples", honoured, "one sample looks straight ahead; for cones see `beam_width`"},
+     "[min max]; as in Stage, the minimum is stored but not applied, unless `apply_range_min` is 1"},
+    {"sensor", "fov", honoured, "angle from the first beam to the last"},
+    {"sensor", "samples", honoured,
+     "number of beams; a single beam points straight ahead; for cones see `beam_width`"},
     {"sensor", "noise", fixed,
      "[variance share angle], each 0 or above; readings stay within 0 and the maximum, and the random "
      "numbers follow from the seed"},
     {"sensor", "beam_width", honoured,
-     "an addition: opening angle of each beam, which reads the nearest surface within it; 0 unless given"},
-    {"sensor", "apply_range_min", honoured, "an addition: 1 raises readings below the minimum to it"},
+     "added by Troupe: opening angle of each beam, which reads the nearest surface within it; default 0"},
+    {"sensor", "apply_range_min", honoured,
+     "added by Troupe: 1 replaces readings below the minimum by the minimum"},
     {"sensor", "color", window_only, ""},
     {"sensor", "color_rgba", window_only, ""},
     {"sensor", "view", obsolete, ""},
 
     {"laser", "samples", honoured,
-     "an alias of older files: a ranger that is its own sensor; 180 unless given"},
-    {"laser", "fov", honoured, "180 degrees unless given"},
-    {"laser", "range", honoured, "[min max]; as `range_min` and `range_max`"},
-    {"laser", "range_min", honoured, "0 unless given; kept but not applied"},
-    {"laser", "range_max", honoured, "8 m unless given"},
+     "number of beams, default 180; in older files, a `laser` is a ranger that is also its only sensor"},
+    {"laser", "fov", honoured, "default 180 degrees"},
+    {"laser", "range", honoured, "[min max], instead of `range_min` and `range_max`"},
+    {"laser", "range_min", honoured, "default 0; stored but not applied"},
+    {"laser", "range_max", honoured, "default 8 m"},
     {"sonar", "samples", honoured,
-     "an alias of older files: a ranger that is its own sensor; 1 unless given"},
-    {"sonar", "fov", honoured, "0.1 rad unless given"},
-    {"sonar", "range", honoured, "[min max]; as `range_min` and `range_max`"},
-    {"sonar", "range_min", honoured, "0 unless given; kept but not applied"},
-    {"sonar", "range_max", honoured, "5 m unless given"},
+     "number of beams, default 1; in older files, a `sonar` is a ranger that is also its only sensor"},
+    {"sonar", "fov", honoured, "default 0.1 rad"},
+    {"sonar", "range", honoured, "[min max], instead of `range_min` and `range_max`"},
+    {"sonar", "range_min", honoured, "default 0; stored but not applied"},
+    {"sonar", "range_max", honoured, "default 5 m"},
 
-    {"fiducial", "range_min", honoured, "as in Stage it is kept but not applied, unless `apply_range_min`"},
-    {"fiducial", "apply_range_min", honoured, "an addition: 1: nearer targets are not found"},
+    {"fiducial", "range_min", honoured,
+     "as in Stage, it is stored but not applied, unless `apply_range_min` is 1"},
+    {"fiducial", "apply_range_min", honoured,
+     "added by Troupe: 1: targets nearer than `range_min` are not found"},
     {"fiducial", "range_max", honoured, "targets whose origins are nearer than this are found"},
-    {"fiducial", "range_max_id", honoured, "ids of targets nearer than this are read"},
-    {"fiducial", "fov", honoured, "in the file's unit of angles"},
+    {"fiducial", "range_max_id", honoured, "the numbers of targets nearer than this are read"},
+    {"fiducial", "fov", honoured, "opening angle, in `unit_angle`"},
     {"fiducial", "ignore_zloc", fixed, "a body behind a target does not hide it"},
 
     {"radio", "essid", honoured,
-     "an addition, as are all of `radio`: radios of one `essid` hear one another"},
+     "added by Troupe, like all properties of `radio`: radios hear only radios with the same `essid`"},
     {"radio", "model", honoured,
-     "\"simple\", \"friis\", \"ITU indoor\", \"log distance\" or \"raytrace\": how signals weaken with "
-     "distance; the last is friis with walls that weaken"},
-    {"radio", "power", honoured, "dBm; 20 unless given"},
-    {"radio", "sensitivity", honoured, "dBm; -80 unless given"},
-    {"radio", "plc", honoured, "of \"ITU indoor\": dB per tenfold distance; 30 unless given"},
-    {"radio", "ple", honoured, "of \"log distance\": the exponent; 4 unless given"},
-    {"radio", "wall_factor", honoured, "dB lost at each wall, where walls weaken; 10 unless given"},
+     "propagation law, which says how signals weaken with distance: \"simple\", \"friis\", \"ITU indoor\", "
+     "\"log distance\" or \"raytrace\"; \"raytrace\" is \"friis\" with walls that weaken signals"},
+    {"radio", "power", honoured, "transmission power, dBm; default 20"},
+    {"radio", "sensitivity", honoured, "weakest signal that is heard, dBm; default -80"},
+    {"radio", "plc", honoured, "for \"ITU indoor\": loss per tenfold distance, dB; default 30"},
+    {"radio", "ple", honoured, "for \"log distance\": path loss exponent; default 4"},
+    {"radio", "wall_factor", honoured, "loss at each wall, dB, if `walls` is \"weaken\"; default 10"},
     {"radio", "range", honoured,
-     "how far it is heard; 5 m with \"simple\", 1000 m with others, unless given"},
-    {"radio", "hears", honoured, "how far it hears; `range` unless given"},
+     "largest distance at which other radios hear it; default 5 m with \"simple\", 1000 m with the other "
+     "laws"},
+    {"radio", "hears", honoured, "largest distance at which it hears other radios; default: `range`"},
     {"radio", "walls", honoured,
-     "\"block\", \"weaken\" or \"pass\"; \"weaken\" with \"raytrace\", \"pass\" with others, unless given"},
-    {"radio", "bodies", honoured, "\"block\" or \"pass\""},
-    {"radio", "frequency", honoured, "GHz; 2.4 unless given"},
-    {"radio", "payload", honoured, "bytes of a message, at most"},
-    {"radio", "most_heard", honoured, "messages heard per tick, at most: the nearest"},
-    {"radio", "drop_rate", honoured, "the fraction of messages to it that is lost at random"},
+     "effect of walls on signals, \"block\", \"weaken\" or \"pass\"; default \"weaken\" with \"raytrace\", "
+     "\"pass\" with the other laws"},
+    {"radio", "bodies", honoured, "effect on signals of bodies between two radios, \"block\" or \"pass\""},
+    {"radio", "frequency", honoured, "carrier frequency, GHz; default 2.4"},
+    {"radio", "payload", honoured, "maximum length of a message, bytes"},
+    {"radio", "most_heard", honoured,
+     "maximum number of messages heard per tick; of more messages, the nearest are heard"},
+    {"radio", "drop_rate", honoured, "fraction of the messages to this radio that are lost at random"},
     {"radio", "beacon", honoured, "1: it sends an empty message until a controller sends another"},
-    {"radio", "ip", no_effect, "messages go to all in range"},
-    {"radio", "mac", no_effect, "messages go to all in range"},
+    {"radio", "ip", no_effect, "messages go to all radios in range"},
+    {"radio", "mac", no_effect, "messages go to all radios in range"},
 
     {"blobfinder", "image", fixed,
      "[columns rows]; a single column looks straight ahead, where Stage divides by 0"},
-    {"blobfinder", "range", honoured, "m, whatever the file's unit of lengths"},
-    {"blobfinder", "fov", fixed, "no column is skipped between two blobs"},
-    {"blobfinder", "pan", honoured, "added to its heading"},
+    {"blobfinder", "range", honoured, "m, whatever `unit_length` says"},
+    {"blobfinder", "fov", fixed, "opening angle; unlike in Stage, no column between two blobs is skipped"},
+    {"blobfinder", "pan", honoured, "angle that is added to the heading of the blob finder"},
     {"blobfinder", "colors_count", honoured,
-     "how many of `colors` are used; without it every colour is reported"},
+     "number of `colors` that are used; without it, every colour is reported"},
     {"blobfinder", "colors", fixed, "X11 names; an unknown one is an error"},
     {"blobfinder", "channel_count", obsolete, "replaced by `colors_count`"},
     {"blobfinder", "channels", obsolete, "replaced by `colors`"},
 
-    {"bumper", "bcount", honoured, "without it there are none"},
-    {"bumper", "blength", honoured, "length of the bumpers without a `blength[k]`; above 0"},
-    {"bumper", "blength[k]", honoured, ""},
+    {"bumper", "bcount", honoured, "number of bumpers; without it, the model has no bumpers"},
+    {"bumper", "blength", honoured, "length of all bumpers without a `blength[k]`; above 0"},
+    {"bumper", "blength[k]", honoured, "length of bumper k; above 0"},
     {"bumper", "bpose[k]", honoured,
-     "[x y z heading] of its middle; it runs across its heading and is 0.02 m thick"},
+     "[x y z heading] of the middle of bumper k, which extends at right angles to its heading and is 0.02 m "
+     "thick"},
 
     {"gripper", "paddle_size", fixed,
-     "paddles move as solid parts of the body, where those of Stage jump; they stop at what they touch"},
+     "[x y z], fractions of the gripper's `size`; paddles move as solid parts of the body and stop at what "
+     "they touch, where those of Stage jump"},
     {"gripper", "paddle_state", fixed,
      "[\"open\" or \"closed\" \"up\" or \"down\"]; a held body rises with the paddles and stays where it is "
      "released"},
-    {"gripper", "autosnatch", honoured, "closes while a beam is broken, opens while none is"},
+    {"gripper", "autosnatch", honoured,
+     "1: the gripper closes while a body interrupts one of its beams, and opens while none does"},
 
     {"actuator", "type", fixed,
-     "\"linear\" or \"rotational\"; it moves, with its children, where Stage's do not move"},
-    {"actuator", "axis", fixed, "[x y z] in the model's frame; x if its length is 0"},
+     "\"linear\" or \"rotational\"; an actuator moves, with its children; in Stage it does not"},
+    {"actuator", "axis", fixed, "[x y z] in the frame of the model; the x axis if the length is 0"},
     {"actuator", "min_position", fixed, "m or rad, whatever the file's units"},
     {"actuator", "max_position", fixed,
-     "m or rad, whatever the file's units; at least `min_position`, and linear ones reach 1000 m at most"},
+     "m or rad, whatever the file's units; at least `min_position`, and at most 1000 m for a linear "
+     "actuator"},
     {"actuator", "max_speed", fixed, "m/s or rad/s, whatever the file's units"},
     {"actuator", "start_position", fixed,
-     "m or rad from the model's pose, which Stage overwrites with it instead"},
+     "position at the start relative to the pose of the model, m or rad; in Stage, it overwrites the pose"},
 
-    {"camera", "resolution", fixed, "[width height]; any, where Stage's window limits it"},
+    {"camera", "resolution", fixed, "[width height], pixels; any size, where Stage's window limits it"},
     {"camera", "range", honoured, "[near far]"},
-    {"camera", "fov", honoured, "[horizontal vertical], degrees whatever the file's unit"},
+    {"camera", "fov", honoured, "[horizontal vertical], degrees, whatever `unit_angle` says"},
     {"camera", "pantilt", fixed,
-     "[pan tilt], degrees: to the right, and upwards; from the camera's own heading, where Stage takes its "
-     "parent's"},
+     "[pan tilt], degrees: pan to the right, tilt upwards, relative to the heading of the camera; in Stage, "
+     "relative to that of its parent"},
     {"camera", "width", obsolete, ""},
     {"camera", "height", obsolete, ""},
     {"camera", "horizfov", obsolete, ""},
@@ -276,16 +313,18 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"camera", "yaw", obsolete, ""},
     {"camera", "pitch", obsolete, ""},
 
-    {"blinkenlight", "period", fixed, "ms; it blinks, where Stage's draws nothing"},
+    {"blinkenlight", "period", fixed,
+     "time from one flash to the next, ms; the light blinks, where Stage draws nothing"},
     {"blinkenlight", "dutycycle", fixed, "fraction of the period for which it is lit"},
-    {"blinkenlight", "enabled", fixed, "0: dark until a controller switches it; Stage never reads it"},
+    {"blinkenlight", "enabled", fixed,
+     "0: the light is dark until a controller switches it on; Stage never reads this property"},
 
     {"window", "size", window_only, "[width height], pixels; below 0: the whole screen"},
-    {"window", "center", window_only, "[x y], m whatever `unit_length` says"},
+    {"window", "center", window_only, "[x y], m, whatever `unit_length` says"},
     {"window", "rotate", window_only, "[pitch yaw], degrees"},
     {"window", "scale", window_only, "pixels per metre"},
     {"window", "pcam_loc", window_only, "[x y z]"},
-    {"window", "pcam_angle", window_only, "[pitch yaw], degrees whatever `unit_angle` says, as in Stage"},
+    {"window", "pcam_angle", window_only, "[pitch yaw], degrees, whatever `unit_angle` says, as in Stage"},
     {"window", "pcam_on", window_only, ""},
     {"window", "interval", window_only, "ms"},
     {"window", "screenshot_skip", window_only, ""},
@@ -332,7 +371,7 @@ bool is_model(std::string_view type) {
   return type != "world" && type != "block" && type != "sensor" && type != "window";
 }
 
-/// `point[12]` -> `point[k]`.
+/// Returns a name with each number in brackets replaced by k: `point[k]` for `point[12]`.
 std::string without_numbers(std::string_view name) {
   std::string out;
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -357,7 +396,7 @@ std::string_view status(StageSupport support) {
   return "accepted, obsolete";
 }
 
-/// The rows of a property name in all entities.
+/// Returns all rows with this property name, for whatever type of entity.
 std::span<const StageRow* const> rows_of_name(std::string_view written) {
   using Index = std::unordered_map<std::string_view, std::vector<const StageRow*>>;
   static const Index index_of_rows = [] {

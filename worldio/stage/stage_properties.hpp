@@ -10,34 +10,36 @@ namespace troupe::worldio {
 /// How Troupe treats a property of Stage's world files.
 enum class StageSupport {
   honoured,
-  fixed,        ///< honoured, but differs from Stage 4.3: the note says how
+  fixed,        ///< honoured, but not exactly as in Stage 4.3: the note says how it differs
   no_effect,    ///< accepted and ignored: the note says why
   window_only,  ///< accepted; it only affects Stage's window
   obsolete,     ///< accepted and ignored, as by Stage 4.3
 };
 
 struct StageRow {
-  std::string_view type;  ///< "world", "block", "sensor", "window", a model type, or "model" for every model
-  std::string_view name;  ///< numbers are written [k]: `point[k]`
+  std::string_view type;  ///< "world", "block", "sensor", "window" or a model type; "model": every model type
+  std::string_view name;  ///< a number in brackets is written [k], as in `point[k]`
   StageSupport support;
   std::string_view note;
 };
 
-/// Every property that Stage 4.3 knows or that files written for it have, in the order of the documentation.
+/// Returns every property that Stage 4.3 knows or that files written for it have, in the order of the table
+/// in docs/stage-worlds.md.
 std::span<const StageRow> stage_rows();
 
-/// The row of a property in an entity of this type: a row of that type, else a row of "model". Null if there
-/// is none. `name` is as in the file, with its numbers.
+/// Returns the row of a property in an entity of this type: a row of that type or, if there is none, a row of
+/// "model". Null if neither exists. `name` is the name in the file, with its numbers: "point[3]".
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
-/// True if no property of this name has an effect in any entity: bodies that differ only in it share a type.
-/// `name` is as in the file.
+/// Whether a property of this name has no effect in any entity, so that bodies that differ only in this
+/// property share a type. `name` is the name in the file.
 bool is_without_effect(std::string_view name);
 
-/// The names of properties that an entity of this type can have, without obsolete ones: for suggestions.
+/// Returns the names of the properties that an entity of this type can have, without obsolete ones. They are
+/// used to suggest a name for a misspelt property.
 std::vector<std::string_view> stage_property_names(std::string_view type);
 
-/// The rows as the Markdown table in docs/stage-worlds.md.
+/// Returns all rows as a Markdown table, which docs/stage-worlds.md contains.
 std::string stage_property_table();
 
 }  // namespace troupe::worldio

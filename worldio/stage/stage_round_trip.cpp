@@ -25,11 +25,11 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-/// Coordinates that differ by more than this, m, are an error; smaller differences are rounding.
+/// Coordinates that differ by more than this, m, are an error. Smaller differences are rounding errors.
 constexpr double k_rounding_m = 1e-9;
 
-/// The largest difference between corresponding coordinates of two lists of solids, m. Empty if they do not
-/// have the same number of solids, contours and corners.
+/// Returns the largest difference between corresponding coordinates of two lists of solids, m. Empty if the
+/// lists do not have the same numbers of solids, contours and corners.
 std::optional<double> distance(const std::vector<Solid>& a, const std::vector<Solid>& b) {
   if (a.size() != b.size()) return std::nullopt;
   double most = 0;
@@ -67,11 +67,12 @@ class RoundTrip {
     diagnostics_.error(where,
                        fmt::format("a .world file cannot express this: type \"{}\": {}", type_.name, what));
   }
-  /// True, with a warning, if two headings are the same up to whole turns, which Stage removes.
+  /// Whether two headings, rad, differ by whole turns only, which Stage removes. If so, reports a warning.
   bool is_turned(Where where, const std::string& owner, double a, double b) {
     if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
     const std::string text = fmt::format(
-        "type \"{}\": {}: its heading is wrapped into half a turn, as in Stage; hashes may differ",
+        "type \"{}\": {}: its heading is wrapped into half a turn, as in Stage; the state hashes of a run "
+        "may differ",
         type_.name, owner);
     if (told_.insert(text).second) diagnostics_.warning(where, text);
     return true;
@@ -112,7 +113,7 @@ void RoundTrip::check_drive() {
   const Where where = type_.drive ? type_.drive->where : type_.parts.front().where;
   if (type_.drive.has_value() != back_.drive.has_value() ||
       (type_.drive && type_.drive->kind != back_.drive->kind))
-    return lacks(where, "its drive");
+    return lacks(where, "its drive, or that it has none");
   if (!type_.drive) return;
   const std::string owner = fmt::format("drive \"{}\"", type_.drive->kind);
   if (!same_bits(type_.drive->period_s, back_.drive->period_s)) lacks(where, owner + ": its period");
@@ -133,8 +134,9 @@ void RoundTrip::check_devices() {
   for (const DeviceSpec& device : back_.devices)
     if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
       lacks(type_.parts.front().where,
-            fmt::format("a type without the device \"{}\", a {}", device.name, device.kind));
-  // Controllers choose among the devices of a kind in their order.
+            fmt::format("the absence of device \"{}\": reading the file adds such a {}", device.name,
+                        device.kind));
+  // The order of devices of one kind matters, because controllers choose among them in this order.
   for (const engine::DeviceKind& kind : registry_.devices) {
     const auto names = [&](const TypeSpec& type) {
       std::vector<std::string> list;
@@ -161,7 +163,7 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
   if (is_turned(a.where, owner, pose.heading, b.pose_body_device.heading))
     pose.heading = b.pose_body_device.heading;
   if (!is_placeless && !same_bits(pose, b.pose_body_device))
-    lacks(a.where, owner + ": \"pose\", to the last bit");
+    lacks(a.where, owner + ": its exact \"pose\"; the last bits would change");
   if (!is_placeless && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   if (!is_placeless && a.active != b.active) lacks(a.where, owner + ": \"active\"");
   const auto joint = [](const TypeSpec& type, std::int32_t j) {
@@ -182,7 +184,8 @@ void RoundTrip::check_controllers() {
     const engine::ControllerKind* kind = registry_.controller(a.kind);
     if (!kind) continue;
     check_params(a.where, owner, a.params, b.params, kind->params);
-    // With a drive, a controller runs when its drive does.
+    // The period of a controller counts only without a drive: with a drive, the controller runs when the
+    // drive does.
     if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   }
 }
@@ -211,7 +214,9 @@ void RoundTrip::check_bodies() {
                      fmt::format("controller \"{}\": with this seed it adds other parts to its model than "
                                  "the type has",
                                  controller.kind));
-    return lacks(type_.parts.front().where, fmt::format("{} parts with a body", parts.size()));
+    return lacks(type_.parts.front().where,
+                 fmt::format("the number of parts with a body, {}: reading the file gives another number",
+                             parts.size()));
   }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const PartSpec& a = *parts[p];
@@ -220,7 +225,8 @@ void RoundTrip::check_bodies() {
     engine::Returns returns = b.returns;  // each body has its own fiducial number
     if (parts[p] == &type_.parts.front() && a.returns.fiducial != 0 && returns.fiducial != 0)
       returns.fiducial = a.returns.fiducial;
-    if (a.returns != returns) lacks(a.where, owner + ": how sensors perceive it");
+    if (a.returns != returns)
+      lacks(a.where, owner + ": its \"obstacle\", its returns or its \"fiducial_key\"");
     check_size(a, b, owner);
     if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": \"floor_plan\"");
     if (a.color && a.color != b.color) lacks(a.where, owner + ": \"color\"");
@@ -230,19 +236,21 @@ void RoundTrip::check_bodies() {
     else if (*off > 0)
       diagnostics_.warning(
           a.where, fmt::format("type \"{}\": {}: its outline is rounded by at most {:.2g} m, because Stage "
-                               "centres bodies; hashes may differ",
+                               "centres bodies; the state hashes of a run may differ",
                                type_.name, owner, *off));
   }
 }
 
-/// Sizes affect a run: fiducial finders report those of their targets, foragers read that of a zone.
+/// Compares the sizes of parts. They affect a run: fiducial finders report the size of their targets, and
+/// foragers read the size of a zone.
 void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::string& owner) {
   if (a.size == b.size) return;
   if ((a.size - b.size).cwiseAbs().maxCoeff() > k_rounding_m)
-    lacks(a.where, owner + ": an extent that differs from its outline");
+    lacks(a.where, owner + ": an \"extent_m\" that differs from the extent of the outline");
   else
     diagnostics_.warning(
-        a.where, fmt::format("type \"{}\": {}: its extent is rounded; hashes may differ", type_.name, owner));
+        a.where, fmt::format("type \"{}\": {}: its extent is rounded; the state hashes of a run may differ",
+                             type_.name, owner));
 }
 
 }  // namespace
@@ -256,7 +264,8 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
   if (!same_bits(spec.tick_s, back.tick_s))
     lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
   if (spec.bodies.size() != back.bodies.size())
-    return lacks(whole, fmt::format("{} bodies", spec.bodies.size()));
+    return lacks(whole, fmt::format("the number of bodies, {}: reading the file gives another number",
+                                    spec.bodies.size()));
   std::set<std::pair<std::uint32_t, std::uint32_t>> types;
   for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
     const engine::BodySpec& body = spec.bodies[b];
@@ -264,7 +273,7 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
     const std::string name = spec.names.text(body.name);
     if (name != back.names.text(other.name)) lacks(body.where, fmt::format("the name \"{}\"", name));
     if (!same_bits(body.pose_world_body, other.pose_world_body))
-      lacks(body.where, fmt::format("\"{}\": its pose, to the last bit", name));
+      lacks(body.where, fmt::format("\"{}\": its exact \"pose\"; the last bits would change", name));
     if (body.color != other.color) lacks(body.where, fmt::format("\"{}\": its color", name));
     if (fiducial_of(spec, BodyId(b), 0) != fiducial_of(back, BodyId(b), 0))
       lacks(body.where, fmt::format("\"{}\": its \"fiducial_return\"", name));

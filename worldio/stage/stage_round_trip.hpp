@@ -5,9 +5,10 @@
 
 namespace troupe::worldio {
 
-/// Compares `back`, a world that was written in Stage's syntax and read again, with `spec`. Each difference
-/// in behaviour is an error at its place in `spec`: a `.world` file cannot express it. Parts without a body
-/// and aliases are not compared; outlines and sizes that differ by rounding are warnings.
+/// Compares a world `spec` with `back`, the same world after it was written in Stage's syntax and read again.
+/// Each difference that changes the behaviour is an error at the place in `spec`, because a `.world` file
+/// cannot express the value. Outlines and sizes that differ only by rounding are warnings. Parts without a
+/// body and aliases are not compared.
 void check_stage_round_trip(const engine::WorldSpec& spec, const engine::WorldSpec& back,
                             const engine::Registry& registry, Diagnostics& diagnostics);
 

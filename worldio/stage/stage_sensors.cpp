@@ -1,4 +1,4 @@
-// Properties of sensors that do not map one to one to parameters.
+// Reads the properties of sensors that do not map one to one to parameters of a device.
 
 #include "engine/sensor_params.hpp"
 #include "worldio/colors.hpp"
@@ -46,7 +46,7 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
   engine::BumperParams params;
   const StageProperty* count_property = model.find(document_, "bcount");
   if (count_property == nullptr) {
-    values_.warning_once(model.where, "a bumper without \"bcount\" feels nothing");
+    values_.warning_once(model.where, "a bumper without \"bcount\" has no bumpers and senses nothing");
     spec.params = engine::to_record(params);
     return true;
   }
@@ -70,8 +70,10 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
     const StageProperty* own = model.find(document_, fmt::format("blength[{}]", k));
     const StageProperty* length = own != nullptr ? own : common;
     if (length == nullptr) {
-      values_.error(model.where,
-                    fmt::format("bumper {} has no length: give \"blength\" or \"blength[{}]\"", k, k));
+      values_.error(
+          model.where,
+          fmt::format("bumper {} has no length: give \"blength\", for all bumpers, or \"blength[{}]\"", k,
+                      k));
       return false;
     }
     const auto given = value(*length, length_field, values_.length_unit(), -1);

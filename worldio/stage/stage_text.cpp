@@ -29,7 +29,7 @@ Pose relative_pose(const Pose& pose_a_b, const Pose& pose_a_c) {
     for (int i = 0; i > steps; --i) x = std::nextafter(x, -k_infinity);
     return x;
   };
-  for (int reach = 0; reach <= k_neighbours; ++reach)  // the nearest first
+  for (int reach = 0; reach <= k_neighbours; ++reach)  // the nearest doubles first
     for (int i = -reach; i <= reach; ++i)
       for (int j = -reach; j <= reach; ++j) {
         const Pose near{moved(guess.x, i), moved(guess.y, j), guess.z, guess.heading};
@@ -100,10 +100,11 @@ void StageText::texts(std::string_view key, std::span<const std::string> values)
 }
 
 std::string StageText::spelt(double value) {
-  constexpr double k_largest = 9007199254740992.0;  // 2^53, the largest number that is read
+  constexpr double k_largest = 9007199254740992.0;  // 2^53, the largest number that the reader accepts
   if (!(std::abs(value) <= k_largest))
-    diagnostics_.error(where_,
-                       fmt::format("{:g} is too large for a .world file; numbers are at most 2^53", value));
+    diagnostics_.error(
+        where_,
+        fmt::format("{:g} is out of range for a .world file; numbers must be from -2^53 to 2^53", value));
   std::array<char, 1200> digits{};  // the smallest double has 1074 digits after the point
   const auto [end, error] =
       std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::fixed);

@@ -12,8 +12,8 @@
 
 namespace troupe::worldio {
 
-/// Finds a number x with read(x) == value, to the last bit, among the guess and its nearest doubles. Returns
-/// the guess if there is none.
+/// Returns a number x for which read(x) == value to the last bit. It tries `guess` and the nearest doubles
+/// above and below it. Returns `guess` if none of these fits.
 template <class Read>
 double solved(double value, double guess, Read read) {
   constexpr int k_neighbours = 8;
@@ -29,8 +29,8 @@ double solved(double value, double guess, Read read) {
   return guess;
 }
 
-/// Returns pose_b_c with compose(pose_a_b, pose_b_c) == pose_a_c: to the last bit if such numbers are found,
-/// else up to rounding.
+/// Returns the pose of c in frame b: compose(pose_a_b, result) == pose_a_c. This holds to the last bit if
+/// such numbers are found, else up to rounding.
 Pose relative_pose(const Pose& pose_a_b, const Pose& pose_a_c);
 
 /// Builds the text of a world in Stage's syntax. Numbers have the fewest digits that read back as the same
@@ -39,21 +39,28 @@ class StageText {
  public:
   explicit StageText(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Sets the place that errors name for texts and numbers that Stage's syntax cannot express.
+  /// Sets the place of the errors that later calls report, for texts and numbers that Stage's syntax cannot
+  /// express.
   void at(Where where) { where_ = where; }
+  /// Writes a line `# text`.
   void comment(std::string_view text);
   /// Writes `word (`, or with define() `define word base (`. close() writes the `)`.
   void open(std::string_view word);
   void define(std::string_view word, std::string_view base);
   void close();
 
+  /// Each of these writes one property. A flag is written as 1 or 0; numbers(), pose() and texts() write
+  /// tuples.
+  ///@{
   void number(std::string_view key, double value);
   void flag(std::string_view key, bool value) { number(key, value ? 1 : 0); }
   void numbers(std::string_view key, std::span<const double> values);
   void pose(std::string_view key, const Pose& pose);
   void text(std::string_view key, std::string_view value);
   void texts(std::string_view key, std::span<const std::string> values);
+  ///@}
 
+  /// The text written so far.
   const std::string& str() const { return out_; }
 
  private:

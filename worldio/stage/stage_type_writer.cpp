@@ -35,7 +35,7 @@ Box extent_of(const std::vector<Solid>& solids) {
   return box;
 }
 
-/// Writes one type: write_stage_type().
+/// Writes one type; see write_stage_type().
 class TypeText {
  public:
   TypeText(const TypeSpec& type, const StageMacro& macro, const StagePlaces& places, StageText& text)
@@ -58,14 +58,15 @@ class TypeText {
   bool is_property(const DeviceSpec& device) const {
     return device.kind == "power_pack" || device.kind == "power_contact" || device.kind == "flags";
   }
-  /// Whether this is the drive of a position model inside another model.
+  /// Whether this device is the drive of a position model that is inside another model.
   bool is_wheels(const DeviceSpec& device) const {
     return device.kind == "wheels" && device.part != 0 && type_.parts[device.part].kind == "position";
   }
   const DeviceSpec* own_device(std::uint32_t p) const;
-  /// The joint that the children of a part move with.
+  /// Returns the joint that moves the children of a part.
   std::int32_t joint_of(std::uint32_t p) const;
-  /// The part to write a child of `part` in, so that it moves with this joint: `part` itself if possible.
+  /// The part in whose model a child of `part` must be written so that the child moves with `joint`: `part`
+  /// itself if possible.
   std::uint32_t carrier(std::uint32_t part, std::int32_t joint) const;
   bool is_brought(std::uint32_t p) const;
 
@@ -80,8 +81,8 @@ class TypeText {
   void write_controllers(std::uint32_t p);
   void write_power(std::uint32_t p);
   void write_children(std::uint32_t p);
-  /// Writes the name of a child of `parent` unless it is the generated one. `generated` counts the children
-  /// of each kind.
+  /// Writes the name of a child of `parent`, unless it is the name that the reader generates. `generated`
+  /// counts the children of each kind that were written before.
   void write_name(std::uint32_t parent, const std::string& name, const std::string& kind,
                   std::map<std::string, std::size_t>& generated);
 
@@ -128,7 +129,8 @@ std::uint32_t TypeText::carrier(std::uint32_t part, std::int32_t joint) const {
   return part;
 }
 
-/// Whether the device of the parent adds this part itself, as a gripper adds its paddles.
+/// Whether the reader adds this part by itself because of the device of the parent part, as a gripper adds
+/// its paddles.
 bool TypeText::is_brought(std::uint32_t p) const {
   const PartSpec& part = type_.parts[p];
   if (p == 0 || part.solids.empty()) return false;
@@ -148,7 +150,7 @@ void TypeText::write_part(std::uint32_t p) {
     lacks(part.where, "a model of kind \"position\" always has a drive, and no other model has one");
   write_body(part, own);
   write_returns(part.returns);
-  if (part.returns.pushable) lacks(part.where, "bodies that can be pushed");
+  if (part.returns.pushable) lacks(part.where, "a \"pushable\" body");
   const engine::DriveKind* drive = p == 0 && type_.drive ? registry_.drive(type_.drive->kind) : nullptr;
   if (drive) write_stage_drive(*type_.drive, *drive, text_);
   write_power(p);
@@ -181,8 +183,8 @@ bool TypeText::is_default_box(const PartSpec& part, const engine::ModelKind& kin
   return part.solids == std::vector{placed(box, part.pose_body_part)};
 }
 
-/// Writes the image of a part if the image, stretched to the part's size or to the extent of its solids,
-/// makes exactly its solids. Else false.
+/// Writes the image of a part. Writes nothing and returns false if the image, stretched to the size of the
+/// part or to the extent of its solids, does not give exactly its solids.
 bool TypeText::write_image(const PartSpec& part) {
   if (!part.image) return false;
   const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
@@ -204,7 +206,8 @@ bool TypeText::write_image(const PartSpec& part) {
   return false;
 }
 
-/// Stage scales the blocks of a model to its size and centres them; `origin` undoes the centring.
+/// Writes the solids of a part as blocks. Stage scales the blocks of a model to its size and centres them, so
+/// `origin` is written to undo the centring.
 void TypeText::write_blocks(const PartSpec& part) {
   if (part.fitted) {
     write_size(part.size, nullptr, part.where);
@@ -218,7 +221,7 @@ void TypeText::write_blocks(const PartSpec& part) {
   const Rotation& turn = frame.rotation;
   Pose origin{middle.x() * turn.cos + middle.y() * turn.sin, middle.y() * turn.cos - middle.x() * turn.sin, 0,
               0};
-  constexpr double k_centred = 1e-9;  // fraction of the extent; less is rounding
+  constexpr double k_centred = 1e-9;  // fraction of the extent; smaller offsets are rounding errors
   if (origin.position().norm() <= k_centred * whole.size().norm()) origin = Pose();
   const Pose pose_body_blocks = compose(part.pose_body_part, origin);
   std::vector<Solid> solids = part.solids;
@@ -241,7 +244,7 @@ void TypeText::write_blocks(const PartSpec& part) {
 }
 
 void TypeText::write_block(const Solid& block, Where where) {
-  if (block.contours.size() != 1) return lacks(where, "a body with holes: Stage's blocks have none");
+  if (block.contours.size() != 1) return lacks(where, "a body with holes: Stage's blocks have no holes");
   const Ring& ring = block.contours.front();
   text_.open("block");
   text_.number("points", static_cast<double>(ring.size()));
@@ -285,7 +288,7 @@ void TypeText::write_controllers(std::uint32_t p) {
   if (calls.size() > 1) text_.texts("ctrl", calls);
 }
 
-/// Power packs and contacts are properties of the model that they belong to.
+/// Writes power packs and power contacts. In Stage, they are properties of the model that has them.
 void TypeText::write_power(std::uint32_t p) {
   for (const DeviceSpec& device : type_.devices) {
     const DeviceKind* kind = kind_of(device);
@@ -297,7 +300,7 @@ void TypeText::write_power(std::uint32_t p) {
       text_.number("joules", value("infinite").boolean() ? -1 : stored);
       if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
       if (value("mass").number() > 0) text_.number("mass", value("mass").number());
-      if (value("draw").number() > 0) {  // only a running model draws power
+      if (value("draw").number() > 0) {  // in Stage, only a running model draws power
         text_.number("watts", value("draw").number());
         text_.flag("alwayson", true);
       }

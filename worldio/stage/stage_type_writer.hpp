@@ -13,29 +13,29 @@
 
 namespace troupe::worldio {
 
-/// What all types of a world share when they are written.
+/// The context of writing types, which is the same for all types of a world.
 struct StagePlaces {
-  const std::filesystem::path& folder;  ///< of the .world file
+  const std::filesystem::path& folder;  ///< folder of the .world file
   const engine::Registry& registry;
   FloorImages& images;
   Diagnostics& diagnostics;
 };
 
-/// Which parts of a type are not written, because its controllers add them when a `.world` file is read
-/// (worldio/stage/stage_demos.hpp). One element per part.
+/// Returns, for each part of a type, whether it must not be written because a controller adds it when a
+/// `.world` file is read (worldio/stage/stage_demos.hpp).
 std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
                               const engine::Registry& registry);
 
 /// The macro that a type is written as.
 struct StageMacro {
   std::string word;              ///< its name
-  Color color;                   ///< of the bodies that do not have another
-  bool has_many_colors = false;  ///< some bodies have another: then `color` must not be written by name
-  std::vector<bool> added;       ///< per part: whether it is omitted (added_parts())
+  Color color;                   ///< colour of the bodies that do not have a colour of their own
+  bool has_many_colors = false;  ///< whether some bodies have another: if so, `color` is not written by name
+  std::vector<bool> added;       ///< for each part: whether it is omitted, from added_parts()
 };
 
-/// Writes a type as a macro: its root, and in it a model for each part and for each device that is mounted on
-/// a part but is not the part itself.
+/// Writes a type as a macro. The body of the macro is the root part of the type. Inside it are a model for
+/// each other part, and a model for each device that is mounted on a part but is not the part itself.
 void write_stage_type(const engine::TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
                       StageText& text);
 

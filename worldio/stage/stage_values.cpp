@@ -11,9 +11,9 @@ namespace troupe::worldio {
 
 namespace {
 
-// The engine's bounds: positions from -100 km to 100 km.
+// The limits of the engine: coordinates are from -100 km to 100 km.
 constexpr double k_world_limit = 100e3;
-// Above it, doubles do not represent every whole number.
+// Above this number, doubles do not represent every whole number.
 constexpr double k_largest = 9007199254740992.0;  // 2^53
 
 }  // namespace
@@ -50,7 +50,7 @@ std::optional<std::string_view> StageValues::text(const StageProperty& property)
 std::optional<std::string_view> StageValues::name(const StageProperty& property) {
   const auto given = text(property);
   if (!given || (!given->empty() && *given != "/")) return given;
-  warning_once(where(property), "\"name\" is empty; the generated name is used");
+  warning_once(where(property), "\"name\" is empty; a generated name is used instead");
   return {};
 }
 
@@ -68,8 +68,8 @@ std::optional<double> StageValues::number(const StageProperty& property, const S
   const auto [rest, code] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
   if (code == std::errc() && rest == end && std::isfinite(value)) {
     if (std::abs(value) <= k_largest) return value;
-    error(where(property),
-          fmt::format("\"{}\": {} is too large; numbers are at most 2^53", key(property), token.text));
+    error(where(property), fmt::format("\"{}\": {} is out of range; numbers must be from -2^53 to 2^53",
+                                       key(property), token.text));
     return {};
   }
   error(where(property), fmt::format("\"{}\" needs a number such as 2, -0.5 or .25; here is \"{}\"",
@@ -108,8 +108,8 @@ std::optional<std::vector<double>> StageValues::tuple(const StageProperty& prope
     return {};
   }
   if (property.count > most)
-    warning(where(property),
-            fmt::format("\"{}\" takes {} values {}; the rest is ignored", key(property), most, layout));
+    warning(where(property), fmt::format("\"{}\" takes {} values {}; the further values are ignored",
+                                         key(property), most, layout));
   std::vector<double> out;
   for (std::uint32_t i = 0; i < std::min<std::size_t>(property.count, most); ++i) {
     const std::optional<double> value = number(property, document_.value(property, i));
@@ -154,8 +154,8 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
                     key(property), default_height));
   for (const double extent : *v) {
     if (extent * length_ > 2 * k_world_limit) {
-      error(where(property),
-            fmt::format("\"{}\" is larger than the world, {} km", key(property), 2 * k_world_limit / 1000));
+      error(where(property), fmt::format("\"{}\" is larger than the world, which is {} km wide",
+                                         key(property), 2 * k_world_limit / 1000));
       return {};
     }
     if (extent < 0) {

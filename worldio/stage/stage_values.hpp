@@ -16,14 +16,16 @@
 
 namespace troupe::worldio {
 
-/// Reads the values of properties, in SI units. A finding is reported once per place in a file, even if many
-/// instances of a macro share it. A wrong value is an error and returned as empty.
+/// Reads the values of properties. If a value is wrong, the function reports an error and returns an empty
+/// optional. A message is reported once per place in a file, even if many instances of a macro share that
+/// place. Poses and sizes are returned in m and rad; number(), integer(), tuple() and column() return numbers
+/// as in the file, without conversion.
 class StageValues {
  public:
   StageValues(const StageDocument& document, Diagnostics& diagnostics)
       : document_(document), diagnostics_(diagnostics) {}
 
-  /// Sets the factors to metres and radians for the values read afterwards.
+  /// Sets the units of the file: the factors that convert its lengths to metres and its angles to radians.
   void set_units(double length, double angle) { length_ = length, angle_ = angle; }
   void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }
   double length_unit() const { return length_; }
@@ -32,43 +34,47 @@ class StageValues {
   bool thorough() const { return diagnostics_.thorough(); }
   void error(Where where, std::string message);
   void warning(Where where, std::string message);
-  /// As Diagnostics::warning_once(): later places are counted, not listed.
+  /// Like Diagnostics::warning_once(): if the same message occurs at more places, these are counted, not
+  /// listed.
   void warning_once(Where where, std::string message);
 
-  /// "line 4", or "robots.inc:4" if the file is not that of `from`.
+  /// Returns a place for messages: "line 4", or "robots.inc:4" if its file is not that of `from`.
   std::string place(Where where, Where from) const;
   Where where(const StageProperty& property) const { return document_.token(property.key).where(); }
   std::string_view key(const StageProperty& property) const { return document_.key(property); }
 
-  /// A single value as text, quoted or not.
+  /// Returns a single value as text, with or without quotes in the file.
   std::optional<std::string_view> text(const StageProperty& property);
-  /// As text(), for names; "" and "/" are a warning and empty.
+  /// Like text(), for names. Empty, with a warning, for "" and "/".
   std::optional<std::string_view> name(const StageProperty& property);
-  /// The single value, or every value of a tuple.
+  /// Returns the single value, or all values of a tuple, as texts.
   std::vector<std::string_view> texts(const StageProperty& property);
+  /// Returns a single number as in the file, from -2^53 to 2^53.
   std::optional<double> number(const StageProperty& property);
-  /// A whole number that fits 53 bits.
+  /// Returns a whole number from -2^53 to 2^53.
   std::optional<std::int64_t> integer(const StageProperty& property);
+  /// Returns a switch, which the file writes as a whole number: true unless the number is 0.
   std::optional<bool> flag(const StageProperty& property);
-  /// At least `least` numbers. More than `most` is a warning, and the rest is dropped. `layout` describes
-  /// them in messages: "[x y z]".
+  /// Returns the numbers of a tuple. Fewer than `least` numbers are an error. Numbers after the first `most`
+  /// are dropped with a warning. `layout` describes the tuple in messages: "[x y z]".
   std::optional<std::vector<double>> tuple(const StageProperty& property, std::size_t least, std::size_t most,
                                            std::string_view layout);
 
-  /// One number of a tuple of two, by its index.
+  /// Returns one number of a tuple of two numbers, by its index 0 or 1.
   std::optional<double> column(const StageProperty& property, std::size_t column);
 
-  /// [x y z heading], or the older [x y heading]; the heading is wrapped into [-pi, pi]. Coordinates are at
-  /// most 100 km.
+  /// Reads a pose [x y z heading], or the older form [x y heading]. The heading is wrapped into [-pi, pi].
+  /// Coordinates must be from -100 km to 100 km.
   std::optional<Pose> pose(const StageProperty& property);
-  /// As pose(), for a transducer or a bumper in its device's frame: set_wraps_headings(false) keeps the
-  /// heading as it is.
+  /// Like pose(), for the pose of a transducer or a bumper in the frame of its device. After
+  /// set_wraps_headings(false), its heading is not wrapped.
   std::optional<Pose> pose_in_device(const StageProperty& property);
-  /// [x y z], or the older [x y] with the default height, m. Each is at least 0 and at most 200 km; the
-  /// caller decides whether 0 is allowed.
+  /// Reads a size [x y z], or the older form [x y], which takes the default height, m. Each extent must be
+  /// from 0 to 200 km; the caller decides whether 0 is allowed.
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
-  /// A colour by its X11 name; empty for "random". An unknown name is red, with a warning.
+  /// Reads a colour by its X11 name. Returns red, with a warning, for an unknown name. Empty for "random".
   std::optional<Color> color(const StageProperty& property);
+  /// Reads a colour [red green blue opacity] with numbers from 0 to 1.
   std::optional<Color> color_rgba(const StageProperty& property);
 
  private:

@@ -20,13 +20,13 @@ using engine::Value;
 /// The unit of a number in a `.world` file.
 enum class Scale {
   one,
-  length,   // by unit_length
+  length,   // in unit_length
   degrees,  // whatever unit_angle says
   milliseconds
 };
 
-/// The field that a property of a window is stored in. Switches are not listed: they have the name of their
-/// field.
+/// A property of a window and the field that stores it. Switches (`show_...`) are not listed, because they
+/// have the name of their field.
 struct WindowProperty {
   std::string_view stage;
   std::string_view field;

@@ -8,13 +8,14 @@
 
 namespace troupe::worldio {
 
-/// Reads the properties of the world that say how to watch it: `show_clock`, `show_clock_interval`,
+/// Reads the properties of the world that say how a run is watched: `show_clock`, `show_clock_interval`,
 /// `speedup`, `paused`.
 engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& values);
-/// Writes these properties where they differ from their defaults.
+/// Writes the properties that read_stage_watch() reads, if they differ from their defaults.
 void write_stage_watch(const engine::WatchSpec& watch, StageText& text);
 
-/// Reads a `window` into a record of window_fields(). Other properties are ignored: StageLint warns of them.
+/// Reads a `window` into a record of window_fields(). It ignores all other properties; StageLint warns of
+/// them.
 engine::Record read_stage_window(const StageModel& window, const StageDocument& document,
                                  StageValues& values);
 /// Writes a `window`, for a file whose unit of length is the metre.

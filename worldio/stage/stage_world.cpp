@@ -34,13 +34,13 @@ namespace {
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-constexpr std::size_t k_most_entities = 20000;  // in one top-level model, macros expanded
+constexpr std::size_t k_most_entities = 20000;  // in one top-level model, after its macros are expanded
 constexpr std::size_t k_deepest_nesting = 200;
-// In all distinct models together: macros multiply the entities of a file.
+// In all distinct top-level models together, because macros multiply the entities of a file.
 constexpr std::size_t k_most_parts = 1000000;
 
-/// Properties in which bodies of one type may differ. Of `fiducial_return` only the number may differ, not
-/// whether it is 0.
+/// Properties in which bodies of one type may differ. The numbers of `fiducial_return` may differ too, but
+/// either all of them are 0 or none is.
 constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba", "fiducial_return"};
 enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
 using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
@@ -72,7 +72,7 @@ class StageWorld {
     for (const StageItem& item : document_.items) {
       if (item.is_define) {
         macros_.define(item);
-        prototypes_.clear();  // the same words may mean another model from here on
+        prototypes_.clear();  // from here on, the same text may mean another model
       } else {
         add_body(item.entity);
       }
@@ -82,7 +82,7 @@ class StageWorld {
   }
 
  private:
-  /// What bodies with the same text share, except the properties of k_own_keys.
+  /// What all bodies share whose text is equal, apart from the properties in k_own_keys.
   struct Prototype {
     bool usable = false;
     const engine::ModelKind* kind = nullptr;
@@ -95,16 +95,17 @@ class StageWorld {
   struct Draft {
     TypeSpec type;
     std::vector<std::string> global_parts;   ///< names of parts that have global names
-    std::vector<const StageEntity*> inside;  ///< bodies of macros and entities that enclose the current one
+    std::vector<const StageEntity*> inside;  ///< the macros and entities that enclose the current entity
     std::size_t entities = 0;
-    Where where;  ///< of the top-level model
+    Where where;  ///< place of the top-level model
     bool broken = false;
   };
 
   struct Contents {
     std::vector<StageModel> blocks;
-    std::vector<StageModel> sensors;                                  // of a ranger
-    std::vector<std::pair<StageModel, const StageEntity*>> children;  // with the body that contains each
+    std::vector<StageModel> sensors;  // the sensors of a ranger
+    std::vector<std::pair<StageModel, const StageEntity*>>
+        children;  // each with the entity or macro that contains it
   };
 
   /// The place and the names of a part in its body.
@@ -114,7 +115,7 @@ class StageWorld {
     Pose pose_body_part;
     std::string name;
     std::string alias;
-    bool has_own_name = false;  ///< it or an enclosing model has a global name: "/name"
+    bool has_own_name = false;  ///< the part or an enclosing model has a global name: "/name"
   };
 
   void read_world();
@@ -133,7 +134,7 @@ class StageWorld {
                      TypeSpec& type);
   void add_children(const StageModel& model, const Place& place, double height,
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
-  /// Uses the first window of the file, at whatever level it is.
+  /// Stores a window. The first window of the file counts, at whatever level of nesting it is.
   void add_window(const StageModel& window) {
     if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
   }
@@ -154,9 +155,10 @@ class StageWorld {
   WorldSpec* spec_ = nullptr;
 
   std::unordered_map<std::string, Prototype> prototypes_;
-  std::unordered_map<std::string, TypeId> types_;             // by compared_bytes()
-  std::vector<std::vector<std::string_view>> type_names_;     // words of each type, outermost first
-  std::map<std::string_view, engine::Name> generated_names_;  // per kind: the last name of a top-level model
+  std::unordered_map<std::string, TypeId> types_;          // keyed by compared_bytes()
+  std::vector<std::vector<std::string_view>> type_names_;  // the macro names of each type, outermost first
+  std::map<std::string_view, engine::Name>
+      generated_names_;  // the last name generated for a top-level model, by kind
   engine::NameMap names_;
   std::size_t parts_ = 0;
   std::size_t vertices_ = 0;
@@ -227,8 +229,8 @@ void StageWorld::read_world() {
     if (const auto title = values_.text(*property)) spec_->title = *title;
 }
 
-/// Appends the text of an entity to `key`, for a root without k_own_keys. Entities with equal keys have equal
-/// types.
+/// Appends the text of an entity to `key`, without the properties in k_own_keys if it is the root. Entities
+/// with equal keys have equal types.
 void StageWorld::write_key(const StageEntity& entity, bool is_root, std::string& key) const {
   const auto add = [&key](std::string_view text) {
     key += text;
@@ -267,7 +269,7 @@ void StageWorld::add_body(const StageEntity& entity) {
     for (std::size_t i = 0; i < own.size(); ++i)
       if (document_.key(property) == k_own_keys[i]) own[i] = &property;
 
-  // A body that cannot be built takes its number too, so that later messages have the right names.
+  // A body that cannot be built also uses up a generated name, so that later messages have the right names.
   const engine::Name generated = generate_name(prototype.kind->name);
   const BodyId id(spec_->bodies.size());
   engine::BodySpec body{
@@ -297,7 +299,8 @@ void StageWorld::add_body(const StageEntity& entity) {
   spec_->bodies.push_back(body);
 }
 
-/// Returns the next of model:0, model:1, ... in the order of the file.
+/// Returns the next generated name of a top-level model: model:0, model:1, ..., counted separately for each
+/// kind.
 engine::Name StageWorld::generate_name(std::string_view kind) {
   const auto [last, is_first] = generated_names_.try_emplace(kind);
   if (is_first)
@@ -337,10 +340,11 @@ StageWorld::Prototype StageWorld::make_prototype(const StageEntity& entity) {
   return prototype;
 }
 
-/// Returns the type that equals `type`, adding it if it is new. A type is named after the outermost macro
-/// that all its bodies are made from, or their model type.
+/// Returns the id of a type that equals `type`; adds `type` if there is none. `names` are the macros that the
+/// body is made from. A type is named after the outermost macro that all its bodies have in common, or after
+/// their model type.
 TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>& names) {
-  // Types compare only whether the root has a fiducial number: each body has its own number.
+  // Each body has its own fiducial number, so types are only compared by whether the root has one at all.
   std::int32_t& mark = type.parts.front().returns.fiducial;
   const std::int32_t number = std::exchange(mark, mark != 0 ? 1 : 0);
   const auto [entry, is_new] = types_.try_emplace(compared_bytes(type), TypeId(spec_->types.size()));
@@ -361,7 +365,8 @@ TypeId StageWorld::share_type(TypeSpec type, const std::vector<std::string_view>
   return id;
 }
 
-/// Sorts the children of a model by kind. Empty, with an error, if its macros expand beyond a limit.
+/// Resolves the children of a model and divides them into blocks, sensors and models. Empty, with an error,
+/// if the macros of the model expand beyond a limit.
 std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model, Draft& draft) {
   Contents out;
   const auto fail = [&](Where where, std::string message) {
@@ -380,7 +385,8 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
       return {};
     }
     if (draft.inside.size() >= k_deepest_nesting) {
-      fail(draft.where, fmt::format("the macros of this model nest deeper than {}", k_deepest_nesting));
+      fail(draft.where,
+           fmt::format("the macros of this model nest deeper than {} levels", k_deepest_nesting));
       return {};
     }
     auto resolved = macros_.resolve(*child.entity);
@@ -406,7 +412,8 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     else if (resolved->type == "sensor" && model.type == "ranger")
       out.sensors.push_back(std::move(*resolved));
     else if (resolved->type == "sensor")
-      fail(resolved->where, fmt::format("a sensor must be inside a ranger, not inside: {}", model.type));
+      fail(resolved->where,
+           fmt::format("a sensor must be inside a ranger, not inside a model of type {}", model.type));
     else if (resolved->type == "window")
       add_window(*resolved);
     else
@@ -443,7 +450,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   vertices_ += count_vertices(part.solids);
   if (vertices_ > engine::k_most_vertices) {
     values_.error(draft.where,
-                  fmt::format("too large: the outlines of the world's models have more than {} corners",
+                  fmt::format("too large: together, the outlines of the models have more than {} corners",
                               engine::k_most_vertices));
     draft.broken = true;
     return;
@@ -479,7 +486,7 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
       device->joint = place.joint;
       device->pose_body_device = pose_body_frame;
       const std::size_t d = engine::add_device(draft.type, std::move(*device), *device_kind);
-      if (model.type == "actuator")  // it moves its own part and the parts on it
+      if (model.type == "actuator")  // an actuator moves its own part and the parts on it
         draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
       if (draft.type.parts[index].solids.empty() && !is_without_body(model))
         engine::add_device_body(draft.type, d, *device_kind);
@@ -500,9 +507,10 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   add_children(model, below, height, holds->children, draft);
 }
 
-/// Reports a size of 0. A model without a body, such as most sensors, may have it.
+/// Reports a size of 0, which only a model without a body, such as most sensors, may have.
 void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
-  const bool is_gripper = model.type == "gripper";  // its body is added with its paddles
+  const bool is_gripper =
+      model.type == "gripper";  // the body of a gripper is added together with its paddles
   if (part.size.minCoeff() > 0 || (part.solids.empty() && !is_gripper)) return;
   const StageProperty* property = model.find(document_, "size");
   const Where where = property ? values_.where(*property) : model.where;
@@ -539,13 +547,15 @@ engine::Returns StageWorld::returns(const StageModel& model) {
   return returns;
 }
 
-/// Reads a number for fiducial finders: a whole number of 32 bits.
+/// Reads a number for fiducial finders: a whole number that fits in 32 bits. Empty, with an error, if it does
+/// not.
 std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
   using Limits = std::numeric_limits<std::int32_t>;
   const auto given = values_.integer(property);
   if (!given || (Limits::min() <= *given && *given <= Limits::max())) return given;
-  values_.error(values_.where(property), fmt::format("\"{}\" must be a whole number of 32 bits; here is {}",
-                                                     values_.key(property), *given));
+  values_.error(values_.where(property),
+                fmt::format("\"{}\" must be a whole number from -2147483648 to 2147483647; here is {}",
+                            values_.key(property), *given));
   return {};
 }
 
@@ -573,7 +583,7 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
   }
 }
 
-/// Adds the devices that a controller needs and that every Stage model has.
+/// Adds the devices that a controller needs and that every model of Stage has without declaring them.
 void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
                                TypeSpec& type) {
   for (const std::string_view name : kind.brings) {

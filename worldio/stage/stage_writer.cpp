@@ -78,7 +78,7 @@ class WorldText {
 
  private:
   bool says(std::string_view key) const { return document_ && document_->says(key); }
-  /// The line of a key, which is given without its unit; the whole file if the file does not have the key.
+  /// The place of a key, which is given without its unit; the file as a whole if it does not have the key.
   Where where_of(std::string_view key) const {
     return says(key) ? document_->where_of(key) : Where{spec_.resolution_where.file, 0};
   }
@@ -98,20 +98,20 @@ class WorldText {
   const WorldDocument* document_;
   const engine::Registry& registry_;
   Diagnostics& diagnostics_;
-  Diagnostics image_findings_;  // not reported: without its image a body is written as outlines
+  Diagnostics image_findings_;  // ignored: if an image cannot be read, the body is written as outlines
   FloorImages images_;
   StageText text_;
-  std::vector<std::string> macros_;  // per type
-  std::vector<Color> colors_;        // per type: that of its first body
+  std::vector<std::string> macros_;  // per type: the name of its macro
+  std::vector<Color> colors_;        // per type: the colour of its first body
 };
 
 void WorldText::refuse_what_stage_lacks() {
   if (spec_.ranging != engine::RangingEngine::exact)
-    lacks("ranging", "the ray engine is an option of the run, --raytracer");
-  if (spec_.record) lacks("record", "recording is an option of the run, --record");
-  if (!spec_.measures.empty()) lacks("measures", "they are options of the run, --measure");
+    lacks("ranging", "choose the ray engine with troupe run --raytracer");
+  if (spec_.record) lacks("record", "record with troupe run --record");
+  if (!spec_.measures.empty()) lacks("measures", "choose measures with troupe run --measure");
   if (spec_.measure_every_s != WorldSpec().measure_every_s)
-    lacks("measure_every", "it is an option of the run, --measure-every");
+    lacks("measure_every", "set the interval with troupe run --measure-every");
   if (!spec_.reserves.empty())
     lacks(says("populations") ? "populations" : "models",
           "Stage has no \"reserve\" of bodies that are born later");
@@ -136,7 +136,9 @@ void WorldText::write_settings() {
   text_.text("unit_length", "m");
   text_.text("unit_angle", "radians");
   if (has_wide_heading(spec_, registry_)) text_.flag("wrap_headings", false);
-  const auto clock = [](double ms) { return std::floor(ms * 1000) / 1e6; };  // whole microseconds
+  const auto clock = [](double ms) {
+    return std::floor(ms * 1000) / 1e6;
+  };  // Stage counts whole microseconds
   text_.number("interval_sim", solved(spec_.tick_s, spec_.tick_s * 1000, clock));
   text_.at(where_of("quit_time"));
   if (spec_.quit_time_s) text_.number("quit_time", *spec_.quit_time_s);
@@ -172,7 +174,7 @@ void WorldText::write_types() {
                            .color = colors_[t],
                            .has_many_colors = has_many_colors[t],
                            .added = added_parts(type, spec_.seed, registry_)};
-    TypeSpec colored = type;  // a part without a colour has that of its body
+    TypeSpec colored = type;  // in a spec, a part without a colour has that of its body
     for (std::size_t p = 1; p < colored.parts.size(); ++p) {
       if (macro.added[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
       colored.parts[p].color = colors_[t];
@@ -180,7 +182,7 @@ void WorldText::write_types() {
         diagnostics_.error(
             colored.parts[p].where,
             fmt::format("a .world file cannot express this: type \"{}\": part \"{}\" has the color "
-                        "of its body",
+                        "of its body, and the bodies of the type have several colors",
                         type.name, colored.parts[p].name));
     }
     write_stage_type(colored, macro, {folder_, registry_, images_, diagnostics_}, text_);
