@@ -34,11 +34,14 @@ struct Beeclust {
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::max_wait>("max_wait", seconds, within(0, 1e6),
-                                  "upper limit of the waiting time, approached as the ground gets brighter");
-      d.member<&Params::half>("half", above(0), at_most(1e6),
-                              "square of the brightness (0 to 1) at which it waits for half of `max_wait`");
-      d.member<&Params::meet>("meet", meters, at_least(0),
-                              "distance between the radios within which it meets a robot ahead");
+                                  "limit of the waiting time: on ground of brightness S (0 to 1) a robot "
+                                  "waits max_wait S^2 / (S^2 + half)");
+      d.member<&Params::half>(
+          "half", above(0), at_most(1e6),
+          "square of the brightness (0 to 1) at which a robot waits for half of `max_wait`");
+      d.member<&Params::meet>(
+          "meet", meters, at_least(0),
+          "distance between two radios within which a robot meets another robot that is ahead of it");
       describe_min_front(d);
     }
   };
@@ -121,8 +124,9 @@ struct Beeclust {
 }  // namespace
 
 engine::ControllerKind beeclust_controller() {
-  return engine::make_controller_kind<Beeclust>(
-      "beeclust", "aggregate where the ground is bright: wait where another robot is met");
+  return engine::make_controller_kind<Beeclust>("beeclust",
+                                                "aggregate where the ground is bright: wait on meeting "
+                                                "another robot, the longer the brighter the ground");
 }
 
 }  // namespace troupe::models

@@ -44,14 +44,17 @@ struct Chain {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::role>("role", "role; a nest and a prey stand still");
-      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000), "distance from link to link");
+      d.member<&Params::role>(
+          "role", "robot: searches and forms chains; nest, prey: stands still as one end of the chains");
+      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000),
+                                 "distance between neighbouring links of a chain");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       describe_min_front(d);
-      d.member<&Params::joins>("joins", within(0, 1),
-                               "probability per decision that it becomes a link where there is room for one");
+      d.member<&Params::joins>(
+          "joins", within(0, 1),
+          "probability per decision that a robot becomes a link, once it is at the place for the next link");
       d.member<&Params::leaves>("leaves", within(0, 1),
-                                "probability per decision that the last link of a chain leaves it");
+                                "probability per decision that the last link of a chain leaves the chain");
     }
   };
   struct Memory {

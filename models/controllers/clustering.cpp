@@ -24,7 +24,7 @@ struct Clustering {
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed forward and backward");
       d.member<&Params::back>("back", seconds, within(0, 1e6),
-                              "how long it backs off from what it cannot push");
+                              "how long the robot drives backwards from a load that it cannot push");
       describe_min_front(d);
     }
   };

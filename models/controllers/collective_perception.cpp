@@ -39,12 +39,15 @@ struct CollectivePerception {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
-      d.member<&Params::explore>("explore", seconds, above(0), at_most(1e6),
-                                 "mean time for which it explores the floor");
+      d.member<&Params::explore>(
+          "explore", seconds, above(0), at_most(1e6),
+          "mean time for which a robot explores the floor before it shares its opinion");
       d.member<&Params::share>("share", seconds, above(0), at_most(1e6),
-                               "mean time for which it broadcasts an opinion of quality 1");
-      d.member<&Params::rule>(
-          "rule", "decision rule: the majority of the opinions received, or a random one of them");
+                               "mean time for which a robot broadcasts an opinion of quality 1; it is "
+                               "proportional to the quality (0 to 1)");
+      d.member<&Params::rule>("rule",
+                              "how a robot adopts an opinion. majority: the most frequent one of those "
+                              "received and its own; voter: a random one of those received");
       describe_min_front(d);
     }
   };

@@ -78,10 +78,12 @@ struct Collector {
       using namespace engine::facts;
       constexpr double k_most_mark = 1e9;
       d.member<&Params::sink>("sink",
-                              "name of the models to which pucks are brought, without a number at its end");
-      d.member<&Params::puck>("puck", within(-k_most_mark, k_most_mark), "fiducial_return of a puck");
+                              "name of the models to which pucks are brought; names that continue with "
+                              "digits, such as sink2, count too");
+      d.member<&Params::puck>("puck", within(-k_most_mark, k_most_mark),
+                              "fiducial_return by which pucks are recognised");
       d.member<&Params::charger>("charger", within(-k_most_mark, k_most_mark),
-                                 "fiducial_return of a charger");
+                                 "fiducial_return by which chargers are recognised");
     }
   };
 
@@ -148,8 +150,8 @@ Result<> Collector::bind_world(const WorldSpec& world, const engine::TypeSpec&, 
       }
   }
   if (sinks.empty())
-    return Error{
-        fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", params.sink, params.sink, params.sink)};
+    return Error{fmt::format("needs a model named \"{}\", or \"{}0\", \"{}1\" and so on", params.sink,
+                             params.sink, params.sink)};
   std::vector<Box> boxes;
   for (const Vec2& at : sinks) boxes.push_back(Box::around(at, k_delivered + 1e-6));
   sinks_about = partition::BoxGrid(boxes);
@@ -257,7 +259,8 @@ void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept
 
 engine::ControllerKind collector_controller() {
   return engine::make_controller_kind<Collector>(
-      "collector", "grip marked pucks, carry them to the nearest sink, and charge");
+      "collector",
+      "grip marked pucks, carry them to the nearest sink, and charge the power pack when it is low");
 }
 
 }  // namespace troupe::models

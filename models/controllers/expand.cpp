@@ -32,21 +32,23 @@ struct Expand {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, "speed while the way is clear");
-      d.member<&Params::gain>("gain", per_second,
-                              "turn rate per radian between the heading and the vector sum");
-      d.member<&Params::clearance>(
-          "clearance", meters, at_least(0),
-          "free distance needed ahead; a beam at angle a from straight ahead must exceed clearance * cos(a)");
+      d.member<&Params::gain>(
+          "gain", per_second,
+          "turn rate per radian of the angle from the heading to the vector sum of the ranges");
+      d.member<&Params::clearance>("clearance", meters, at_least(0),
+                                   "free distance that the robot needs to drive: the reading of a beam at "
+                                   "angle a from straight ahead must exceed clearance * cos(a)");
       d.member<&Params::clearances>("clearances", meters, at_least(0),
-                                    "instead of `clearance`: distance that the beams of each transducer must "
-                                    "exceed, in the order of the transducers; 0 or left out: no limit");
-      d.member<&Params::cone>("cone", radians, at_least(0),
-                              "drives only while the vector sum is less than this off straight ahead");
-      d.member<&Params::invert>("invert",
-                                "turns away from the vector sum: robots cluster instead of dispersing");
-      d.member<&Params::hold_on_axis>(
-          "hold_on_axis",
-          "keeps the last command while the vector sum lies exactly on an axis, as in Stage's examples");
+                                    "replaces `clearance`: one distance per transducer, in their order, that "
+                                    "the readings of its beams must exceed; 0 or a missing entry: no limit");
+      d.member<&Params::cone>(
+          "cone", radians, at_least(0),
+          "the robot drives only while the angle from straight ahead to the vector sum is less than this");
+      d.member<&Params::invert>(
+          "invert", "true: robots turn away from the vector sum, so that they gather instead of dispersing");
+      d.member<&Params::hold_on_axis>("hold_on_axis",
+                                      "true: the robot repeats its last command while the vector sum lies "
+                                      "exactly along its x or y axis, as in Stage's examples");
     }
   };
   struct Feeler {
@@ -84,8 +86,9 @@ struct Expand {
                       "sum of the beams of \"{}\" never points ahead",
                       ranger.name)};
     if (const std::size_t count = ranger.prepared.transducers.size(); params.clearances.size() > count)
-      return Error{fmt::format("has {} clearances for the {} transducers of \"{}\"", params.clearances.size(),
-                               count, ranger.name)};
+      return Error{fmt::format(
+          "has {} clearances for the {} transducers of \"{}\": give at most one for each transducer",
+          params.clearances.size(), count, ranger.name)};
     for (const Beam& beam : beams) {
       const double demand = params.clearances.empty() ? params.clearance * beam.direction.cos
                             : beam.transducer < params.clearances.size() ? params.clearances[beam.transducer]
@@ -140,7 +143,8 @@ struct Expand {
 }  // namespace
 
 engine::ControllerKind expand_controller() {
-  return engine::make_controller_kind<Expand>("expand", "disperse along the vector sum of the ranges");
+  return engine::make_controller_kind<Expand>(
+      "expand", "disperse: turn towards the vector sum of the ranges, and drive while the way is clear");
 }
 
 engine::Registry::Preset expand_pioneer_preset() {

@@ -102,7 +102,7 @@ struct Flocking {
 engine::ControllerKind pioneer_flocking_controller() {
   return engine::make_controller_kind<Flocking>(
       "pioneer_flocking",
-      "flock: drive where the sonars see free space, turning like the nearest marked robot");
+      "flock: drive where the sonars see free space, and turn to the heading of the nearest marked robot");
 }
 
 }  // namespace troupe::models

@@ -153,7 +153,7 @@ Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, st
     const BodyId from = find_body(world, source);
     const BodyId to = find_body(world, sink);
     if (!from.valid() || !to.valid())
-      return Error{fmt::format("needs a model \"{}\"", from.valid() ? sink : source)};
+      return Error{fmt::format("needs a model named \"{}\"", from.valid() ? sink : source)};
     tasks.push_back({goal(from), goal(to)});
   }
   for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)
@@ -297,7 +297,8 @@ void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Acti
 }
 
 constexpr const char* k_map_text =
-    "model that is the floor plan; if there is none of this name, the first model outlined by an image";
+    "name of the model that is the floor plan; if no model has this name, the first model whose outline is "
+    "an image";
 
 struct Fasr : Forager {
   struct Params {
@@ -306,8 +307,8 @@ struct Fasr : Forager {
     std::string map = "cave";
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::source>("source", "model from which flags are fetched");
-      d.member<&Params::sink>("sink", "model to which flags are brought");
+      d.member<&Params::source>("source", "name of the model from which flags are fetched");
+      d.member<&Params::sink>("sink", "name of the model to which flags are brought");
       d.member<&Params::map>("map", k_map_text);
     }
   };
@@ -328,7 +329,9 @@ struct Fasr2 : Forager {
     std::string map = "cave";
 
     static constexpr void describe(engine::Description<Params>& d) {
-      constexpr const char* k_text = "\"red\": from the model red_source to the model red_sink";
+      constexpr const char* k_text =
+          "name of a task: \"red\" means to carry flags from the model red_source to the model red_sink; "
+          "empty: no task";
       d.member<&Params::task>("task", k_text);
       d.member<&Params::task2>("task2", k_text);
       d.member<&Params::task3>("task3", k_text);
@@ -370,13 +373,14 @@ struct Fasr2 : Forager {
 }  // namespace
 
 engine::ControllerKind fasr_controller() {
-  return engine::make_controller_kind<Fasr>("fasr",
-                                            "fetch flags from a source, bring them to a sink, and charge");
+  return engine::make_controller_kind<Fasr>(
+      "fasr", "fetch flags from a source, bring them to a sink, and charge the power pack when it is low");
 }
 
 engine::ControllerKind fasr2_controller() {
-  return engine::make_controller_kind<Fasr2>(
-      "fasr2", "fetch flags from several sources, bring them to their sinks, and charge");
+  return engine::make_controller_kind<Fasr2>("fasr2",
+                                             "fetch flags from several sources, bring them to their sinks, "
+                                             "and charge the power pack when it is low");
 }
 
 }  // namespace troupe::models

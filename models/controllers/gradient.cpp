@@ -36,12 +36,14 @@ struct Gradient {
       using enum engine::Unit;
       d.member<&Params::beacon>("beacon",
                                 "this robot is a beacon: it stands still, and hops are counted from it");
-      d.member<&Params::spacing>("spacing", meters, within(0, 10'000),
-                                 "it settles where no settled robot is nearer than this");
+      d.member<&Params::spacing>(
+          "spacing", meters, within(0, 10'000),
+          "a robot settles only where the nearest settled robot that it hears is at least this far away");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed while it roams");
       describe_min_front(d);
-      d.member<&Params::patience>("patience", within(1, 1'000'000),
-                                  "decisions after which an unconfirmed hop count is forgotten");
+      d.member<&Params::patience>(
+          "patience", within(1, 1'000'000),
+          "a robot forgets its hop count when no message has confirmed it for this number of decisions");
     }
   };
   struct Memory {

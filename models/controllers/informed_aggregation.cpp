@@ -40,15 +40,18 @@ struct InformedAggregation {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::informed>("informed", "the only colour on which it stops; no: it stops on both");
+      d.member<&Params::informed>(
+          "informed",
+          "colour of the only sites on which the robot stops; no: it stops on black and on white sites");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
-      d.member<&Params::enter>("enter", seconds, within(0, 1e6),
-                               "longest time that it drives on into a site before it stops there");
+      d.member<&Params::enter>(
+          "enter", seconds, within(0, 1e6),
+          "longest time for which the robot drives on inside a site before it stops; the time is random");
       d.member<&Params::leave>("leave", per_second, at_least(0),
-                               "rate at which a robot that stands alone leaves");
+                               "rate at which a robot leaves its site while it hears no other robot there");
       d.member<&Params::others>(
           "others", within(0, 1000),
-          "each other robot that it hears on its site multiplies that rate by exp(-others)");
+          "each robot heard on a site of the same colour multiplies the rate `leave` by exp(-others)");
       describe_min_front(d);
     }
   };

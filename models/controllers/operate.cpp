@@ -38,7 +38,7 @@ struct Step {
     d.member<&Step::order>("order", required,
                            "for a gripper: open, close, up, down; for an actuator: go_to, speed");
     d.member<&Step::value>("value", within(-1e6, 1e6),
-                           "argument of go_to, m or rad, or of speed, m/s or rad/s");
+                           "for go_to: the position, m or rad; for speed: the speed, m/s or rad/s");
     d.derived<&Step::chosen>();
   }
 };
@@ -94,7 +94,8 @@ Result<Step> read_step(std::string_view entry) {
   const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
   if (takes_value(order) != value.has_value())
     return Error{fmt::format("has a plan with \"{}\": that order {}", entry,
-                             takes_value(order) ? "needs a number" : "takes no number")};
+                             takes_value(order) ? "needs a value: DEVICE:ORDER:VALUE@SECONDS"
+                                                : "takes no value: DEVICE:ORDER@SECONDS")};
   return Step{*at_s, std::string(device), order, value.value_or(0)};
 }
 
@@ -104,9 +105,9 @@ struct Operate {
     std::vector<Step> orders;
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::plan>(
-          "plan",
-          "orders in one word, for .world files: DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,...");
+      d.member<&Params::plan>("plan",
+                              "orders as one word, for .world files: DEVICE:ORDER@SECONDS or "
+                              "DEVICE:ORDER:VALUE@SECONDS, separated by commas");
       d.member<&Params::orders>("orders", "timed orders to devices");
     }
   };
@@ -138,7 +139,7 @@ struct Operate {
       }
       const std::string_view wanted = takes_value(step.order) ? "actuator" : "gripper";
       if (device->kind != wanted)
-        return Error{fmt::format("has an order \"{}\" for \"{}\", which is no {}",
+        return Error{fmt::format("has an order \"{}\" for \"{}\", which is not a device of kind \"{}\"",
                                  k_orders[static_cast<std::size_t>(step.order)], step.device, wanted)};
       const auto index = static_cast<std::size_t>(device - devices.begin());
       const auto known = std::ranges::find(chosen, index);

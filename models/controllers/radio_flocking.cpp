@@ -37,10 +37,11 @@ struct RadioFlocking {
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::distance>("distance", meters, above(0), "distance that it keeps from other robots");
       d.member<&Params::spacing_weight>("spacing_weight", at_least(0),
-                                        "weight of keeping the distance, relative to that of the headings");
-      d.member<&Params::gain>("gain", per_second, at_least(0), "turn rate per radian that it is to turn");
+                                        "weight of keeping the distance; the mean heading has the weight 1");
+      d.member<&Params::gain>("gain", per_second, at_least(0),
+                              "turn rate per radian of the angle to the direction in which the robot aims");
       d.member<&Params::clearance>("clearance", meters, at_least(0),
-                                   "obstacles that its scanner sees nearer than this repel it");
+                                   "obstacles that the ranger sees nearer than this repel the robot");
     }
   };
   Params params;
@@ -104,7 +105,7 @@ struct RadioFlocking {
 engine::ControllerKind radio_flocking_controller() {
   return engine::make_controller_kind<RadioFlocking>(
       "radio_flocking",
-      "flock: broadcast the own heading, turn to the mean of the headings received, keep a distance");
+      "flock by radio: broadcast the heading, turn to the mean of the headings received, keep a distance");
 }
 
 }  // namespace troupe::models

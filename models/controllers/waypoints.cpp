@@ -30,12 +30,13 @@ struct Goal {
     using enum engine::Unit;
     d.part<&Goal::pose>();
     d.member<&Goal::at_s>("at", seconds, within(0, engine::k_most_seconds),
-                          "time of arrival, since the start of the world or of the present round; the robot "
-                          "stays until then; 0: when it gets there");
+                          "time at which the robot is to arrive, counted from tick 0 or, with `again`, from "
+                          "the start of the present round; 0: no time is set");
     d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
-                           "speed of a straight motion to the goal; 0: the drive's own law for goals");
+                           "speed at which the robot moves straight to the goal; 0: if `at` is 0 too, the "
+                           "drive's own law for goals");
     d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
-                            "how long it waits there before it goes on");
+                            "how long the robot waits at the goal before it goes on");
   }
   /// Whether it moves to the goal in a straight line at a given speed, not by the drive's own law for goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }
@@ -57,13 +58,16 @@ struct Waypoints {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::goals>("goals", required,
-                               "goals in their order, in the frame of the robot's localization");
+      d.member<&Params::goals>(
+          "goals", required,
+          "goals in the order in which the robot visits them, in the frame of its estimated pose");
       // At least 0.03 m, because drives stop within 0.02 m of a goal along both axes.
-      d.member<&Params::near>(
-          "near", meters, at_least(0.03),
-          "estimated distance to a goal without `at` and `speed` at which the robot goes on to the next");
-      d.member<&Params::again>("again", "starts again after the last goal; otherwise it stays there");
+      d.member<&Params::near>("near", meters, at_least(0.03),
+                              "distance, by the estimated pose, within which the robot has reached a goal "
+                              "that has neither `at` nor `speed`");
+      d.member<&Params::again>("again",
+                               "true: after the last goal the robot starts again with the first; false: it "
+                               "stays at the last goal");
     }
   };
 
@@ -83,17 +87,19 @@ struct Waypoints {
     if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
     if (!type.drive || type.drive->kind != omni_drive().name)
       return Error{
-          "has goals with `at` or `speed`, which need an omni drive: other drives do not move straight to a "
-          "goal"};
+          "has goals with `at` or `speed`, which need a drive of kind \"omni\": other drives do not move "
+          "straight to a goal"};
     const MotionParams motion = engine::from_record<DriveParams>(type.drive->params).motion;
     speed_max = std::min(
         {motion.velocity_max_x, -motion.velocity_min_x, motion.velocity_max_y, -motion.velocity_min_y});
     turn_max = std::min(motion.turn_max, -motion.turn_min);
     if (!(speed_max > 0 && turn_max > 0))
-      return Error{"has goals with `at` or `speed`, but its drive cannot move and turn in every direction"};
+      return Error{
+          "has goals with `at` or `speed`, but the limits of its drive do not let it move and turn in every "
+          "direction"};
     for (std::size_t i = 0; i < params.goals.size(); ++i)
       if (const Result<> kept = can_keep(i); !kept)
-        return Error{fmt::format("has a goal {} {}", i + 1, kept.error().text)};
+        return Error{fmt::format("cannot follow goal {}: {}", i + 1, kept.error().text)};
     return {};
   }
 
@@ -183,21 +189,23 @@ struct Waypoints {
   Result<> can_keep(std::size_t i) const {
     const Goal& goal = params.goals[i];
     if (goal.at_s > 0 && goal.speed > 0)
-      return Error{"with both `at` and `speed`: one follows from the other"};
+      return Error{"it has both `at` and `speed`; give only one, because the other follows from it"};
     if (goal.speed > speed_max)
-      return Error{fmt::format("with a speed of {:g} m/s: its drive reaches only {:g} m/s in every direction",
-                               goal.speed, speed_max)};
+      return Error{
+          fmt::format("its `speed` is {:g} m/s, but the drive reaches only {:g} m/s in every direction",
+                      goal.speed, speed_max)};
     if (i == 0 || !(goal.at_s > 0)) return {};
     const Goal& before = params.goals[i - 1];
     if (before.at_s > 0 && goal.at_s <= before.at_s)
       return Error{
-          fmt::format("at {:g} s, after one at {:g} s: times must increase", goal.at_s, before.at_s)};
+          fmt::format("its `at` is {:g} s, but that of the goal before it is {:g} s; times must increase",
+                      goal.at_s, before.at_s)};
     const double way = (goal.pose.position() - before.pose.position()).norm();
     const double time_s = goal.at_s - before.at_s - before.wait_s;
     if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
       return Error{
-          fmt::format("that is {:g} m from the one before it, to be covered in {:g} s: its drive reaches "
-                      "only {:g} m/s in every direction",
+          fmt::format("it is {:g} m from the goal before it and must be reached within {:g} s, but the drive "
+                      "reaches only {:g} m/s in every direction",
                       way, std::max(time_s, 0.0), speed_max)};
     return {};
   }

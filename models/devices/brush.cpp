@@ -65,7 +65,8 @@ struct Brush {
 }  // namespace
 
 DeviceKind brush_kind() {
-  return engine::make_device_kind<Brush>("brush", "paints the zone below it, if the zone carries an led");
+  return engine::make_device_kind<Brush>(
+      "brush", "paints the zone (flat coloured body) below it, if the zone carries an `led`");
 }
 
 }  // namespace troupe::models

@@ -72,9 +72,10 @@ struct Flags {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::most>("most", within(1, k_most_flags), "number of flags that it can hold");
+      d.member<&Params::most>("most", within(1, k_most_flags),
+                              "greatest number of flags that the list can hold");
       d.member<&Params::yellow>("yellow", within(0, k_most_flags),
-                                "yellow flags of 0.25 m that it holds at the start");
+                                "number of yellow flags, each 0.25 m in size, in the list at the start");
     }
   };
   using Command = FlagCommand;
@@ -138,7 +139,7 @@ struct Flags {
 }  // namespace
 
 DeviceKind flags_kind() {
-  return engine::make_device_kind<Flags>("flags", "a list of tokens that bodies exchange");
+  return engine::make_device_kind<Flags>("flags", "a list of flags: coloured tokens that bodies exchange");
 }
 
 }  // namespace troupe::models

@@ -39,13 +39,15 @@ struct Gripper {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::size>("size", engine::Unit::meters, above(0), at_most(1000),
-                              "size of base and paddles together, [x, y, z]");
+                              "size of the base and the open paddles together, [x, y, z]");
       d.member<&Params::paddle_size>("paddle_size", above(0), at_most(0.999),
-                                     "size of each paddle relative to `size`, [x, y, z]; y below 0.5");
-      d.member<&Params::paddles>("paddles", "paddles at the start");
-      d.member<&Params::lift>("lift", "lift at the start");
-      d.member<&Params::autosnatch>(
-          "autosnatch", "closes while a beam is broken and opens while none is, without commands");
+                                     "size of each paddle as a fraction of `size`, [x, y, z]; y must be "
+                                     "below 0.5, or two paddles do not fit");
+      d.member<&Params::paddles>("paddles", "state of the paddles at the start");
+      d.member<&Params::lift>("lift", "state of the lift at the start");
+      d.member<&Params::autosnatch>("autosnatch",
+                                    "true: the gripper ignores commands, closes while a body breaks one of "
+                                    "its beams, and opens otherwise");
     }
   };
   using State = GripperState;

@@ -48,8 +48,9 @@ struct IndicatorParams {
   double intensity = 1;
 
   static constexpr void describe(engine::Description<IndicatorParams>& d) {
-    d.member<&IndicatorParams::intensity>("intensity", engine::facts::within(0, 1e6),
-                                          "brightness that a light sensor facing it reads at 1 m");
+    d.member<&IndicatorParams::intensity>(
+        "intensity", engine::facts::within(0, 1e6),
+        "brightness that a light sensor reads when it faces the light at a distance of 1 m");
   }
   LightSource source(const Pose& pose_body_light) const {
     return {.pose_body_light = pose_body_light, .intensity = intensity};
@@ -64,11 +65,14 @@ struct BlinkenParams {
 
   static constexpr void describe(engine::Description<BlinkenParams>& d) {
     using namespace engine::facts;
-    d.member<&BlinkenParams::period>("period", engine::Unit::seconds, within(0, 1e6),
-                                     "time from one flash to the next; 0: no blinking");
+    d.member<&BlinkenParams::period>(
+        "period", engine::Unit::seconds, within(0, 1e6),
+        "time from the start of one flash to the start of the next; 0: the light does not blink");
     d.member<&BlinkenParams::dutycycle>("dutycycle", within(0, 1),
-                                        "fraction of each period in which it is lit");
-    d.member<&BlinkenParams::enabled>("enabled", "whether it blinks until a controller switches it");
+                                        "fraction of each period in which the light is lit");
+    d.member<&BlinkenParams::enabled>("enabled",
+                                      "true: the light is lit as `period` and `dutycycle` say; false: it is "
+                                      "dark; a controller can override both");
     d.part<&BlinkenParams::light>();
   }
   LightSource source(const Pose& pose_body_light) const {

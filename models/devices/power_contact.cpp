@@ -26,10 +26,12 @@ struct PowerContact {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::give>("give", watts, within(0, engine::k_most_watts),
-                              "greatest power to each contact that it touches and that takes energy");
+      d.member<&Params::give>(
+          "give", watts, within(0, engine::k_most_watts),
+          "greatest power that this contact gives to each taking contact that it touches; 0: it gives none");
       d.member<&Params::take>("take", watts, within(0, engine::k_most_watts),
-                              "greatest power from each contact that touches it and gives energy");
+                              "greatest power that this contact takes from each giving contact that touches "
+                              "it; 0: it takes none");
     }
   };
   using State = PowerContactState;
@@ -148,7 +150,7 @@ void PowerContact::apply(World& world, const Effect& effect) const {
 
 DeviceKind power_contact_kind() {
   return engine::make_device_kind<PowerContact>(
-      "power_contact", "gives energy to the bodies that it touches, or takes it from them");
+      "power_contact", "a contact through which the power packs of touching bodies exchange energy");
 }
 
 }  // namespace troupe::models

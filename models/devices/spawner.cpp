@@ -46,16 +46,17 @@ struct Spawner {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::population>("population",
-                                    "the population whose bodies it spawns; it must have a reserve");
+      d.member<&Params::population>(
+          "population",
+          "name of the population whose bodies are spawned; the population must have a reserve");
       d.member<&Params::every>("every", seconds, at_least(0), at_most(engine::k_most_seconds),
                                "time from one birth to the next; 0: no periodic births");
       d.member<&Params::per_flags>(
           "per_flags", at_least(0), at_most(1e9),
-          "number of flags given to its body for which a body is born; 0: none are born for flags");
-      d.member<&Params::within>(
-          "within", meters, at_least(0), at_most(1000),
-          "radius of the circle in which bodies are born, at random poses; 0: at its own pose");
+          "number of flags that the spawner's body must receive for each birth; 0: flags cause no births");
+      d.member<&Params::within>("within", meters, at_least(0), at_most(1000),
+                                "bodies are born at random poses within this distance of the spawner; 0: at "
+                                "the pose of the spawner");
     }
   };
   using State = SpawnerState;
@@ -74,7 +75,7 @@ struct Spawner {
     const bool has_flags = std::ranges::any_of(
         type.devices, [](const engine::DeviceSpec& device) { return device.kind == "flags"; });
     if (has_flags) return {};
-    return Error{"counts flags, but its body has no device \"flags\""};
+    return Error{"has \"per_flags\", which counts flags, but its body has no device of kind \"flags\""};
   }
 
   Result<> bind_world(const engine::WorldSpec& world) {

@@ -30,30 +30,41 @@ struct MotionParams {
   static constexpr void describe(engine::Description<MotionParams>& d) {
     using namespace engine::facts;
     using enum engine::Unit;
-    d.member<&MotionParams::velocity_min_x>("velocity_min_x", meters_per_second, "backward limit");
-    d.member<&MotionParams::velocity_max_x>("velocity_max_x", meters_per_second, "forward limit");
-    d.member<&MotionParams::velocity_min_y>("velocity_min_y", meters_per_second, "rightward limit");
-    d.member<&MotionParams::velocity_max_y>("velocity_max_y", meters_per_second, "leftward limit");
-    d.member<&MotionParams::turn_min>("turn_min", radians_per_second, "clockwise limit");
-    d.member<&MotionParams::turn_max>("turn_max", radians_per_second, "counter-clockwise limit");
+    d.member<&MotionParams::velocity_min_x>(
+        "velocity_min_x", meters_per_second,
+        "lower limit of the forward speed; a negative limit allows driving backwards");
+    d.member<&MotionParams::velocity_max_x>("velocity_max_x", meters_per_second,
+                                            "upper limit of the forward speed");
+    d.member<&MotionParams::velocity_min_y>(
+        "velocity_min_y", meters_per_second,
+        "lower limit of the speed to the left; a negative limit allows driving to the right");
+    d.member<&MotionParams::velocity_max_y>("velocity_max_y", meters_per_second,
+                                            "upper limit of the speed to the left");
+    d.member<&MotionParams::turn_min>("turn_min", radians_per_second,
+                                      "lower limit of the turn rate, which is positive counter-clockwise");
+    d.member<&MotionParams::turn_max>("turn_max", radians_per_second,
+                                      "upper limit of the turn rate, which is positive counter-clockwise");
     d.member<&MotionParams::acceleration_min_x>("acceleration_min_x", meters_per_second_squared,
-                                                "lower limit of the commanded acceleration, forward");
+                                                "lower limit of a commanded forward acceleration");
     d.member<&MotionParams::acceleration_max_x>("acceleration_max_x", meters_per_second_squared,
-                                                "upper limit of the commanded acceleration, forward");
+                                                "upper limit of a commanded forward acceleration");
     d.member<&MotionParams::acceleration_min_y>("acceleration_min_y", meters_per_second_squared,
-                                                "lower limit of the commanded acceleration, to the left");
+                                                "lower limit of a commanded acceleration to the left");
     d.member<&MotionParams::acceleration_max_y>("acceleration_max_y", meters_per_second_squared,
-                                                "upper limit of the commanded acceleration, to the left");
+                                                "upper limit of a commanded acceleration to the left");
     d.member<&MotionParams::turn_acceleration_min>("turn_acceleration_min", radians_per_second_squared,
-                                                   "lower limit of the commanded angular acceleration");
+                                                   "lower limit of a commanded angular acceleration");
     d.member<&MotionParams::turn_acceleration_max>("turn_acceleration_max", radians_per_second_squared,
-                                                   "upper limit of the commanded angular acceleration");
-    d.member<&MotionParams::start_x>("start_x", meters_per_second,
-                                     "forward speed until the drive is first due, not limited");
-    d.member<&MotionParams::start_y>("start_y", meters_per_second,
-                                     "speed to the left until the drive is first due, not limited");
-    d.member<&MotionParams::start_turn>("start_turn", radians_per_second,
-                                        "turn rate until the drive is first due, not limited");
+                                                   "upper limit of a commanded angular acceleration");
+    d.member<&MotionParams::start_x>(
+        "start_x", meters_per_second,
+        "forward speed until the drive runs for the first time; the limits do not apply to it");
+    d.member<&MotionParams::start_y>(
+        "start_y", meters_per_second,
+        "speed to the left until the drive runs for the first time; the limits do not apply to it");
+    d.member<&MotionParams::start_turn>(
+        "start_turn", radians_per_second,
+        "turn rate until the drive runs for the first time; the limits do not apply to it");
   }
 
   /// An error if a lower bound exceeds the upper one.
@@ -69,8 +80,9 @@ struct DriveParams {
   static constexpr void describe(engine::Description<DriveParams>& d) {
     using namespace engine::facts;
     d.part<&DriveParams::motion>();
-    d.member<&DriveParams::pushes>("pushes", within(0, engine::k_most_pushed), fixed,
-                                   "number of pushable bodies that it pushes at once; more stop it");
+    d.member<&DriveParams::pushes>(
+        "pushes", within(0, engine::k_most_pushed), fixed,
+        "greatest number of pushable bodies that the robot pushes at once; more bodies block it");
     d.part<&DriveParams::localization>();
   }
 };

@@ -36,7 +36,7 @@ class Coverage : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::cell>("cell", Unit::meters, engine::facts::within(0.001, 100000),
-                              "edge of the square cells");
+                              "edge length of the square cells");
     }
   };
 
@@ -144,11 +144,11 @@ class Coverage : public Measure {
 engine::MeasureKind coverage_measure() {
   return engine::make_measure_kind<Coverage>(
       "coverage", Unit::none, "fraction of the free ground that robots have visited",
-      "The fraction of the free cells in which the origin of a robot has been at the end of any tick since "
-      "measuring began. Cells are squares of edge `cell`, and one of their corners is the world's origin. A "
-      "cell is free if its centre lies within the bounds of the world and in no static obstacle, whatever "
-      "the height of the obstacle. If the world has no bounds, the box around the static scene and the "
-      "robots at the start is used. Ground that no robot can reach counts.");
+      "The fraction of the free cells in which the origin of a robot has been at the end of some tick since "
+      "measuring began. Cells are squares with edges of length `cell`; the world's origin is a corner of "
+      "four of them. A cell is free if its centre is within the bounds of the world and in no static "
+      "obstacle, whatever the height of the obstacle. If the world has no bounds, the box around the static "
+      "scene and the robots at the start takes their place. Free cells that no robot can reach count too.");
 }
 
 }  // namespace troupe::models

@@ -209,10 +209,12 @@ class StateMean : public OfRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::component>(
-          "component", required, "component of the state; \"KIND/0\" is the memory of the first controller");
-      d.member<&Params::field>("field", required, "field of the component");
-      d.member<&Params::column>("column", within(0, 1e6), "column of a field that is an array");
+      d.member<&Params::component>("component", required,
+                                   "name of a table of the state, such as \"wander/0\", the memory of the "
+                                   "first controller if it is of kind `wander`");
+      d.member<&Params::field>("field", required, "name of a field of that table");
+      d.member<&Params::column>("column", within(0, 1e6),
+                                "index of the element, from 0, if the field is an array");
     }
   };
 
@@ -264,7 +266,8 @@ class StateMean : public OfRobots {
         continue;
       }
       if (params.column >= field.columns)
-        throw std::invalid_argument(fmt::format("the last column of \"{}\" is {}", name, field.columns - 1));
+        throw std::invalid_argument(fmt::format("there is no column {}: the last column of \"{}\" is {}",
+                                                params.column, name, field.columns - 1));
       return known.size();
     }
     throw std::invalid_argument(unknown_name("field", name, known));
@@ -304,7 +307,7 @@ class Deaths : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::type>("type", engine::facts::required,
-                              "type of the bodies that are counted, robots or not");
+                              "name of the type of the bodies that are counted, with or without a drive");
     }
   };
 
@@ -335,56 +338,57 @@ class Deaths : public Measure {
 engine::MeasureKind stalls_measure() {
   return engine::make_measure_kind<Stalls>("stalls", Unit::none, "number of stalled robots",
                                            "The number of robots whose last motion was blocked by something "
-                                           "in its way, or would have left the world.");
+                                           "in its way, or would have left the bounds of the world.");
 }
 
 engine::MeasureKind alive_measure() {
   return engine::make_measure_kind<Alive>("alive", Unit::none, "number of robots in the world",
                                           "The number of robots that have been born and have not died. Other "
-                                          "measures of robots cover only these.");
+                                          "measures of robots cover only these robots.");
 }
 
 engine::MeasureKind deaths_measure() {
   return engine::make_measure_kind<Deaths>(
       "deaths", Unit::none, "number of bodies of a type that have died",
       "The number of bodies of a type that have died, such as pucks that a remover took or robots whose "
-      "packs ran empty. It does not depend on which robots are measured.");
+      "power packs ran empty. The result does not depend on which robots are measured.");
 }
 
 engine::MeasureKind held_measure() {
-  return engine::make_measure_kind<Held>(
-      "held", Unit::none, "number of robots stopped at the world's bounds",
-      "The number of robots whose last motion would have left the world. They also count as stalled.");
+  return engine::make_measure_kind<Held>("held", Unit::none, "number of robots stopped at the world's bounds",
+                                         "The number of robots whose last motion would have left the bounds "
+                                         "of the world. The measure `stalls` counts them too.");
 }
 
 engine::MeasureKind displacement_measure() {
   return engine::make_measure_kind<Displacement>(
       "displacement", Unit::meters, "mean distance of the robots from where they started",
-      "The mean over the robots of the straight-line distance between a robot's origin now and at tick 0, or "
-      "at its birth.");
+      "The mean over the robots of the straight-line distance between a robot's origin now and its origin at "
+      "tick 0, or at its birth if it was born later.");
 }
 
 engine::MeasureKind path_length_measure() {
   return engine::make_measure_kind<PathLength>(
       "path_length", Unit::meters, "mean length of the robots' paths",
-      "The mean over the robots of the sum, over all ticks since measuring began, of the straight-line "
-      "distance between a robot's origin before and after the tick. Moves by a program between two ticks do "
-      "not count.");
+      "The mean over the robots of the length of a robot's path. That is the sum, over all ticks since "
+      "measuring began, of the straight-line distance between the robot's origin before and after the tick. "
+      "If a program moves a robot between two ticks, that move does not count.");
 }
 
 engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
       "mean_speed", Unit::meters_per_second, "mean speed of the robots in the last tick",
-      "The mean over the robots of the speed of their origins in the last tick, in any direction; 0 for a "
-      "stalled robot, and for all robots before the first tick.");
+      "The mean over the robots of the speed of a robot's origin in the last tick, in whatever direction it "
+      "moved. The speed is 0 for a stalled robot, and for all robots before the first tick.");
 }
 
 engine::MeasureKind order_measure() {
   return engine::make_measure_kind<Order>(
       "order", Unit::none, "agreement of the headings, from 0 (none) to 1 (full)",
-      "The length of the mean of the robots' unit heading vectors, also called polarisation. Vicsek et al., "
+      "The length of the mean of the robots' unit heading vectors, also called polarisation: 1 if all "
+      "headings are equal, near 0 if they are random. Source, for particles of equal speed: Vicsek et al., "
       "Novel type of phase transition in a system of self-driven particles, Physical Review Letters 75, "
-      "1995, for particles of one speed.");
+      "1995.");
 }
 
 engine::MeasureKind spread_measure() {
@@ -396,14 +400,15 @@ engine::MeasureKind spread_measure() {
 engine::MeasureKind share_within_measure() {
   return engine::make_measure_kind<ShareWithin>(
       "share_within", Unit::none, "fraction of the robots that are in a circle",
-      "The fraction of the robots whose origin is at most `radius` from `center`.");
+      "The fraction of the robots whose origin is at most `radius` away from `center`.");
 }
 
 engine::MeasureKind state_mean_measure() {
   return engine::make_measure_kind<StateMean>(
-      "state_mean", Unit::none, "mean of a number in the robots' state",
-      "The mean of one number of the state over the robots that have it, such as the memory of a controller "
-      "or the reading of a sensor. For a field that is 0 or 1, it is a fraction of the robots.");
+      "state_mean", Unit::none, "mean of one number of the robots' state",
+      "The mean of one number of the state, such as a variable in the memory of a controller or a reading of "
+      "a sensor, over the robots that have this number. If the number is 0 or 1, the mean is the fraction of "
+      "these robots for which it is 1.");
 }
 
 }  // namespace troupe::models

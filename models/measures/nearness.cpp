@@ -102,7 +102,7 @@ class Neighbours : public AmongRobots {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::radius>("radius", Unit::meters, above(0), at_most(1000),
-                                "greatest distance of a neighbour");
+                                "greatest distance between the origins of two neighbours");
     }
   };
 
@@ -133,17 +133,18 @@ class Neighbours : public AmongRobots {
 engine::MeasureKind mean_nearest_distance_measure() {
   return engine::make_measure_kind<MeanNearestDistance>(
       "mean_nearest_distance", Unit::meters, "mean distance to the nearest other robot",
-      "The mean over the robots of the distance from a robot's origin to that of the nearest other measured "
-      "robot, even through walls. Not a number for fewer than two robots. Clark and Evans, Distance to "
-      "nearest neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.");
+      "The mean over the robots of the distance from a robot's origin to the origin of the nearest other "
+      "measured robot. Walls between them make no difference. The value is NaN for fewer than two robots. "
+      "Source: Clark and Evans, Distance to nearest neighbor as a measure of spatial relationships in "
+      "populations, Ecology 35, 1954.");
 }
 
 engine::MeasureKind neighbours_measure() {
   return engine::make_measure_kind<Neighbours>(
       "neighbours", Unit::none, "mean number of other robots nearby",
-      "The mean over the robots of the number of other measured robots whose origin lies within `radius` of "
-      "the robot's own, even through walls: the mean degree of the graph that joins robots within that "
-      "distance.");
+      "The mean over the robots of the number of other measured robots whose origin is within `radius` of "
+      "the robot's origin. Walls between them make no difference. It is the mean degree of the graph that "
+      "joins all pairs of robots within that distance.");
 }
 
 }  // namespace troupe::models

@@ -22,7 +22,7 @@ class RankErrors : public Measure {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::center>("center", Unit::meters, required,
-                                "point from which distances are measured, [x, y]");
+                                "point from which the distances of the robots are measured, [x, y]");
     }
   };
 
@@ -66,11 +66,14 @@ class RankErrors : public Measure {
 engine::MeasureKind rank_errors_measure() {
   return engine::make_measure_kind<RankErrors>(
       "rank_errors", Unit::none,
-      "fraction of the pairs of robots of different types that are in the wrong order",
-      "The fraction of the pairs of robots of different types in which the robot whose type comes later in "
-      "the world is nearer to `center`. 0: the robots form rings, type by type; about one half: they are "
-      "mixed. Not a number if all are of one type. Gross, Magnenat, Mondada, Segregation in swarms of mobile "
-      "robots based on the Brazil nut effect, IROS 2009: the percentage of errors in rank.");
+      "fraction of the pairs of robots of different types whose distances from a centre are in the wrong "
+      "order",
+      "The fraction of the pairs of robots of different types that are in the wrong order. Types have the "
+      "order in which the world file defines them, and a pair is in the wrong order if the robot of the "
+      "later type is nearer to `center`. The value is 0 if the types form rings around `center` in their "
+      "order, about one half if they are mixed, and NaN if all robots are of one type. Source: Gross, "
+      "Magnenat, Mondada, Segregation in swarms of mobile robots based on the Brazil nut effect, IROS 2009, "
+      "where it is the percentage of errors in rank.");
 }
 
 }  // namespace troupe::models
