@@ -18,8 +18,8 @@ using sensors::k_ground_color;
 using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_ahead = k_pi / 3;       // rad to either side: within this a robot is met
-constexpr double k_least_turn = k_pi / 2;  // rad, after a wait
+constexpr double k_ahead = k_pi / 3;       // rad to either side: robots within this angle are met
+constexpr double k_least_turn = k_pi / 2;  // rad: least angle of a turn
 
 struct Beeclust {
   struct Params {
@@ -46,9 +46,9 @@ struct Beeclust {
     }
   };
   struct Memory {
-    std::uint32_t wait_updates = 0;
-    std::uint32_t turn_updates = 0;
-    float turn = 0;  ///< rad/s
+    std::uint32_t wait_updates = 0;  ///< decisions left of the present wait
+    std::uint32_t turn_updates = 0;  ///< decisions left of the present turn
+    float turn = 0;                  ///< turn rate of the present turn, rad/s
     TROUPE_FIELDS(wait_updates, turn_updates, turn)
   };
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
@@ -74,7 +74,7 @@ struct Beeclust {
     const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
     radio.say();
     if (memory.wait_updates > 0) {
-      // The wait is over: it turns away from the robot that it met.
+      // When the wait is over, the robot turns away from the robot that it met.
       if (--memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
     } else if (memory.turn_updates > 0) {
       --memory.turn_updates;

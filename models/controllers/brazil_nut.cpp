@@ -47,15 +47,15 @@ struct BrazilNut {
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;  ///< decisions left with the present random direction
-    double heading = 0;              ///< the random direction, rad, in the frame of the estimate
+    std::uint32_t updates_left = 0;  ///< decisions until a new random direction is drawn
+    double heading = 0;              ///< present random direction, rad, in the frame of the estimated pose
     TROUPE_FIELDS(updates_left, heading)
   };
   static constexpr std::size_t k_light = 0, k_radio = 1;
 
   Params params;
   double radio_heading = 0;        // heading of the radio in the frame of the drive, rad
-  std::vector<SinCos> directions;  // of the light sensor, in the frame of the drive
+  std::vector<SinCos> directions;  // directions of the light sensor's readings, in the frame of the drive
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {

@@ -55,7 +55,7 @@ struct Source {
 
 struct Sink {
   struct Memory {
-    std::uint64_t delivered = 0;  ///< flags, since tick 0
+    std::uint64_t delivered = 0;  ///< number of flags received since tick 0
     TROUPE_FIELDS(delivered)
   };
   static constexpr bool needs_drive = false;

@@ -21,9 +21,10 @@ struct Evasion {
   std::uint32_t stuck = 5;    ///< decisions without motion before it escapes; a command takes fewer to act
   static constexpr std::size_t window_share = 4;  ///< the `share` with which Scanners must be made
 
-  /// Turns away from obstacles as the controller `wander` does, but for half as long, because many robots
-  /// meet near their common goals. ranges: readings of the ranger, m. Returns true if it has set the command,
-  /// false if the way is free.
+  /// Turns away from obstacles as the controller `wander` does, but looks at the middle half of the scan
+  /// instead of the middle third, and turns for half as long, because many robots meet near their common
+  /// goals. ranges: readings of the ranger, m. Returns true if it has set the command, false if the way is
+  /// free.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
               engine::Command& command) const {

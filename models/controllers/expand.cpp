@@ -15,8 +15,10 @@
 namespace troupe::models {
 namespace {
 
-constexpr double k_even = 1e-6;      // relative to the sum of the ranges, and rad: less is rounding error
-constexpr double k_turn_away = 0.5;  // rad
+// A vector sum shorter than this fraction of the sum of the ranges, or an angle below this (rad), is only
+// rounding error.
+constexpr double k_even = 1e-6;
+constexpr double k_turn_away = 0.5;  // angle taken for the vector sum if a wall is straight ahead, rad
 
 struct Expand {
   struct Params {
@@ -60,7 +62,8 @@ struct Expand {
   Params params;
   std::vector<Feeler> feelers;
 
-  /// Whether the vector sum of some ranges can point within the cone ahead. Otherwise it would turn forever.
+  /// Whether there are readings for which the vector sum points into the cone ahead. If there are none, the
+  /// robot would turn forever.
   bool can_point_ahead(std::span<const Beam> beams) const {
     double left = std::numeric_limits<double>::infinity();
     double right = -left;
@@ -75,7 +78,8 @@ struct Expand {
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> sensors,
                                           std::vector<bool>& claimed) {
     DeviceChoice choice(sensors, claimed);
-    // Only the first ranger: Stage's examples do not read the second one (a laser) either.
+    // Only the first ranger is read, as in Stage's examples, whose robots also have a second ranger (a
+    // laser).
     if (!choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
       return Error{"needs a ranger that no other controller of the robot reads"};
     const engine::DeviceInfo& ranger = sensors[choice.chosen().front()];
@@ -99,8 +103,8 @@ struct Expand {
   }
 
   void operator()(const engine::DecideBatch& batch) const {
-    // First all sums, then all angles: an arc tangent has a long latency but few operations, so those of
-    // several robots overlap if nothing else is computed between them.
+    // First all vector sums are computed, then all angles. An arc tangent has a long latency but few
+    // operations, so the arc tangents of several robots overlap if nothing else is computed between them.
     constexpr std::size_t k_some = 64;
     std::array<double, k_some> x;
     std::array<double, k_some> y;
@@ -120,7 +124,7 @@ struct Expand {
           sum += r;
           all_clear &= r > feeler.clearance;
         }
-        // Equally free on all sides: the sum is only rounding error, so it drives straight ahead.
+        // All sides are equally free: the sum is only rounding error, so the robot drives straight ahead.
         const bool is_even =
             !params.hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
         x[i] = is_even ? 1 : params.invert ? -sum_x : sum_x;
@@ -130,7 +134,7 @@ struct Expand {
       for (std::size_t i = 0; i < count; ++i) {
         if (params.hold_on_axis && (x[i] == 0 || y[i] == 0)) continue;
         double theta = atan2(y[i], x[i]);
-        // Perpendicular to a wall, it would never turn.
+        // Without this, a robot that faces a wall at a right angle would never turn.
         if (!params.hold_on_axis && !params.invert && !clear[i] && std::abs(theta) < k_even)
           theta = k_turn_away;
         batch.command(first + i) = {clear[i] && std::abs(theta) < params.cone ? params.speed : 0.0, 0.0,

@@ -17,9 +17,9 @@ using sensors::k_ground_color;
 using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_least_turn = k_pi / 2;  // rad
+constexpr double k_least_turn = k_pi / 2;  // rad: least angle of a turn
 constexpr float k_black = 0.25f;           // brightness below which ground is black
-constexpr float k_white = 0.75f;
+constexpr float k_white = 0.75f;           // brightness above which ground is white
 constexpr Evasion k_evasion{};
 
 enum Ground : std::uint8_t { k_plain, k_is_black, k_is_white };
@@ -56,17 +56,17 @@ struct InformedAggregation {
     }
   };
   struct Memory {
-    std::uint32_t enter_updates = 0;
-    std::uint32_t turn_updates = 0;
-    std::uint32_t still_updates = 0;   ///< consecutive updates in which a command did not move it
-    std::uint32_t escape_updates = 0;  ///< updates left of backing out
-    double x = 0;                      ///< estimated pose at the last update: m
-    double y = 0;
-    double heading = 0;       ///< rad
-    float turn = 0;           ///< rad/s
-    std::uint8_t does = 0;    ///< walk, enter or stand
-    std::uint8_t site = 0;    ///< black or white, while it enters or stands
-    std::uint8_t leaves = 0;  ///< 1: it must leave the site before it may stop again
+    std::uint32_t enter_updates = 0;   ///< decisions left of driving on inside a site
+    std::uint32_t turn_updates = 0;    ///< decisions left of the present turn
+    std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot
+    std::uint32_t escape_updates = 0;  ///< decisions left of backing out
+    double x = 0;                      ///< estimated x at the last decision, m
+    double y = 0;                      ///< estimated y at the last decision, m
+    double heading = 0;                ///< estimated heading at the last decision, rad
+    float turn = 0;                    ///< turn rate of the present turn, rad/s
+    std::uint8_t does = 0;             ///< what the robot does, a Does
+    std::uint8_t site = 0;             ///< colour of the site that it enters or stands on, a Ground
+    std::uint8_t leaves = 0;           ///< 1: the robot must leave the site before it may stop again
     TROUPE_FIELDS(enter_updates, turn_updates, still_updates, escape_updates, x, y, heading, turn, does, site,
                   leaves)
   };

@@ -52,15 +52,15 @@ std::optional<double> number_of(std::string_view text) {
   return number;
 }
 
-/// Removes the text up to the first separator from `rest`, with the separator, and returns it without that.
+/// Removes the text up to and including the first separator from `rest`. Returns it without the separator.
 std::string_view take_first(char separator, std::string_view& rest) {
   const std::size_t end = std::min(rest.size(), rest.find(separator));
   const std::string_view word = rest.substr(0, end);
   rest.remove_prefix(std::min(rest.size(), end + 1));
   return word;
 }
-/// Removes the text after the last colon from `rest`, with the colon, and returns it; all if there is no
-/// colon.
+/// Removes the last colon and the text after it from `rest`. Returns this text, or all of `rest` if there is
+/// no colon.
 std::string_view take_last(std::string_view& rest) {
   const std::size_t colon = rest.rfind(':');
   const std::string_view word = colon == rest.npos ? rest : rest.substr(colon + 1);
@@ -151,7 +151,7 @@ struct Operate {
   }
 
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    for (const Step& step : steps) {  // by time: the last one whose time has come holds
+    for (const Step& step : steps) {  // in order of time: the last order whose time has come prevails
       if (percept.tick < engine::ticks_until(step.at_s, percept.tick_s)) return;
       using G = GripperCommand;
       switch (step.order) {

@@ -16,12 +16,14 @@ namespace {
 using sensors::payload_of;
 using sensors::RadioPort;
 
-// Relative to the weight of the heading.
-constexpr double k_push = 3;            // at contact with an obstacle
-constexpr double k_repulsion = 5;       // by another robot, at most
-constexpr double k_attraction = 0.3;    // at most, so that many distant robots do not outweigh a near one
-constexpr double k_least_range = 1e-3;  // m
-constexpr double k_backwards = 0.5;     // of the speed
+// Weights relative to that of the mean heading, which is 1:
+constexpr double k_push = 3;       // repulsion by an obstacle at contact
+constexpr double k_repulsion = 5;  // greatest repulsion by another robot
+// Greatest attraction by another robot: small, so that many distant robots do not outweigh a near one.
+constexpr double k_attraction = 0.3;
+
+constexpr double k_least_range = 1e-3;  // m: smaller ranges are taken for this one
+constexpr double k_backwards = 0.5;     // greatest speed backwards, as a fraction of the speed
 
 struct RadioFlocking {
   struct Params {
@@ -86,7 +88,7 @@ struct RadioFlocking {
     radio.say(static_cast<float>(own));
   }
 
-  /// Repulsion by obstacles: the mean over the beams whose reading is below the clearance.
+  /// Repulsion by obstacles: the mean over the beams whose reading is below `clearance`, robot frame.
   Vec2 push(const engine::Percept& percept) const {
     Vec2 sum(0, 0);
     std::size_t count = 0;

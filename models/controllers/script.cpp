@@ -31,7 +31,7 @@ struct Leg {
 
 struct Script {
   struct Memory {
-    std::uint32_t updates = 0;  ///< n of the laws
+    std::uint32_t updates = 0;  ///< number of decisions so far: n in the laws
     TROUPE_FIELDS(updates)
   };
   struct Params {

@@ -29,7 +29,7 @@ struct Wander {
     }
   };
   struct Memory {
-    std::int32_t avoid_updates = 0;  ///< scans left of the present turn
+    std::int32_t avoid_updates = 0;  ///< decisions left of the present turn
     TROUPE_FIELDS(avoid_updates)
   };
 
@@ -49,7 +49,7 @@ struct Wander {
                   engine::Actions& actions) const {
     const auto [obstruction, stop, left, right] =
         scanner.ahead(percept.ranges(0), params.min_front, params.stop);
-    // A program may have commanded another mode before.
+    // A program may have commanded another control mode between two ticks.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {
       actions.command = {params.cruise_speed, 0, 0};

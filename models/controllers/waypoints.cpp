@@ -16,7 +16,8 @@
 namespace troupe::models {
 namespace {
 
-// It reaches tracked goals up to the rounding of its last step, m and rad.
+// The robot reaches tracked goals (Goal::is_tracked) up to the rounding of its last step: this far, m and
+// rad.
 constexpr double k_there = 1e-6;
 
 struct Goal {
@@ -38,15 +39,16 @@ struct Goal {
     d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
                             "how long the robot waits at the goal before it goes on");
   }
-  /// Whether it moves to the goal in a straight line at a given speed, not by the drive's own law for goals.
+  /// Whether the robot moves to the goal in a straight line, at a speed or time that the goal gives. To other
+  /// goals it moves by the drive's own law for goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }
 };
 
 struct Waypoints {
   struct Memory {
     std::uint32_t goal = 0;    ///< index of the present goal
-    std::uint64_t begun = 0;   ///< tick at which its round began, if goals have times
-    std::uint64_t leaves = 0;  ///< tick at which it goes on, while it waits
+    std::uint64_t begun = 0;   ///< tick at which the present round began, if goals have times
+    std::uint64_t leaves = 0;  ///< while the robot waits: the tick at which it goes on; else 0
     TROUPE_FIELDS(goal, begun, leaves)
   };
 
@@ -72,10 +74,10 @@ struct Waypoints {
   };
 
   Params params;
-  // Of the drive, if goals are tracked:
-  double speed_max = 0;  // m/s, in any direction
-  double turn_max = 0;   // rad/s, either way
-  std::uint64_t period = 1;
+  // Limits of the drive, set if goals are tracked:
+  double speed_max = 0;      // greatest speed in any direction, m/s
+  double turn_max = 0;       // greatest turn rate to either side, rad/s
+  std::uint64_t period = 1;  // ticks between two runs of the drive
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     if (params.goals.empty()) return Error{"needs at least one goal"};
@@ -116,7 +118,8 @@ struct Waypoints {
   }
 
  private:
-  /// The tick in which a command given now first moves it, and its pose then, unless it is blocked.
+  /// The tick in which a command given now first moves the robot, and its pose at the start of that tick if
+  /// it is not blocked until then.
   struct Ahead {
     std::uint64_t tick;
     Pose pose;
@@ -133,7 +136,7 @@ struct Waypoints {
     return ahead;
   }
 
-  /// The tick at whose end it is to be at its goal; 0: any.
+  /// The tick at whose end the robot is to be at its goal; 0 if the goal has no time.
   std::uint64_t due(const Memory& memory, const engine::Percept& percept) const {
     const double at_s = params.goals[memory.goal].at_s;
     return at_s > 0 ? memory.begun + engine::ticks_until(at_s, percept.tick_s) : 0;
@@ -167,7 +170,7 @@ struct Waypoints {
       memory.begun = ahead.tick;
   }
 
-  /// Moves at the speed that takes it to the goal on time or, if it is late, as fast as its drive can.
+  /// Commands the speed that takes the robot to the goal on time, or the greatest speed if it is late.
   void track(const Goal& goal, std::uint64_t due, const Ahead& ahead, const engine::Percept& percept,
              engine::Actions& actions) const {
     const Vec2 way = goal.pose.position() - ahead.pose.position();
@@ -185,7 +188,7 @@ struct Waypoints {
 
   double speed_of(const Goal& goal) const { return goal.speed > 0 ? goal.speed : speed_max; }
 
-  /// An error if the drive cannot fulfil what goal i demands.
+  /// Returns an error if the drive cannot do what goal i demands.
   Result<> can_keep(std::size_t i) const {
     const Goal& goal = params.goals[i];
     if (goal.at_s > 0 && goal.speed > 0)

@@ -52,12 +52,12 @@ struct Actuator {
   static constexpr std::array joints{std::string_view("joint")};
 
   bool rotational = false;
-  Eigen::Vector3d axis{1, 0, 0};  // of length 1, frame of the joint
+  Eigen::Vector3d axis{1, 0, 0};  // unit vector, frame of the joint
   double min = 0;
   double max = 1;
   double max_speed = 1;
   double start_position = 0;
-  Result<> range;  // an error if min_position exceeds max_position
+  Result<> range;  // holds an error if min_position exceeds max_position; bind_part() returns it
 
   static Actuator read(const Params& params) {
     Actuator actuator;
@@ -88,7 +88,7 @@ struct Actuator {
     if (rotational) return {0, 0, 0, position};
     return {position * axis.x(), position * axis.y(), position * axis.z(), 0};
   }
-  /// Greatest horizontal displacement of the parts on it, m.
+  /// Greatest horizontal displacement of the parts mounted on the joint, m.
   double reach() const {
     return rotational ? 0 : axis.head<2>().norm() * std::max(std::abs(min), std::abs(max));
   }

@@ -44,7 +44,7 @@ struct Brush {
     }
   }
 
-  /// effect.verb: index of the painted part.
+  /// Paints the zone. effect.verb is the index of the painted part, effect.payload the colour.
   void apply(World& world, const engine::Effect& effect) const {
     const Row target = world.row(effect.target);
     const BodyType::Device* device = engine::color_device(world.type(target), effect.verb);

@@ -20,7 +20,8 @@ bool is_lit(const LightSource& light, double time_s) {
   return cycles - std::floor(cycles) < light.dutycycle;
 }
 
-/// The kind of a light with these parameters. Its data are a LightSource, which light sensors look for.
+/// A kind of light with the parameters `Params`. Its instances hold a LightSource as data, by which light
+/// sensors recognise lights.
 template <class Params>
 DeviceKind make_light(std::string_view name, std::string_view text) {
   DeviceKind kind{.name = name, .text = text, .params = engine::described<Params>()};

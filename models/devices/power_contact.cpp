@@ -38,7 +38,7 @@ struct PowerContact {
   static constexpr bool needs_supply = true;
 
   Params params;
-  partition::ObstacleShape shape = {};  ///< of the part, body frame
+  partition::ObstacleShape shape = {};  ///< shape of the part that carries the contact, body frame
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
     return {.data = PowerContact{params}, .most_effects = params.give > 0 ? k_most_takers : 0};
@@ -52,14 +52,14 @@ const PowerContact* as_contact(const BodyType::Device& device) {
   return std::any_cast<PowerContact>(&device.prepared.data);
 }
 
-/// A contact that is touched: a body, and the index of the device.
+/// A touched contact that takes energy: its body, and its index among the devices of the body.
 struct Taker {
   BodyId body;
   std::size_t device = 0;
   auto operator<=>(const Taker&) const = default;
 };
 
-/// Keeps the k_most_takers lowest of the takers added, in order.
+/// Keeps the k_most_takers lowest of the takers added, in ascending order of body and device.
 class Takers {
  public:
   void add(const Taker& taker) {
@@ -77,6 +77,7 @@ class Takers {
   std::size_t count_ = 0;
 };
 
+/// Adds the taking contacts of the body `other` that touch the giving contact with the shape `giver`.
 void add_touched(const World& world, const PlacedShape& giver, Row other, Takers& takers) {
   const BodyType& type = world.type(other);
   for (std::size_t d = 0; d < type.devices.size(); ++d) {
@@ -100,8 +101,8 @@ Result<> PowerContact::bind_part(const engine::TypeSpec& type, std::uint32_t par
   return {};
 }
 
-/// Givers find the contacts that they touch, by the poses of the last tick. The transfers, which depend on
-/// what the packs hold, are computed when effects are applied.
+/// A giving contact finds the taking contacts that it touches, by the poses at the end of the last tick. The
+/// energies depend on what the packs hold by then, so apply() computes them, one effect after another.
 void PowerContact::act(const DeviceBatch& batch) const {
   if (!(params.give > 0) || shape.empty()) return;
   const World& world = batch.world;
@@ -122,6 +123,7 @@ void PowerContact::act(const DeviceBatch& batch) const {
   }
 }
 
+/// The pack that supplies a contact of the body.
 PowerPackState& pack_of(World& world, Row row, const BodyType::Device& contact) {
   return world.state(world.type(row).devices[*contact.supply]).as<PowerPackState>(world.slot(row));
 }

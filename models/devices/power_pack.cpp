@@ -14,12 +14,13 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 
-// An effect on itself, while it is charging, which tests whether charging continues. It cannot be tested in
-// act(): controllers read the state of the last tick after act(), so `charging` may change only together with
-// the transfers, which are applied before or after this effect.
+// While a pack is charging, it emits this effect on itself, which tests whether charging continues. act()
+// cannot test it: controllers read the state of the last tick after act(), so `charging` may change only when
+// the transfers are applied. The effect is applied among the transfers, and each transfer sets `charging`
+// too.
 constexpr std::uint32_t k_ask_whether_charging = 0;
 
-constexpr double k_watts_per_kg = 10;  // per m/s or rad/s too, as in Stage's position model
+constexpr double k_watts_per_kg = 10;  // for each m/s or rad/s, as in Stage's position model
 
 enum class WhenEmpty : std::uint8_t { stop, nothing, die };
 constexpr std::array<std::string_view, 3> names_of(WhenEmpty) { return {"stop", "nothing", "die"}; }

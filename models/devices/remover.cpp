@@ -19,7 +19,7 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// Keeps the k_most_removed lowest of the ids added, in order.
+/// Keeps the k_most_removed lowest of the ids added, in ascending order.
 class Lowest {
  public:
   void add(BodyId body) {

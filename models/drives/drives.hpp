@@ -8,8 +8,8 @@
 
 namespace troupe::models {
 
-/// Limits of the speeds and accelerations of a drive, and its velocity until it is first due. Units and
-/// frames: describe().
+/// Limits of the speeds and accelerations of a drive, and its velocity until it runs for the first time.
+/// describe() gives the units and meanings. The frame is that of the robot: x forward, y to the left.
 struct MotionParams {
   double velocity_min_x = -1;
   double velocity_max_x = 1;
@@ -67,11 +67,11 @@ struct MotionParams {
         "turn rate until the drive runs for the first time; the limits do not apply to it");
   }
 
-  /// An error if a lower bound exceeds the upper one.
+  /// Returns an error if a lower limit exceeds its upper limit.
   Result<> check() const;
 };
 
-/// Parameters of every drive.
+/// Parameters that all drives have.
 struct DriveParams {
   MotionParams motion;
   std::int64_t pushes = 4;
@@ -87,7 +87,7 @@ struct DriveParams {
   }
 };
 
-/// Parameters of a car.
+/// Parameters of the drive `car`.
 struct CarParams {
   double wheelbase = 1;
   DriveParams drive;
@@ -100,23 +100,27 @@ struct CarParams {
   }
 };
 
-/// The velocity that each kind of drive computes from a command. It is clamped to the limits of the drive.
-/// docs/driving.md has the details.
+/// The three kinds of drives. A drive computes a velocity v (forward, left) and a turn rate from a command
+/// with the members x, y and turn, and clamps both to its limits. What the command means depends on its mode
+/// (engine::ControlMode). docs/driving.md has the details.
 ///
-/// speed   the velocity of the next tick, as in Stage; the acceleration is not limited
-///         diff  v = (x, 0), turn = turn
-///         omni  v = (x, y), turn = turn
-///         car   v = (x cos(steering), 0), turn = x sin(steering) / wheelbase; the command's turn is the
-///         steering angle
-/// acceleration   clamped to limits of its own, multiplied by the time since the drive was last due, and
-///         added to the velocity of the last tick; for a car, to the speed of its front wheels
-/// goal    proportional to the remaining distance and angle (gain 1/s), at most 0.4 m/s and 1 rad/s; arrived
-///         within 0.02 m along both axes
-///         diff  turns to the goal, drives while the goal is within pi/16 of straight ahead, then turns to
-///         the goal's heading
-///         omni  drives straight to the goal, turning on the way
-///         car   drives in a curve, turning with twice the gain; swings about its rear axle towards a goal
-///         behind it
+/// velocity      The command is the velocity of the next tick, as in Stage. Its change is not limited.
+///               diff  v = (x, 0), turn rate = turn
+///               omni  v = (x, y), turn rate = turn
+///               car   v = (x cos(turn), 0), turn rate = x sin(turn) / wheelbase: turn is the steering angle
+/// acceleration  The command is an acceleration. It is clamped to the limits of the acceleration, multiplied
+/// by
+///               the time since the drive last ran, and added to the velocity of the last tick. For a car it
+///               is added to the speed of the front wheels.
+/// position      The command is a goal, a pose in the frame of the estimated pose. Speeds are proportional to
+///               the remaining distance and angle (gain 1/s), and at most 0.4 m/s and 1 rad/s. The robot has
+///               arrived if it is within 0.02 m of the goal along both axes.
+///               diff  turns to the goal, drives while the goal is within pi/16 of straight ahead, and after
+///                     arrival turns to the goal's heading
+///               omni  drives straight to the goal and turns to its heading on the way
+///               car   drives in a curve, turning with twice the gain. Towards a goal behind it, it swings
+///               about
+///                     its rear axle
 ///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();

@@ -20,7 +20,7 @@ using engine::StateTable;
 using engine::Unit;
 using engine::World;
 
-/// A measure over robots, computed from the present state.
+/// Base of the measures over robots that are computed from the present state.
 class OfRobots : public Measure {
  public:
   OfRobots(const World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
@@ -96,7 +96,7 @@ class PathLength : public OfRobots {
   double value(World& world) override {
     return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
-  // The places are not saved: the constructor reads them from the state that is restored.
+  // places_ is not saved: the constructor reads the positions from the restored state.
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
@@ -111,7 +111,8 @@ class PathLength : public OfRobots {
       places_[i] = world.origin(row);
   }
 
-  /// A robot that a program moved continues from its new pose: the move itself is not counted.
+  /// The path of a robot that a program moved between two ticks continues at its new position: the move
+  /// itself is not counted.
   void set_out_from(std::span<const World::Placed> placed) {
     if (placed.empty()) return;
     if (numbers_.empty()) {
@@ -127,9 +128,9 @@ class PathLength : public OfRobots {
   static std::size_t by_row(const std::pair<Row, std::uint32_t>& number) { return number.first.index(); }
 
   std::vector<double> lengths_;                         // m, per robot, in the order of robots()
-  std::vector<Vec2> places_;                            // per robot, in the state that see() saw last
+  std::vector<Vec2> places_;                            // position of each robot when see() last ran, m
   std::vector<std::pair<Row, std::uint32_t>> numbers_;  // indices into robots(), by row; built when needed
-  std::uint64_t tick_;                                  // that see() saw last
+  std::uint64_t tick_;                                  // tick when see() last ran
 };
 
 class MeanSpeed : public OfRobots {
@@ -192,7 +193,7 @@ class ShareWithin : public OfRobots {
   Params circle_;
 };
 
-/// Over the robots whose state has the component.
+/// The mean of one number over the robots whose state has the component.
 class StateMean : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
@@ -229,14 +230,16 @@ class StateMean : public OfRobots {
   }
 
  private:
-  /// cells: per body.
+  /// cells: for each body, where its number is.
   StateMean(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
       : OfRobots(world, with(world, cells, std::move(rows))),
         column_(static_cast<std::size_t>(params.column)) {
     for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
   }
 
-  /// The cell of each body. Every type that has the component has its own table.
+  /// For each body, the table, field and row of its number. Every type that has the component has its own
+  /// table. Throws std::invalid_argument if no type has the component, or if a type lacks the field or
+  /// column.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
