@@ -9,8 +9,8 @@ namespace troupe::worldio {
 
 /// A file NAME that is written under a temporary name in the same folder and renamed when it is complete. The
 /// temporary name is `NAME.partial`, or `NAME.2.partial`, `NAME.3.partial` and so on if several writers write
-/// NAME at the same time. A writer holds a lock (flock) on its partial file until it renames or removes it.
-/// A partial file without a lock was left by a killed writer, and the next writer of NAME reuses it. On file
+/// NAME at the same time. A writer holds a lock (flock) on its partial file until it renames or removes it. A
+/// partial file without a lock was left by a killed writer, and the next writer of NAME reuses it. On file
 /// systems without locks the temporary name contains the process id, and the partial file of a killed writer
 /// remains.
 ///

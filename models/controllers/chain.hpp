@@ -20,14 +20,14 @@ namespace troupe::models {
 ///           probability `leaves` per decision. A link that no longer hears the link before it leaves. If two
 ///           links of the same number are in one place, the one with the higher id leaves. Such a robot goes
 ///           back along the chain, then around the nest for a while, and explores again.
-/// path      A link has a path if it hears the prey, or if it hears the next link and that one has a path.
-///           A link with a path stays.
+/// path      A link has a path if it hears the prey, or if it hears the next link and that one has a path. A
+///           link with a path stays.
 /// LED       If the robot has an LED, it is grey while the robot explores, and blue, green or yellow in turn
 ///           along the links of a chain.
 /// needs     a radio with a payload of 2 bytes or more; a robot (role `robot`) also needs a drive and a
 ///           scanner of more than 8 beams
-/// source    Nouyan, Campo, Dorigo: Path formation in a robot swarm: self-organized strategies to find
-///           your way home, Swarm Intelligence 2, 2008; Nouyan, Gross, Bonani, Mondada, Dorigo: Teamwork in
+/// source    Nouyan, Campo, Dorigo: Path formation in a robot swarm: self-organized strategies to find your
+///           way home, Swarm Intelligence 2, 2008; Nouyan, Gross, Bonani, Mondada, Dorigo: Teamwork in
 ///           self-organized robot colonies, IEEE Transactions on Evolutionary Computation 13, 2009. In the
 ///           papers, cameras see three colours in turn, which tell the direction of a chain; here the numbers
 ///           tell it

@@ -9,8 +9,7 @@ namespace troupe::models {
 ///
 /// fasr    one source and one sink, named by parameters
 /// fasr2   up to eight tasks, each with a source and a sink: the task "red" leads from the model red_source
-/// to
-///         the model red_sink. Each robot draws a random task, and a new one after each delivery. With a
+///         to the model red_sink. Each robot draws a random task, and a new one after each delivery. With a
 ///         small probability, a robot that waits at a source or a charger draws another task or charger
 ///
 /// paths    Robots follow cheapest paths on a 32 x 32 raster of the floor plan `map`, found by A* when the

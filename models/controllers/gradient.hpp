@@ -20,12 +20,10 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 ///           with a probability of 2 % per decision. It settles if the condition still holds when it stands.
 ///           A robot without a scanner is settled from the start.
 /// counts    The hop count of a settled robot is one more than the smallest count that it hears. It
-/// broadcasts
-///           this count, and forgets a count that no message has confirmed for `patience` decisions. So a
-///           single lost message has no effect, but the loss of a robot does.
+///           broadcasts this count, and forgets a count that no message has confirmed for `patience`
+///           decisions. So a single lost message has no effect, but the loss of a robot does.
 /// LED       If the robot has an LED, its colour goes from red near the beacon to blue at twelve hops or
-/// more.
-///           It is grey while the robot roams.
+///           more. It is grey while the robot roams.
 /// needs     a radio; to roam, also a drive and a scanner of more than 8 beams
 /// source    hop counts: Nagpal, Shrobe, Bachrach: Organizing a global coordinate system from local
 ///           information on an ad hoc sensor network, IPSN 2003. Settling within radio range: Payton et al.,

@@ -8,11 +8,10 @@ namespace troupe::models {
 /// keeps the distance `distance` from the robots that it hears.
 ///
 /// aims      The robot aims along the vector a = h + `spacing_weight` p in its own frame. h is the unit
-/// vector
-///           of the mean of its own heading and the headings heard. p is the mean over the robots heard of
-///           vectors along their bearings, of length 1 - (`distance` / range)^2, clamped to -5 and 0.3: it
-///           repels if negative, attracts if positive. If the robot has a ranger, obstacles nearer than
-///           `clearance` add a repulsion to a.
+///           vector of the mean of its own heading and the headings heard. p is the mean over the robots
+///           heard of vectors along their bearings, of length 1 - (`distance` / range)^2, clamped to -5 and
+///           0.3: it repels if negative, attracts if positive. If the robot has a ranger, obstacles nearer
+///           than `clearance` add a repulsion to a.
 /// drives    The forward speed is `speed` times the cosine of the angle of a, but not below -`speed` / 2. The
 ///           turn rate is `gain` times this angle.
 /// needs     a drive, a radio with a payload of 4 bytes or more. The heading is that of the estimated pose

@@ -28,16 +28,14 @@ struct ScanAhead {
 /// to which they belong, make no difference.
 ///
 /// window  The beams ahead. Let n beams cover an angle F from the first to the last, so that neighbouring
-/// beams
-///         are F / (n - 1) apart on average. The window leaves out n / `share` beams at either end: it has
-///         the bearings b with -W < b <= W, where W = F / 2 - (n / share) F / (n - 1). In a single fan that
-///         is symmetric about straight ahead, these are the beams of the middle third (share 3) or of the
-///         middle half (share 4), as in Stage's `wander`.
+///         beams are F / (n - 1) apart on average. The window leaves out n / `share` beams at either end: it
+///         has the bearings b with -W < b <= W, where W = F / 2 - (n / share) F / (n - 1). In a single fan
+///         that is symmetric about straight ahead, these are the beams of the middle third (share 3) or of
+///         the middle half (share 4), as in Stage's `wander`.
 /// sides   The beams to the left and to the right of straight ahead. The beam nearest to straight ahead
-/// counts
-///         as right, as in Stage. If two beams are nearest, at the same angle to either side, the left one
-///         counts as right too. If several parallel beams point straight ahead, those that start to the left
-///         of their middle count as left.
+///         counts as right, as in Stage. If two beams are nearest, at the same angle to either side, the left
+///         one counts as right too. If several parallel beams point straight ahead, those that start to the
+///         left of their middle count as left.
 class Scanner {
  public:
   Scanner() = default;

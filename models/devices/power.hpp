@@ -69,17 +69,15 @@ struct PowerContactState {
 /// outline of the part that carries it, at whatever height.
 ///
 /// touching  Two contacts touch if their outlines overlap or are at most k_contact_m apart, whether or not
-/// the
-///           bodies are obstacles.
+///           the bodies are obstacles.
 /// transfer  In each tick the energy min(give, take) times the length of the tick, but at most what the
-/// giving
-///           pack holds and the taking pack has room for. Transfers happen one after another, ordered by the
-///           giver's id and then the taker's id, and each sees the results of those before it. A contact that
-///           touches more than k_most_takers taking contacts serves those of the bodies with the lowest ids.
+///           giving pack holds and the taking pack has room for. Transfers happen one after another, ordered
+///           by the giver's id and then the taker's id, and each sees the results of those before it. A
+///           contact that touches more than k_most_takers taking contacts serves those of the bodies with the
+///           lowest ids.
 /// state     PowerContactState; no commands
 /// needs     on both sides a power pack on the same part or on a part that carries it. Contacts of the same
-/// body,
-///           and of bodies that carry one another directly or indirectly, do not exchange energy
+///           body, and of bodies that carry one another directly or indirectly, do not exchange energy
 engine::DeviceKind power_contact_kind();
 
 /// Greatest distance of touching contacts, m: the width of the cells by which Stage detects contact of

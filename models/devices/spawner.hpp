@@ -31,16 +31,14 @@ struct SpawnerState {
 /// door, a factory.
 ///
 /// when    A birth becomes due every `every` seconds of the spawner's life, for each `per_flags` flags that
-/// its
-///         body receives, and on the command of a controller. It stays due until it succeeds. In each tick,
-///         one birth is tried.
+///         its body receives, and on the command of a controller. It stays due until it succeeds. In each
+///         tick, one birth is tried.
 /// where   Bodies are born at the pose of the spawner. With `within` above 0, they are born at a random
 ///         position in the circle of this radius around the spawner, with a random heading. The pose is drawn
 ///         again for each try. If another body or a wall occupies the place, or if the place is outside the
 ///         bounds of the world, the try fails and is repeated in the next tick.
 /// which   The next body of the reserve is born (docs/lives.md). Once the reserve is used up, the spawner
-/// tries
-///         no more births.
+///         tries no more births.
 /// state   SpawnerState; commands: SpawnerCommand
 engine::DeviceKind spawner_kind();
 

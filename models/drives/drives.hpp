@@ -119,8 +119,7 @@ struct CarParams {
 ///                     arrival turns to the goal's heading
 ///               omni  drives straight to the goal and turns to its heading on the way
 ///               car   drives in a curve, turning with twice the gain. Towards a goal behind it, it swings
-///               about
-///                     its rear axle
+///                     about its rear axle
 ///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();

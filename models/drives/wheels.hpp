@@ -25,15 +25,12 @@ struct WheelsState {
 /// parameters  drive (diff, omni, car), and the parameters of that drive without localization and pushes
 /// state       WheelsState; commands: engine::Command, as for the drive of a body
 /// moves       The part moves as a joint does, together with the parts mounted on it. A motion is blocked if
-/// it
-///             would overlap a body or a wall, except its own body and bodies that carry it or that it
+///             it would overlap a body or a wall, except its own body and bodies that carry it or that it
 ///             carries. A blocked part keeps its pose and is stalled.
 /// estimate    The estimated pose of the part is its true pose in the world. Its controllers see this pose,
-/// and
-///             its goals are in the world frame.
+///             and its goals are in the world frame.
 /// edges       It runs in each tick. It may leave the bounds of the world, but goes no farther than 100 m
-/// from
-///             its position in the world file.
+///             from its position in the world file.
 /// errors      A command that is not a finite number throws engine::StepError.
 engine::DeviceKind wheels_kind();
 
