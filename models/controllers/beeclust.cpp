@@ -46,8 +46,8 @@ struct Beeclust {
     }
   };
   struct Memory {
-    std::uint32_t wait_updates = 0;  ///< decisions left of the present wait
-    std::uint32_t turn_updates = 0;  ///< decisions left of the present turn
+    std::uint32_t wait_updates = 0;  ///< decisions that remain of the present wait
+    std::uint32_t turn_updates = 0;  ///< decisions that remain of the present turn
     float turn = 0;                  ///< turn rate of the present turn, rad/s
     TROUPE_FIELDS(wait_updates, turn_updates, turn)
   };

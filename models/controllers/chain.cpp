@@ -65,9 +65,9 @@ struct Chain {
     std::uint8_t path = 0;            ///< 1: a path leads on from here to the prey
     std::uint8_t homeward = 0;        ///< 1: the robot is on its way back to the nest
     std::uint32_t alone = 0;          ///< decisions since the link heard the link before it
-    std::uint32_t round_updates = 0;  ///< decisions left of circling around the nest
-    std::uint32_t turn_updates = 0;   ///< decisions left of the present turn
-    std::uint32_t past_updates = 0;   ///< decisions left of driving straight on after a turn
+    std::uint32_t round_updates = 0;  ///< decisions that remain of circling around the nest
+    std::uint32_t turn_updates = 0;   ///< decisions that remain of the present turn
+    std::uint32_t past_updates = 0;   ///< decisions that remain of driving straight on after a turn
     float turn = 0;                   ///< turn rate of the present turn, rad/s
     TROUPE_FIELDS(link, number, path, homeward, alone, round_updates, turn_updates, past_updates, turn)
   };

@@ -33,7 +33,7 @@ struct Clustering {
     double y = 0;                    ///< estimated y at the last decision, m
     double heading = 0;              ///< estimated heading at the last decision, rad
     std::uint32_t same_updates = 0;  ///< decisions since `does` last changed
-    std::uint8_t does = 0;           ///< what the robot does, a Does
+    std::uint8_t does = 0;           ///< what the robot does, one of Does
     std::uint32_t back_updates = 0;  ///< decisions that remain of driving backwards
     std::uint32_t turn_updates = 0;  ///< decisions that remain of the present turn
     float turn = 0;                  ///< turn rate of the present turn, rad/s

@@ -52,12 +52,12 @@ struct CollectivePerception {
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;        ///< decisions left of exploring or sharing
+    std::uint32_t updates_left = 0;        ///< decisions that remain of exploring or sharing
     std::uint32_t looked = 0;              ///< readings of the floor since the robot began to explore
     std::uint32_t agreed = 0;              ///< how many of these readings have the colour of its opinion
     std::array<std::uint32_t, 2> votes{};  ///< messages heard for black and for white
-    std::int32_t straight_updates = 0;     ///< decisions left of driving straight on
-    std::int32_t turn_updates = 0;         ///< decisions left of the present turn
+    std::int32_t straight_updates = 0;     ///< decisions that remain of driving straight on
+    std::int32_t turn_updates = 0;         ///< decisions that remain of the present turn
     float turn = 0;                        ///< turn rate of the present turn, rad/s
     std::uint8_t opinion = 0;              ///< a FloorOpinion
     std::uint8_t shares = 0;               ///< 1: the robot shares its opinion; 0: it explores

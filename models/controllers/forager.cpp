@@ -75,12 +75,12 @@ double bearing_of(const Pose& from, const Vec2& to) {
 struct Forager {
   enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
   struct Memory {
-    std::int32_t avoid_updates = 0;    ///< decisions left of the present turn
+    std::int32_t avoid_updates = 0;    ///< decisions that remain of the present turn
     std::uint32_t near_updates = 0;    ///< consecutive decisions near the source or sink, or of backing away
     std::uint32_t task = 0;            ///< index of its task
     std::uint32_t charger = 0;         ///< index of its charger
     std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot
-    std::uint32_t escape_updates = 0;  ///< decisions left of backing out
+    std::uint32_t escape_updates = 0;  ///< decisions that remain of backing out
     double x = 0;                      ///< estimated x at the last decision, m
     double y = 0;                      ///< estimated y at the last decision, m
     double heading = 0;                ///< estimated heading at the last decision, rad

@@ -15,13 +15,12 @@ namespace {
 using engine::DeviceInfo;
 using sensors::RadioPort;
 
-constexpr double k_stop_share = 0.6;   // fraction of min_front below which robots turn on the spot
-constexpr double k_creep_share = 0.2;  // fraction of the speed at which robots drive while they turn away
-constexpr double k_turn = 0.8;         // rad/s
-constexpr std::uint32_t k_backwards =
-    20;                             // decisions of driving backwards after the last settled robot heard
-constexpr std::uint8_t k_halt = 3;  // decisions: more than it takes to stop and to receive messages
-constexpr float k_far_hops = 12;    // greatest number of hops that an LED can show
+constexpr double k_stop_share = 0.6;       // fraction of min_front below which robots turn on the spot
+constexpr double k_creep_share = 0.2;      // fraction of the speed at which robots drive while they turn away
+constexpr double k_turn = 0.8;             // rad/s
+constexpr std::uint32_t k_backwards = 20;  // decisions of driving backwards when no settled robot is heard
+constexpr std::uint8_t k_halt = 3;         // decisions: more than it takes to stop and to receive messages
+constexpr float k_far_hops = 12;           // greatest number of hops that an LED can show
 // Probability per decision of halting to settle: low, so that two robots rarely settle in one place at once.
 constexpr double k_settles = 0.02;
 
@@ -52,9 +51,9 @@ struct Gradient {
     std::uint32_t hops = k_hops_unknown;  ///< hop count of a settled robot
     std::uint32_t unconfirmed = 0;        ///< decisions since a message confirmed `hops`
     std::uint32_t alone = 0;              ///< decisions since the robot heard a settled robot
-    std::int32_t avoid_updates = 0;       ///< decisions left of the present turn
+    std::int32_t avoid_updates = 0;       ///< decisions that remain of the present turn
     std::uint8_t settled = 0;             ///< 1: the robot is settled
-    std::uint8_t halts = 0;               ///< decisions left of halting before the robot settles
+    std::uint8_t halts = 0;               ///< decisions that remain of halting before the robot settles
     TROUPE_FIELDS(hops, unconfirmed, alone, avoid_updates, settled, halts)
   };
   struct Heard {

@@ -56,15 +56,15 @@ struct InformedAggregation {
     }
   };
   struct Memory {
-    std::uint32_t enter_updates = 0;   ///< decisions left of driving on inside a site
-    std::uint32_t turn_updates = 0;    ///< decisions left of the present turn
+    std::uint32_t enter_updates = 0;   ///< decisions that remain of driving on inside a site
+    std::uint32_t turn_updates = 0;    ///< decisions that remain of the present turn
     std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot
-    std::uint32_t escape_updates = 0;  ///< decisions left of backing out
+    std::uint32_t escape_updates = 0;  ///< decisions that remain of backing out
     double x = 0;                      ///< estimated x at the last decision, m
     double y = 0;                      ///< estimated y at the last decision, m
     double heading = 0;                ///< estimated heading at the last decision, rad
     float turn = 0;                    ///< turn rate of the present turn, rad/s
-    std::uint8_t does = 0;             ///< what the robot does, a Does
+    std::uint8_t does = 0;             ///< what the robot does, one of Does
     std::uint8_t site = 0;             ///< colour of the site that it enters or stands on, a Ground
     std::uint8_t leaves = 0;           ///< 1: the robot must leave the site before it may stop again
     TROUPE_FIELDS(enter_updates, turn_updates, still_updates, escape_updates, x, y, heading, turn, does, site,

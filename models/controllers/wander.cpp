@@ -29,7 +29,7 @@ struct Wander {
     }
   };
   struct Memory {
-    std::int32_t avoid_updates = 0;  ///< decisions left of the present turn
+    std::int32_t avoid_updates = 0;  ///< decisions that remain of the present turn
     TROUPE_FIELDS(avoid_updates)
   };
 

@@ -20,14 +20,15 @@ struct PowerPackState {
   static constexpr void describe(engine::Description<PowerPackState>& d) {
     using namespace engine::facts;
     using enum engine::Unit;
-    d.member<&PowerPackState::stored>("stored", joules, "energy that it holds");
-    d.member<&PowerPackState::capacity>("capacity", joules, "energy that it can hold");
+    d.member<&PowerPackState::stored>("stored", joules, "energy that the pack holds");
+    d.member<&PowerPackState::capacity>("capacity", joules, "greatest energy that the pack can hold");
     d.member<&PowerPackState::dissipated>("dissipated", joules,
-                                          "energy drawn by all that it supplies, since tick 0");
-    d.member<&PowerPackState::received>("received", joules, "energy received by contact, since tick 0");
-    d.member<&PowerPackState::given>("given", joules, "energy given by contact, since tick 0");
-    d.member<&PowerPackState::infinite>("infinite", "1: it never runs out");
-    d.member<&PowerPackState::charging>("charging", "1: it received energy in the last tick");
+                                          "energy drawn since tick 0 by everything that the pack supplies");
+    d.member<&PowerPackState::received>("received", joules,
+                                        "energy received since tick 0 through power contacts");
+    d.member<&PowerPackState::given>("given", joules, "energy given since tick 0 through power contacts");
+    d.member<&PowerPackState::infinite>("infinite", "1: the pack never runs out");
+    d.member<&PowerPackState::charging>("charging", "1: the pack received energy in the last tick");
   }
 
   /// Whether it holds no energy. An infinite pack is never empty.
