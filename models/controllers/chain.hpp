@@ -17,9 +17,9 @@ namespace troupe::models {
 ///           than `spacing` from the nearest first link. At the place it becomes a link with probability
 ///           `joins` per decision.
 /// leaves    Three kinds of links leave the chain. A link without a path that hears no next link leaves with
-///           probability `leaves` per decision. A link that no longer hears the link before it leaves. If two
-///           links of the same number are in one place, the one with the higher id leaves. Such a robot goes
-///           back along the chain, then around the nest for a while, and explores again.
+///           probability `leaves` per decision. A link leaves when it no longer hears the link before it. If
+///           two links of the same number are in one place, the one with the higher id leaves. Such a robot
+///           goes back along the chain, then around the nest for a while, and explores again.
 /// path      A link has a path if it hears the prey, or if it hears the next link and that one has a path. A
 ///           link with a path stays.
 /// LED       If the robot has an LED, it is grey while the robot explores, and blue, green or yellow in turn

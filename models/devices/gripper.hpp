@@ -68,12 +68,12 @@ struct GripperState {
 ///             (outer) behind the tips. Each paddle also has a contact sensor: it detects bodies in the area
 ///             that the inner face would sweep in the tick while closing. Beams and contacts sense bodies
 ///             with gripper_return, and the body that the gripper holds.
-/// gripping    Closing paddles that touch a body with gripper_return stop and hold it as it lies: from then
-///             on it moves with the paddles. If they touch several bodies, they hold one that touches the
-///             left paddle before one that touches only the right, and of these the one with the lowest id. A
-///             body wider than the gap between the open paddles cannot be held. If several grippers touch a
-///             body in one tick, the gripper of the body with the lowest id holds it, and the others report
-///             `taken`.
+/// gripping    Closing paddles that touch a body with gripper_return stop and hold it in its present pose:
+///             from then on it moves with the paddles. If they touch several bodies, they hold one that
+///             touches the left paddle before one that touches only the right, and of these the one with the
+///             lowest id. A body wider than the gap between the open paddles cannot be held. If several
+///             grippers touch a body in one tick, the gripper of the body with the lowest id holds it, and
+///             the others report `taken`.
 /// releasing   When the paddles start to open, the body stays where it is.
 /// source      Stage 4.3; docs/stage-worlds.md lists the bugs of Stage that are fixed here
 engine::DeviceKind gripper_kind();

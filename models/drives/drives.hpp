@@ -108,8 +108,7 @@ struct CarParams {
 ///               diff  v = (x, 0), turn rate = turn
 ///               omni  v = (x, y), turn rate = turn
 ///               car   v = (x cos(turn), 0), turn rate = x sin(turn) / wheelbase: turn is the steering angle
-/// acceleration  The command is an acceleration. It is clamped to the limits of the acceleration, multiplied
-/// by
+/// acceleration  The command is an acceleration. It is clamped to the limits of accelerations, multiplied by
 ///               the time since the drive last ran, and added to the velocity of the last tick. For a car it
 ///               is added to the speed of the front wheels.
 /// position      The command is a goal, a pose in the frame of the estimated pose. Speeds are proportional to

@@ -12,8 +12,9 @@
 namespace troupe::worldio {
 
 /// A floor plan in the format of ROS's map_server: a YAML file with the path of an image, its scale and pose,
-/// and the thresholds that decide which cells (pixels) are occupied or free. source  the documentation of
-/// map_server, https://wiki.ros.org/map_server, and that of Nav2's map server
+/// and the thresholds that decide which cells (pixels) are occupied or free.
+///
+/// source  the documentation of map_server, https://wiki.ros.org/map_server, and of Nav2's map server
 struct RosMap {
   enum class Mode { trinary, scale, raw };
 
@@ -38,16 +39,16 @@ std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where wher
 std::optional<RosMap> parse_ros_map(const std::filesystem::path& file, std::string_view text,
                                     Diagnostics& diagnostics);
 
-/// Returns the rule that decides which pixels of a map are solid. Every cell is solid, unknown or free; unknown
-/// cells are solid if `unknown_is_solid`. Let l be the lightness of a pixel, the mean of its colours from 0 to
-/// 1. The probability that its cell is occupied is p = 1 - l, or p = l if `negate` is set. The mode of the map
-/// decides:
+/// Returns the rule that decides which pixels of a map are solid. Every cell is solid, unknown or free;
+/// unknown cells are solid if `unknown_is_solid`. Let l be the lightness of a pixel, the mean of its colours
+/// from 0 to 1. The probability that its cell is occupied is p = 1 - l, or p = l if `negate` is set. The mode
+/// of the map decides:
 ///
 /// trinary  p above occupied_thresh is solid, p below free_thresh is free, values between them are unknown
-/// scale    Pixels that are not opaque are unknown. Other pixels are solid if p is above occupied_thresh, else
-///          free.
-/// raw      The value of the pixel, 0 to 255, is the probability in percent, and `negate` has no effect. Values
-///          above 100 are unknown. Other values are solid if above occupied_thresh, else free.
+/// scale    Pixels that are not opaque are unknown. Other pixels are solid if p is above occupied_thresh,
+///          else free.
+/// raw      The value of the pixel, 0 to 255, is the probability in percent, and `negate` has no effect.
+///          Values above 100 are unknown. Other values are solid if above occupied_thresh, else free.
 PixelRule solid_cells(const RosMap& map, bool unknown_is_solid);
 
 }  // namespace troupe::worldio
