@@ -40,9 +40,10 @@ struct Expand {
       d.member<&Params::clearance>("clearance", meters, at_least(0),
                                    "free distance that the robot needs to drive: the reading of a beam at "
                                    "angle a from straight ahead must exceed clearance * cos(a)");
-      d.member<&Params::clearances>("clearances", meters, at_least(0),
-                                    "replaces `clearance`: one distance per transducer, in their order, that "
-                                    "the readings of its beams must exceed; 0 or a missing entry: no limit");
+      d.member<&Params::clearances>(
+          "clearances", meters, at_least(0),
+          "list that replaces `clearance`: for each transducer, in order, the distance that the readings of "
+          "its beams must exceed for the robot to drive; 0 or a missing entry: no limit");
       d.member<&Params::cone>(
           "cone", radians, at_least(0),
           "the robot drives only while the angle from straight ahead to the vector sum is less than this");

@@ -40,8 +40,8 @@ struct Script {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::law>("law",
-                             "timed: the speeds in `legs`; line: 0.5 m/s straight ahead; wave: speeds that "
-                             "vary with the number of the decision");
+                             "timed: the speeds in `legs`; line: 0.5 m/s straight ahead; wave: forward speed "
+                             "and turn rate that change every few decisions");
       d.member<&Params::legs>("legs",
                               "for the law `timed`: periods with constant speeds, one after another; after "
                               "the last one the robot stands still");

@@ -32,12 +32,12 @@ struct MotionParams {
     using enum engine::Unit;
     d.member<&MotionParams::velocity_min_x>(
         "velocity_min_x", meters_per_second,
-        "lower limit of the forward speed; a negative limit allows driving backwards");
+        "lower limit of the forward speed; if negative, the robot can drive backwards");
     d.member<&MotionParams::velocity_max_x>("velocity_max_x", meters_per_second,
                                             "upper limit of the forward speed");
     d.member<&MotionParams::velocity_min_y>(
         "velocity_min_y", meters_per_second,
-        "lower limit of the speed to the left; a negative limit allows driving to the right");
+        "lower limit of the speed to the left; if negative, the robot can drive to the right");
     d.member<&MotionParams::velocity_max_y>("velocity_max_y", meters_per_second,
                                             "upper limit of the speed to the left");
     d.member<&MotionParams::turn_min>("turn_min", radians_per_second,
