@@ -21,8 +21,8 @@ void add_on_floor(std::vector<AnyLayer>& layers, const engine::FrameScene& scene
                   std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                   const Theme& theme);
 
-/// Adds those overlays above the floor that `shown` selects: scans, beams, sights, blobs. colors: as above.
-/// depth: `floor` in a view from above, `air` in other views.
+/// Adds those overlays above the floor that `shown` selects: scans, beams, sights, blobs. colors: as for
+/// add_on_floor(). depth: `floor` in a view from above, `air` in other views.
 void add_in_air(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                 SolidLayer::Depth depth);
