@@ -24,8 +24,8 @@ constexpr double k_side = 0.5;        // m that must be free between k_front_ang
 constexpr double k_tolerance = 1e-3;  // rad and m: files give angles in degrees with few digits
 constexpr double k_front_angle = radians(30);
 constexpr double k_side_angle = radians(50);
-constexpr double k_least_turn =
-    0.1;  // rad/s: a slower turn of a robot that does not drive is replaced by a random one
+// rad/s: if a robot that does not drive would turn more slowly, its turn rate is random.
+constexpr double k_least_turn = 0.1;
 
 struct Flocking {
   static constexpr std::size_t k_ring = 8;  // least number of transducers of a ring of sonars

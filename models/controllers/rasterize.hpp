@@ -12,8 +12,8 @@ inline constexpr std::uint32_t k_raster_columns = 40;  ///< columns of the raste
 inline constexpr std::uint32_t k_raster_rows = 20;     ///< rows of the raster, over the model's size in y
 /// The memory of `rasterize`, which can be recorded.
 struct RasterizeMemory {
-  std::array<std::uint8_t, k_raster_columns * k_raster_rows>
-      cells{};  ///< 1: an outline crosses the cell; along x, row by row from least y
+  /// 1: an outline crosses the cell. Cells are listed along x, row by row from the least y.
+  std::array<std::uint8_t, k_raster_columns * k_raster_rows> cells{};
   TROUPE_FIELDS(cells)
 };
 /// In the first tick, stores in its memory a raster of 40 x 20 cells over the size of the model: 1 for each
