@@ -1,4 +1,4 @@
-#define GL_GLEXT_PROTOTYPES  // declares the functions for their types; none is linked
+#define GL_GLEXT_PROTOTYPES  // the declarations are used for their types; no function is linked
 
 #include "render/canvas.hpp"
 
@@ -18,10 +18,11 @@
 namespace troupe::render {
 namespace {
 
-/// Pictures are drawn in tiles with at most this side. 2048^2 pixels with 4 samples of colour and depth take
-/// 134 MB, so that a picture of 16384^2 pixels needs only that in addition to its own pixels.
+/// Pictures are drawn in square tiles with sides of at most this many pixels. A tile of 2048^2 pixels with 4
+/// samples of colour and depth takes 134 MB. So a picture of 16384^2 pixels needs only 134 MB in addition to
+/// its own pixels.
 constexpr int k_tile = 2048;
-constexpr int k_samples = 4;
+constexpr int k_samples = 4;  // per pixel
 /// Length of shadows on the floor per metre of height.
 constexpr float k_shadow_slope = 0.5F;
 
@@ -52,7 +53,8 @@ struct Gl {
   }
 };
 
-// Flips y, because row 0 of a picture is at the top and row 0 of OpenGL at the bottom.
+// The shader of flat layers. It flips y, because row 0 of a picture is at the top and row 0 of OpenGL at the
+// bottom.
 constexpr const char* k_flat_shader = R"(#version 330 core
 layout(location = 0) in vec3 vertex;
 layout(location = 1) in vec2 offset;
@@ -75,9 +77,9 @@ void main() {
 }
 )";
 
-// Corner values are those of render/canvas.hpp: 0 face, 1 plain, 2 stroke, 3 rim. Both sides of a face are
-// lit as if it faced the viewer, because contours have either orientation. Light comes from the left, from
-// behind and from above.
+// The shader of solid layers. The numbers of corners are those of Corner: 0 face, 1 plain, 2 stroke, 3 rim.
+// Both sides of a face are lit as if it faced the viewer, because contours may have either orientation. Light
+// comes from the left, from behind and from above.
 constexpr const char* k_solid_shader = R"(#version 330 core
 layout(location = 0) in vec3 vertex;
 layout(location = 1) in vec4 a;
@@ -174,7 +176,8 @@ struct Framebuffer {
   GLuint name = 0;
   std::array<GLuint, 2> buffers{};
 
-  /// `samples` 0: without multisampling. Throws std::runtime_error if the driver cannot create it.
+  /// Creates the framebuffer. samples: per pixel; 0: no multisampling. Throws std::runtime_error if the
+  /// driver cannot create it.
   void make(const Gl& gl, int width, int height, int samples) {
     gl.glGenFramebuffers(1, &name);
     gl.glGenRenderbuffers(2, buffers.data());
@@ -201,7 +204,7 @@ struct Framebuffer {
 
 void* byte_offset(std::size_t bytes) { return reinterpret_cast<void*>(bytes); }
 
-/// The buffers of a layer and their vertex array object, for one picture.
+/// The OpenGL buffers of a layer and their vertex array object. They exist while one picture is drawn.
 class Uploaded {
  public:
   template <class AnyLayerOfMeshes>
@@ -297,7 +300,7 @@ class Uploaded {
   GLuint array_ = 0;
   std::array<GLuint, 2> buffers_{};
   GLsizei vertices_;
-  GLsizei instances_;  // 0: points, drawn without instancing
+  GLsizei instances_;  // 0 for a PointLayer, which is drawn without instancing
 };
 
 /// The interval of heights in flat layers, which the depth buffer must resolve.
@@ -341,8 +344,8 @@ struct Canvas::Impl {
   GLuint solid = 0;
   GLuint points = 0;
   std::array<GLint, 2> limit{};
-  std::array<float, 16> in_world{};  // clip matrices of points
-  std::array<float, 16> on_map{};
+  std::array<float, 16> in_world{};  // clip matrix of points in the world
+  std::array<float, 16> on_map{};    // clip matrix of points with PointLayer::on_map
   int tile_width = 0;
   int tile_height = 0;
   Framebuffer drawn;
@@ -356,7 +359,8 @@ struct Canvas::Impl {
     gl.glGetIntegerv(GL_MAX_VIEWPORT_DIMS, limit.data());
   }
 
-  /// Creates tiles of this size; keeps those of the previous picture if they have this size.
+  /// Creates the framebuffers for tiles of this size, pixels. Those of the previous picture are kept if they
+  /// have this size.
   void make_tiles(int width, int height) {
     if (drawn.name != 0 && width == tile_width && height == tile_height) return;
     if (drawn.name != 0) drawn.release(gl);
@@ -374,7 +378,7 @@ struct Canvas::Impl {
 
   void set_views(const Projection& projection, const ZInterval& heights) {
     in_world = projection.clip_matrix();
-    // The same transformation as in the flat shader.
+    // on_map is the transformation of the shader of flat layers as a matrix.
     const auto range = static_cast<float>(heights.max - heights.min);
     on_map = {};
     on_map[0] = 2.0F / static_cast<float>(projection.width());
@@ -416,7 +420,7 @@ struct Canvas::Impl {
     gl.glPointSize(layer.size);
   }
 
-  /// Draws one tile of the picture; the viewport is already shifted to its lower left corner.
+  /// Draws the layers into one tile of the picture. The caller has shifted the viewport to the tile.
   void draw_tile(std::span<const AnyLayer> layers,
                  const std::vector<std::unique_ptr<Uploaded>>& uploaded) const {
     gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);

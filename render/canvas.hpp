@@ -13,97 +13,112 @@
 
 namespace troupe::render {
 
-/// Source of the colour of a triangle: the vertex's own colour or one of the instance's colours.
+/// Which colour a triangle has: `own` is the colour of its vertices; `body`, `edge` and `mark` are those
+/// colours of the instance that is drawn.
 enum class Paint : std::uint32_t { own, body, edge, mark };
 
 // ---- flat layers, in the plane of the picture
 
+/// A corner of a triangle in a flat layer.
 struct Vertex {
-  float x, y, z;  ///< body frame, in the units of Instance::size
-  float offset_x,
-      offset_y;  ///< added after scaling, pixels, body frame: strokes keep their width at any scale
-  Rgba own;      ///< colour for Paint::own
+  float x, y, z;  ///< position, body frame, in mesh units (Instance::size is the number of pixels per unit)
+  /// Offset added after scaling, pixels, body frame. It gives strokes a width that does not depend on the
+  /// scale.
+  float offset_x, offset_y;
+  Rgba own;  ///< colour for Paint::own
   Paint paint;
 };
 
-/// A triangle list, drawn in order.
+/// A list of triangles, three vertices each, drawn in order.
 using Mesh = std::vector<Vertex>;
 
+/// A body, or another thing, that is drawn with a mesh.
 struct Instance {
-  float x, y;      ///< position of the body's origin: pixels right of and above the picture's centre
-  float cos, sin;  ///< cosine and sine of its heading
-  float z;         ///< height, m
-  float size;      ///< pixels per unit of the mesh
-  Rgba body, edge, mark;
+  float x, y;             ///< position of its origin: pixels right of and above the picture's centre
+  float cos, sin;         ///< cosine and sine of its heading
+  float z;                ///< height of its origin, m
+  float size;             ///< pixels per unit of the mesh
+  Rgba body, edge, mark;  ///< its colours for Paint::body, edge and mark
 };
 
-/// Instances of one mesh. Higher triangles cover lower ones; at equal height, later ones cover earlier ones.
+/// Instances of one mesh. Higher triangles cover lower triangles. At equal height, later triangles cover
+/// earlier ones.
 struct Layer {
   Mesh mesh;
   std::vector<Instance> instances;
-  bool on_top = false;  ///< covers all earlier layers, whatever their height
+  bool on_top = false;  ///< true: the layer covers all earlier layers, whatever their heights
 };
 
 // ---- layers of solids in the world
 
-/// Type of a corner of a triangle. It determines the meaning of SolidVertex::ax, ay, az (`a`).
+/// Type of a corner of a triangle in a solid mesh. It determines the meaning of the vector a = (ax, ay, az)
+/// of a SolidVertex.
 enum class Corner : std::uint32_t {
-  face,    ///< lit surface; `a` is its normal
-  plain,   ///< unlit surface, drawn slightly nearer to the viewer: marks on faces
-  stroke,  ///< line with half width `side`; `a` is its other end
+  face,    ///< lit surface; a is its normal
+  plain,   ///< unlit surface, such as a mark on a face, drawn slightly nearer to the viewer; a is not used
+  stroke,  ///< line; a is its other end
   rim,     ///< like a stroke, but drawn slightly farther away than strokes
 };
 
+/// A corner of a triangle in a solid layer.
 struct SolidVertex {
-  float x, y, z;     ///< body frame, in the units of SolidInstance::scale
-  float ax, ay, az;  ///< see Corner; same frame and units
-  float side;  ///< half the width of a stroke, pixels; positive to the left of the direction to its other end
-  Rgba own;    ///< colour for Paint::own
+  float x, y, z;     ///< position, body frame, in mesh units (SolidInstance::scale is metres per unit)
+  float ax, ay, az;  ///< the vector a of Corner, in the same frame and units
+  /// Half the width of a stroke, pixels. It is positive for corners to the left of the direction to its other
+  /// end, negative for corners to the right.
+  float side;
+  Rgba own;  ///< colour for Paint::own
   Paint paint;
   Corner corner;
 };
 
+/// A list of triangles, three vertices each.
 using SolidMesh = std::vector<SolidVertex>;
 
+/// A body, or another thing, that is drawn with a solid mesh.
 struct SolidInstance {
-  float x, y, z;  ///< relative to the projection's origin, m
-  float scale;    ///< metres per unit of the mesh
-  float cos, sin;
-  Rgba body, edge, mark;
+  float x, y, z;          ///< position of its origin relative to Projection::origin(), m
+  float scale;            ///< metres per unit of the mesh
+  float cos, sin;         ///< cosine and sine of its heading
+  Rgba body, edge, mark;  ///< its colours for Paint::body, edge and mark
 };
 
-/// Instances of one mesh in the world. Nearer triangles cover farther ones.
+/// Instances of one mesh in the world. Nearer triangles cover farther triangles.
 struct SolidLayer {
+  /// How the layer uses the depth buffer.
   enum class Depth : std::uint8_t {
     solid,  ///< depth is tested and written
-    air,    ///< depth is tested but not written: transparent overlays
-    floor,  ///< drawn over everything before it, below everything after it
+    air,    ///< depth is tested but not written, for transparent overlays
+    floor,  ///< depth is neither tested nor written: covers all earlier layers, covered by all later ones
   };
   SolidMesh mesh;
   std::vector<SolidInstance> instances;
   Depth depth = Depth::solid;
-  bool shadow = false;  ///< draw the shadow on the floor instead of the mesh
+  bool shadow = false;  ///< true: the shadow of the mesh on the floor is drawn instead of the mesh
 };
 
 // ---- layers of bodies too small for a shape
 
+/// A body drawn as a small square.
 struct Point {
-  float x, y,
-      z;  ///< relative to the projection's origin, m; on a map: pixels right of and above the centre, and m
+  /// If PointLayer::on_map: x and y are pixels right of and above the picture's centre, z is the height, m.
+  /// Otherwise: position relative to Projection::origin(), m.
+  float x, y, z;
   Rgba color;
 };
 
-/// Squares of one size that face the viewer, one vertex each, so that 100,000 robots are drawn quickly.
+/// Squares of one size that face the viewer. Each needs only one vertex, so that 100,000 robots are drawn
+/// quickly.
 struct PointLayer {
   std::vector<Point> points;
-  float size = 1;       ///< pixels
-  bool on_map = false;  ///< flat in the picture, like a Layer; else in the world, like a SolidLayer
-  bool on_top = false;  ///< like Layer::on_top, on a map
+  float size = 1;       ///< edge length of the squares, pixels
+  bool on_map = false;  ///< true: flat in the picture, like a Layer; false: in the world, like a SolidLayer
+  bool on_top = false;  ///< if on_map: true covers all earlier layers, whatever their heights
 };
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;
 
-/// An OpenGL renderer for layers. May be used on any thread, but only by one at a time.
+/// An OpenGL renderer for layers. It may be used on any thread, but only by one thread at a time.
 class Canvas {
  public:
   /// Throws std::runtime_error if OpenGL is not available.
@@ -112,10 +127,12 @@ class Canvas {
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
 
-  /// Throws std::runtime_error, with the limit, if a side is below 1 or above the driver's limit.
+  /// Throws std::runtime_error, whose message names the limit, if the width or height of a picture (pixels)
+  /// is below 1 or above the limit of the OpenGL driver.
   void check_size(int width, int height) const;
-  /// Draws layers in order on a ground of one colour, with 4 samples per pixel if the driver supports it.
-  /// Throws std::runtime_error as check_size() does, and when memory runs out.
+  /// Draws layers in order on a background of the colour `ground`, with 4 samples per pixel if the driver
+  /// supports that. The size of the picture is that of the projection. Throws std::runtime_error as
+  /// check_size() does, and when memory runs out.
   Picture paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers);
 
  private:

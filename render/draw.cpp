@@ -25,12 +25,12 @@ using engine::Frame;
 using engine::FrameBody;
 using engine::FrameScene;
 
-constexpr double k_rows_of_one_stroke = 900;  // a picture with this many rows has strokes of one pixel
-constexpr double k_margin = 0.03;        // around the scene's bounds, fraction of the picture's smaller side
-constexpr double k_furniture_band = 40;  // below the scene's bounds, strokes
+constexpr double k_rows_of_one_stroke = 900;  // smaller side up to which a stroke is one pixel, pixels
+constexpr double k_margin = 0.03;        // margin around the scene, fraction of the picture's smaller side
+constexpr double k_furniture_band = 40;  // height below the scene for scale bar and clock, strokes
 
-/// Restores the floating-point environment of the calling thread, which the driver changes (rounding,
-/// denormals).
+/// Restores the floating-point environment of the calling thread when it is destroyed. The OpenGL driver
+/// changes this environment (rounding, denormals).
 class KeepFpEnvironment {
  public:
   KeepFpEnvironment() { std::fegetenv(&environment_); }
@@ -42,7 +42,7 @@ class KeepFpEnvironment {
   std::fenv_t environment_;
 };
 
-/// The region to show unless the camera determines it. Never empty.
+/// The region of the world to show if the camera does not determine it, m. It is never empty.
 Box shown_bounds(const FrameScene& scene, const View& view) {
   Box shown = view.region.value_or(scene.bounds);
   if (view.layers.bounds && !view.region && scene.limits) shown.extend(*scene.limits);
@@ -56,14 +56,14 @@ Box shown_bounds(const FrameScene& scene, const View& view) {
   return shown;
 }
 
-/// A framing with size and stroke; its centre and scale are not set yet.
+/// A framing of which only size and stroke are set. The caller must set centre and scale.
 Framing empty_framing(const View& view) {
   Framing framing{view.width, view.height};
   framing.stroke = std::max(1.0, std::min(view.width, view.height) / k_rows_of_one_stroke);
   return framing;
 }
 
-/// Height below the scene for scale bar and clock, in addition to the margin; pixels.
+/// Height below the scene for scale bar and clock, in addition to the margin, pixels.
 double furniture_band(const Framing& framing, double margin) {
   return framing.has_furniture() ? std::max(0.0, k_furniture_band * framing.stroke - margin) : 0;
 }
@@ -120,7 +120,7 @@ Projection project(const FrameScene& scene, const Frame& frame, const View& view
     projection.stand_at(*camera.eye);
   } else if (camera.center || camera.across_m) {
     const Vec3 center = camera.center.value_or(Vec3(shown.center().x(), shown.center().y(), 0));
-    // From the distance at which the whole scene is visible.
+    // If no width is given, it is that at the distance from which the whole scene is visible.
     const double scale = projection.pixels_per_metre(projection.floor_center());
     const double across = scale > 0 ? view.width / scale : shown.size().norm();
     projection.look_at(center, camera.across_m.value_or(across));
@@ -154,7 +154,8 @@ struct Painter::Impl {
 
 namespace {
 
-/// Appends the frame's own types to those of the scene while the frame is drawn.
+/// Appends the types that exist only in this frame, such as bodies with moved joints, to the types of the
+/// scene. The destructor removes them.
 class WithTypesOf {
  public:
   WithTypesOf(const Frame& frame, FrameScene& scene, std::vector<Pieces>& pieces)
@@ -211,7 +212,7 @@ Painter::Composition Painter::compose(const Frame& frame, const View& view) {
     framing = frame_from_above(scene, view);
     projection = Projection::from_above(framing, heights_in(scene, frame.mobile));
     if (shown.grid) layers.emplace_back(flat(floor_grid(framing, theme.grid), true));
-    // Below the walls, because beams are drawn wider than the ray that was cast.
+    // Drawn before the walls, which hide the ends of beams: a beam is drawn wider than the ray that was cast.
     add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);
     add_flat_fixed(layers, impl_->meshes, framing, shown, theme);
     add_on_floor(layers, scene, frame, colors, *projection, shown, theme);
@@ -246,7 +247,9 @@ Picture Painter::draw(const Frame& frame, const View& view) {
 std::string Painter::draw_vector(const Frame& frame, const View& view, VectorFormat format,
                                  const FileTexts& texts) {
   if (!is_from_above(view.camera))
-    throw std::runtime_error("cannot draw solids as vector graphics, only maps");
+    throw std::runtime_error(
+        "cannot draw this view as vector graphics: only views from straight above without perspective, with "
+        "pitch and yaw 0, are possible");
   const KeepFpEnvironment keep;
   const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
   const Composition composition = compose(frame, view);

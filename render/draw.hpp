@@ -11,94 +11,97 @@
 
 namespace troupe::render {
 
-/// The viewpoint of a picture. By default straight down, framed automatically.
+/// The viewpoint of a picture. By default it looks straight down, and the whole scene is in the picture.
 struct Camera {
-  bool perspective = false;
-  double pitch = 0;  ///< rad: 0 straight down, pi/2 level
-  double yaw = 0;    ///< rad: counter-clockwise from looking along +y
-  /// World point in the picture's centre, m. Not given: framed automatically.
+  bool perspective = false;  ///< true: perspective view; false: parallel (orthographic) view
+  double pitch = 0;          ///< rad: 0 looks straight down, pi/2 looks horizontally
+  double yaw = 0;            ///< rad: counter-clockwise, 0 looks along +y
+  /// World point in the picture's centre, m. If not given, it is chosen so that the scene is in the picture.
   std::optional<Eigen::Vector3d> center;
-  /// Width of the picture at the centre, m. Not given: the scene fits.
+  /// Width of the picture at the centre, m. If not given, it is chosen so that the scene fits.
   std::optional<double> across_m;
-  /// World position of a perspective camera, m; replaces `center` and `across_m`.
+  /// World position of a perspective camera, m. It replaces `center` and `across_m`.
   std::optional<Eigen::Vector3d> eye;
-  double fov = 0.65;  ///< vertical angle of a perspective view, rad
+  double fov = 0.65;  ///< vertical field of view of a perspective view, rad
 };
 
-/// Background of a picture. With `transparent`, empty pixels have opacity 0.
+/// Background of a picture: light beige (paper), white, dark, or transparent, where empty pixels have opacity
+/// 0.
 enum class Background : std::uint8_t { paper, white, dark, transparent };
 
-/// Layers to draw in addition to the bodies.
+/// What is drawn in addition to the bodies. Some layers name the member of engine::Frame or
+/// engine::FrameScene that holds their data.
 struct Layers {
-  bool grid = true;
-  bool shadows = true;
+  bool grid = true;      ///< grid lines on the floor
+  bool shadows = true;   ///< shadows of the bodies on the floor
   bool headings = true;  ///< a mark at the front of each robot
   bool stalls = true;    ///< a red outline with a white rim around robots whose last motion was blocked
-  bool scale = true;
-  bool clock = true;
-  bool speed = false;   ///< speed next to the clock: Frame::times_real_time
-  bool legend = true;   ///< legend of the colour scale, if bodies are coloured by a value
-  bool bounds = true;   ///< boundary of the area for robots: FrameScene::limits
-  bool types = false;   ///< legend of the types of robots, if they are not coloured by a value
-  bool scans = false;   ///< transparent areas of range readings: Frame::scans
-  bool beams = false;   ///< range readings as lines: Frame::scans
-  bool sights = false;  ///< lines from finders to detected objects: Frame::sights
-  bool blobs = false;   ///< blobs of blob finders in their colours: Frame::blobs
-  bool grips = false;   ///< light beams of grippers (red if broken) and links to held bodies: Frame::grips
-  bool links = false;   ///< lines from carriers to carried bodies: Frame::links
-  bool trails = false;  ///< past positions of bodies: Frame::trails
-  bool names = false;   ///< Frame::names
-  bool energy = false;  ///< bars of the remaining energy: Frame::charges
+  bool scale = true;     ///< a scale bar
+  bool clock = true;     ///< the simulated time
+  bool speed = false;    ///< speed of the simulation next to the clock: Frame::times_real_time
+  bool legend = true;    ///< legend of the colour scale, if bodies are coloured by a value
+  bool bounds = true;    ///< bounds of the world, which robots cannot leave: FrameScene::limits
+  bool types = false;    ///< legend of the types of robots, if robots are not coloured by a value
+  bool scans = false;    ///< range readings as transparent areas: Frame::scans
+  bool beams = false;    ///< range readings as lines: Frame::scans
+  bool sights = false;   ///< lines from finders to detected objects: Frame::sights
+  bool blobs = false;    ///< blobs of blob finders in their colours: Frame::blobs
+  bool grips = false;    ///< light beams of grippers (red if broken) and links to held bodies: Frame::grips
+  bool links = false;    ///< lines from carriers to carried bodies: Frame::links
+  bool trails = false;   ///< past positions of bodies: Frame::trails
+  bool names = false;    ///< names of bodies: Frame::names
+  bool energy = false;   ///< bars that show the remaining energy: Frame::charges
   bool footprints = false;  ///< outlines of the bodies on the floor
   bool coverage = false;    ///< squares of the floor that robots have visited: Frame::covered
   bool density = false;     ///< number of robots per square of the floor
-  bool tiles = false;       ///< number of robots per tile of the index
-  bool cells = false;       ///< cells of the index that contain a robot
+  bool tiles = false;       ///< number of robots per tile of the spatial index
+  bool cells = false;       ///< cells of the spatial index that contain a robot
 };
 
+/// How a picture shows a frame.
 struct View {
-  int width = 1280;
-  int height = 720;
-  /// World region that must be visible, m. It fills the picture in one direction; in the other, more is
-  /// visible. Not given: the scene's bounds with a margin. The camera's `center`, `across_m` and
-  /// `eye` take precedence.
+  int width = 1280;  ///< pixels
+  int height = 720;  ///< pixels
+  /// World region that must be visible, m. It fills the picture in one direction, x or y; in the other
+  /// direction more of the world may be visible. If not given, it is the bounds of the scene with a margin.
+  /// The members `center`, `across_m` and `eye` of the camera take precedence.
   std::optional<Box> region;
   Camera camera;
   Layers layers;
   Background background = Background::paper;
-  /// Values at the ends of the colour scale, if bodies are coloured by a value. Not given: the extremes in
-  /// the frame.
+  /// Values at the ends of the colour scale, if bodies are coloured by a value. If not given, they are the
+  /// smallest and the largest value in the frame.
   std::optional<std::pair<double, double>> values;
 };
 
-/// Whether the view is a map, straight down without perspective. Only maps can be drawn as vector graphics.
+/// Whether the view is a map, that is, straight down without perspective. Only maps can be drawn as vector
+/// graphics.
 bool is_from_above(const Camera& camera);
 
-/// Metadata of a file as keys and values: `world`, `time_s`, ...
+/// Metadata of a file as pairs of a key, such as `world` or `time_s`, and a value.
 using FileTexts = std::vector<std::pair<std::string, std::string>>;
 enum class VectorFormat : std::uint8_t { svg, pdf };
 
-/// 8-bit RGBA, row 0 at the top, alpha not premultiplied.
+/// A picture of 8-bit RGBA pixels, row by row from the top. Alpha is not premultiplied.
 struct Picture {
-  int width = 0;
-  int height = 0;
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
   std::vector<std::uint8_t> rgba;
 };
 
-/// Draws frames of one scene. Data common to all pictures are computed once.
+/// Draws frames of one scene. Data that all pictures need are computed only once.
 ///
-/// view    from above (a camera at pitch and yaw 0 without perspective): +x to the right and +y up, bodies as
-/// flat
-///         shapes, robots on top of the floor plan at any height. Other views: solids with lit faces and
-///         edges, with hidden surfaces removed
-/// robots  at least 3.5 pixels wide, so that a swarm stays visible; outlines from 7 pixels on, marks from 9;
-///         a red outline when stalled
-/// errors  std::runtime_error: OSMesa (loaded on first use) is missing, with the package to install; a size
-/// above
-///         the driver's limit, with the limit; a region that is not finite or has no area
-/// checks  equal bytes for equal input on one machine; the caller's floating-point environment is restored;
-/// may be
-///         called on any thread, but only by one at a time
+/// view    A view from above (camera at pitch and yaw 0 without perspective) is a map: +x points right, +y
+///         up. Bodies are flat shapes, and robots are drawn over the floor plan whatever its height. Other
+///         views show solids with lit faces and edges, without hidden surfaces.
+/// robots  Robots are drawn at least 3.5 pixels wide, so that a swarm stays visible. They have outlines if at
+///         least 7 pixels wide, and heading marks if at least 9 pixels wide. Stalled robots have a red
+///         outline.
+/// errors  It throws std::runtime_error if OSMesa, which is loaded on first use, is missing (the message
+///         names the package to install); if the picture is larger than the driver allows (the message names
+///         the limit); or if the region is not finite or has no area.
+/// checks  Equal input gives equal bytes on one machine. The floating-point environment of the caller is
+///         restored. A painter may be used on any thread, but only by one thread at a time.
 class Painter {
  public:
   explicit Painter(engine::FrameScene scene);
@@ -107,10 +110,12 @@ class Painter {
   Painter& operator=(Painter&&) noexcept;
 
   const engine::FrameScene& scene() const;
+  /// Draws one picture as pixels.
   Picture draw(const engine::Frame& frame, const View& view);
-  /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. Its size
-  /// is that of the view in pixels of 1/96 inch. Throws std::runtime_error also for other views, and for a
-  /// PDF if cairo is missing, with the package to install.
+  /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. The size
+  /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file. Throws
+  /// std::runtime_error as draw() does, and also if the view is not from above. For a PDF it throws if cairo
+  /// is missing, and the message names the package to install.
   std::string draw_vector(const engine::Frame& frame, const View& view, VectorFormat format,
                           const FileTexts& texts);
 
@@ -122,7 +127,7 @@ class Painter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Draws one picture. Thread-safe.
+/// Draws one picture with a Painter of its own. It may be called from several threads at the same time.
 Picture draw(const engine::FrameScene& scene, const engine::Frame& frame, const View& view);
 
 }  // namespace troupe::render

@@ -17,11 +17,11 @@ using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
 
-/// Robots narrower than this, strokes, are drawn as dots: their shape would not be visible, and 100,000
-/// shapes take long to draw.
+/// Robots narrower than this, in strokes, are drawn as dots: their shape would not be visible, and drawing
+/// 100,000 shapes takes long.
 constexpr double k_smallest_shaped = 5;
 
-/// For each type, the factor that enlarges small bodies to the smallest visible size.
+/// For each type, the factor that enlarges its bodies to the width `smallest`, strokes; 1 for larger bodies.
 std::vector<double> enlargements(const FrameScene& scene, const Framing& framing, double smallest) {
   std::vector<double> scales;
   for (const FrameType& type : scene.types) {
@@ -37,8 +37,8 @@ struct Instances {
   std::vector<std::vector<Instance>> stalled;  ///< bodies drawn as stalled
 };
 
-/// Bodies by type, without those outside the picture and those of types with `left_out` 1 (empty: no type).
-/// If `colors` is empty, bodies have their own colours.
+/// The bodies in the picture, by type. Types with `left_out` 1 are left out; if `left_out` is empty, no type
+/// is. colors: one colour per body; if it is empty, bodies have their own colours.
 Instances instances_by_type(const FrameScene& scene, const std::vector<FrameBody>& bodies,
                             std::span<const std::uint8_t> left_out, std::span<const Rgba> colors,
                             const Framing& framing, double smallest, bool shows_stalls) {
@@ -73,7 +73,7 @@ Instances instances_by_type(const FrameScene& scene, const std::vector<FrameBody
 
 Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top}; }
 
-// With a shadow on the floor, which sets it off from the background.
+// Static bodies have a shadow on the floor, which sets them off from the background.
 void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
                     const Layers& shown, const Theme& theme) {
   const FrameScene& scene = meshes.scene;
@@ -103,7 +103,7 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
   std::vector<double> across;  // diameter of each type, strokes
   for (const FrameType& type : scene.types)
     across.push_back(2 * type.radius * framing.pixels_per_metre / framing.stroke);
-  // Robots are drawn over the floor plan whatever their height, so that it never hides them.
+  // Robots are drawn over the floor plan, whatever their heights, so that the floor plan never hides them.
   bool first = true;
   std::vector<std::uint8_t> is_dot;
   std::vector<double> tops;

@@ -16,11 +16,12 @@ using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
 
-/// Bodies narrower than this, strokes, are drawn as boxes: details would not be visible.
+/// Bodies narrower than this, in strokes, are drawn as boxes: details would not be visible.
 constexpr double k_smallest_prism = 10;
-/// Sides shorter than this, strokes, are taken for the steps of a bitmap and have no edge lines.
+/// Sides shorter than this, in strokes, are taken for the steps of a bitmap and have no edge lines.
 constexpr double k_shortest_side = 8;
-/// Shapes narrower than this, strokes, have no lines along their edges, which would hide their colour.
+/// Shapes narrower than this, in strokes, have no lines along their edges, because these would hide their
+/// colour.
 constexpr double k_smallest_edged = 9;
 
 /// Visible bodies of one type, by level of detail.
@@ -29,7 +30,7 @@ struct Seen {
   std::vector<SolidInstance> stalled;  ///< prisms drawn as stalled
   std::vector<SolidInstance> boxes;
   double widest = 0;            ///< width of the largest prism, strokes
-  double pixels_per_metre = 0;  ///< scale at that prism
+  double pixels_per_metre = 0;  ///< scale of the picture at the largest prism
 };
 
 class Sorter {
@@ -39,12 +40,13 @@ class Sorter {
     for (const FrameType& type : scene.types) {
       const ZInterval z = heights_of(type);
       heights_.push_back(z);
-      // Radius of a ball around the centre of its height.
+      // Radius of the smallest ball around the middle of the body that contains the body.
       reaches_.push_back(std::sqrt(type.radius * type.radius + 0.25 * (z.max - z.min) * (z.max - z.min)));
     }
   }
 
-  /// `smallest`: bodies narrower than this, strokes, become dots of that size; 0: none do.
+  /// Adds a body if it is in the picture. smallest: bodies narrower than this, in strokes, become dots of
+  /// this width; 0: no body does.
   void add(const FrameBody& body, Rgba color, bool is_stalled, double smallest) {
     TROUPE_ASSERT(body.type < scene_.types.size());
     const FrameType& type = scene_.types[body.type];
@@ -85,7 +87,7 @@ class Sorter {
   }
 
   const Seen& seen(std::size_t type) const { return seen_[type]; }
-  std::vector<Point> dots;  ///< for all types
+  std::vector<Point> dots;  ///< bodies of all types that are drawn as dots
 
  private:
   const FrameScene& scene_;

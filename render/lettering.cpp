@@ -3,7 +3,7 @@
 namespace troupe::render {
 namespace {
 
-/// A letter: its polylines and the distance to the next letter.
+/// A letter: its polylines, and the distance from its left end to the next letter, units.
 struct Glyph {
   std::string_view
       points;  // two digits per point on a grid 4 wide and 6 high; "a" and "b" are below the baseline
@@ -113,7 +113,8 @@ Glyph glyph(char c) {
 }
 // clang-format on
 
-/// Whether a byte continues a character of UTF-8: only the first byte of a character draws a box.
+/// Whether a byte continues a UTF-8 character. Such bytes draw nothing, so that a character draws only one
+/// box.
 bool goes_on(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
 Vec2 grid_point(std::string_view two) {

@@ -11,39 +11,40 @@
 
 namespace troupe::render {
 
-/// Line segments in pixels from the picture's centre. Each is drawn twice, as a halo and in ink, so that it
-/// is readable on any background.
+/// Line segments; the ends are in pixels from the picture's centre. Each segment is drawn twice, first wide
+/// in the halo colour, then narrow in the ink colour, so that it is readable on any background.
 using Lines = std::vector<std::pair<Vec2, Vec2>>;
 
-/// Height of capitals and digits, strokes.
+/// Height of capitals and digits, strokes (Framing::stroke).
 inline constexpr double k_cap_height = 11;
 
-/// Adds letters as line segments. Capitals are 6 units high, descenders reach 2 units below the baseline.
-/// Characters outside printable ASCII are drawn as empty boxes.
+/// Adds letters as line segments. pen: start of the baseline, pixels from the picture's centre. unit: pixels
+/// per unit; capitals are 6 units high, descenders reach 2 units below the baseline. Characters outside
+/// printable ASCII are drawn as empty boxes.
 void add_text(Lines& lines, std::string_view text, const Vec2& pen, double unit);
-/// Width from the pen to the right end of the last letter, pixels.
+/// Width of a text from the pen to the right end of the last letter, pixels. unit: as for add_text().
 double text_width(std::string_view text, double unit);
 
 /// One line of text, in pixels from the picture's centre.
 struct Text {
   std::string text;
-  Vec2 pen = Vec2::Zero();  ///< start of its baseline; its end if `ends_at_pen`
-  double unit = 1;          ///< a sixth of the height of its capitals, pixels
-  bool ends_at_pen = false;
+  Vec2 pen = Vec2::Zero();   ///< start of its baseline, or the end if `ends_at_pen`
+  double unit = 1;           ///< a sixth of the height of its capitals, pixels
+  bool ends_at_pen = false;  ///< true: the text ends at the pen; false: it starts there
 };
 
-/// The lettering of a picture. Vector formats keep `texts` as text.
+/// The lettering of a picture: texts, and the lines and bars that belong to them.
 struct Writing {
-  Mesh under;  ///< bars and swatches of legends, in the same coordinates
-  Lines lines;
-  std::vector<Text> texts;
+  Mesh under;               ///< bars and swatches of legends, in pixels from the picture's centre
+  Lines lines;              ///< lines, such as those of the scale bar
+  std::vector<Text> texts;  ///< vector formats keep these as text
 };
 
-// Widths of lines and letters, strokes.
+// Widths of the halo and of the ink of lines and letters, strokes.
 inline constexpr double k_halo_strokes = 5;
 inline constexpr double k_ink_strokes = 1.4;
 
-/// The lettering as triangles; lines and letters have a halo.
+/// The lettering as triangles, halos included. stroke: pixels per stroke.
 Mesh mesh_of(const Writing& writing, double stroke, const Theme& theme);
 
 }  // namespace troupe::render

@@ -9,12 +9,12 @@ namespace {
 
 constexpr double k_grid_pitch = 48;      // least distance of grid lines, strokes
 constexpr double k_margin = 14;          // distance of the furniture from the picture's edges, strokes
-constexpr double k_longest_scale = 150;  // strokes
+constexpr double k_longest_scale = 150;  // greatest length of the scale bar, strokes
 
 }  // namespace
 
 RoundLength RoundLength::at_most(double metres) {
-  // Because of rounding, 10^k may give 5 * 10^(k-1), which is harmless.
+  // Because of rounding, the result for exactly 10^k may be 5 * 10^(k-1), which is harmless.
   const int exponent = static_cast<int>(std::floor(std::log10(metres)));
   const double power = std::pow(10.0, exponent);
   const double steps = metres / power;
@@ -30,11 +30,13 @@ std::string RoundLength::text() const {
 Mesh floor_grid(const Framing& framing, Rgba color) {
   Mesh mesh;
   const double at_least = k_grid_pitch * framing.stroke / framing.pixels_per_metre;
-  const double pitch = RoundLength::at_most(2.5 * at_least).metres;  // 1, 2, 5: steps of at most 2.5
+  // Neighbours in the lengths 1, 2, 5, 10, ... differ by a factor of at most 2.5, so the result is at least
+  // at_least.
+  const double pitch = RoundLength::at_most(2.5 * at_least).metres;
   const Box world = framing.world();
   const double width = std::round(framing.stroke);
   const Vec2 half = Vec2(framing.width, framing.height) / 2;
-  // Lines begin at whole pixels, so that none is blurred and all look alike.
+  // Lines begin at whole pixels, so that no line is blurred and all lines look alike.
   const auto line = [&](int axis, double coordinate) {
     Vec2 min = -half;
     Vec2 max = half;

@@ -39,8 +39,8 @@ void add_outlines(Mesh& mesh, const Solid& solid, double width, Paint paint, Rgb
   }
 }
 
-/// Shapes sorted by the height of their tops, because blending and equal heights depend on the order of
-/// drawing.
+/// The shapes of a type sorted by the heights of their tops, because blending, and covering at equal heights,
+/// depend on the order of drawing.
 std::vector<const FrameShape*> upwards(const FrameType& type) {
   std::vector<const FrameShape*> shapes;
   for (const FrameShape& shape : type.shapes) shapes.push_back(&shape);
@@ -48,8 +48,8 @@ std::vector<const FrameShape*> upwards(const FrameType& type) {
   return shapes;
 }
 
-/// Adds a triangle at the front of the body, above all shapes, in a colour that contrasts with the shape
-/// below it.
+/// Adds the heading mark: a triangle at the front of the body, above all shapes, in a colour that contrasts
+/// with the shape below the mark.
 void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
   Box extent;
   for (const FrameShape* shape : upwards) {
@@ -64,7 +64,7 @@ void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
   const double tip = extent.max.x() - 0.10 * length;
   const double base = tip - 1.3 * half_width;
 
-  Paint paint = Paint::edge;  // if there is no shape below it
+  Paint paint = Paint::edge;  // used if there is no shape below the mark
   Rgba own{};
   const Vec2 middle((tip + 2 * base) / 3, y);
   for (const FrameShape* shape : upwards) {

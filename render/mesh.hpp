@@ -4,31 +4,34 @@
 
 namespace troupe::render {
 
+/// What body_mesh() draws in addition to the faces.
 struct MeshStyle {
-  float edge = 0;     ///< width of the outline of each contour, pixels; 0: none
-  float halo = 0;     ///< width of a white line below the outline, pixels; 0: none
-  bool mark = false;  ///< a triangle that points forward, at the front
+  float edge = 0;     ///< width of the outline of each contour, pixels; 0: no outline
+  float halo = 0;     ///< width of a white line below the outline, pixels; 0: no line
+  bool mark = false;  ///< whether there is a triangle at the front that points forward
 };
 
 Rgba to_rgba(const Color& color);
-/// The colour of an outline around `fill`.
+/// The colour of the outline of a shape of the colour `fill`.
 Rgba darker(Rgba fill);
-/// White on dark colours, near black on light ones.
+/// A colour that is readable on `fill`: white if `fill` is dark, near black if it is light.
 Rgba contrasting(Rgba fill);
 
-/// Convex pieces of each shape of a type, in the order of shapes. Computed once, because large floor plans
-/// take long.
+/// The convex pieces of each shape of a type, in the order of the shapes. They are computed only once,
+/// because this takes long for large floor plans.
 using Pieces = std::vector<std::vector<ConvexPrism>>;
 Pieces pieces_of(const engine::FrameType& type);
 
-/// The top faces of a type in its body frame, m; lower shapes first, the mark last.
+/// The top faces of the shapes of a type in its body frame, m. Lower shapes come first, the heading mark
+/// last.
 Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
-/// The mesh without strokes, all in the body's colour.
+/// A mesh without its strokes, with all triangles in the colour Paint::body.
 Mesh silhouette(Mesh mesh);
 
-/// Adds a line from a to b whose square ends extend half its width beyond them, so that corners close. The
-/// ends are in mesh units, the width in pixels.
+/// Adds a line from a to b at the height z. Its square ends extend beyond a and b by half the width, so that
+/// corners close. a, b and z are in mesh units, the width is in pixels.
 void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own = {});
+/// Adds a filled rectangle with the corners min and max, in mesh units.
 void add_rectangle(Mesh& mesh, const Vec2& min, const Vec2& max, Rgba own);
 
 }  // namespace troupe::render

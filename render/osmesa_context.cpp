@@ -14,7 +14,8 @@
 namespace troupe::render {
 namespace {
 
-/// Mesa 22 leaks about 300 bytes per destroyed context; do not report that.
+/// Mesa 22 leaks about 300 bytes per destroyed context. While such an object exists, the address sanitizer
+/// ignores leaks.
 struct ForgiveLeaks {
 #ifdef __SANITIZE_ADDRESS__
   __lsan::ScopedDisabler disabler;
@@ -78,7 +79,10 @@ OsmesaContext::OsmesaContext() {
                                                0};
   [[maybe_unused]] const ForgiveLeaks forgive;
   const OSMesaContext context = osmesa().create(k_attributes.data(), nullptr);
-  if (!context) throw std::runtime_error("cannot draw: this OSMesa cannot create an OpenGL 3.3 core context");
+  if (!context)
+    throw std::runtime_error(
+        "cannot draw: the installed OSMesa cannot create an OpenGL 3.3 core context; install a newer version "
+        "(Debian, Ubuntu: apt install libosmesa6)");
   context_ = context;
 }
 
@@ -88,14 +92,16 @@ void OsmesaContext::make_current() {
   [[maybe_unused]] const ForgiveLeaks forgive;
   const auto context = static_cast<OSMesaContext>(context_);
   if (!osmesa().make_current(context, window_.data(), GL_UNSIGNED_BYTE, 16, 16))
-    throw std::runtime_error("cannot draw: OSMesa cannot make its context current");
+    throw std::runtime_error("cannot draw: OSMesa cannot use its OpenGL context on this thread");
 }
 
 void OsmesaContext::release() { osmesa().make_current(nullptr, nullptr, 0, 0, 0); }
 
 OsmesaContext::Procedure OsmesaContext::procedure(const char* name) const {
   const auto found = osmesa().get_procedure(name);
-  if (!found) throw std::runtime_error(fmt::format("cannot draw: OSMesa has no {}", name));
+  if (!found)
+    throw std::runtime_error(
+        fmt::format("cannot draw: the installed OSMesa has no OpenGL function {}", name));
   return reinterpret_cast<Procedure>(found);
 }
 

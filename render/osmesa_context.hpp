@@ -6,25 +6,26 @@
 
 namespace troupe::render {
 
-/// An OpenGL 3.3 core context without a window.
-/// OSMesa is loaded with the first context and stays loaded. It is not linked, because that would cost every
-/// run without pictures 57 MB and 26 ms.
+/// An OpenGL 3.3 core context without a window, by the library OSMesa. OSMesa is loaded with the first
+/// context and stays loaded. It is not linked, because linking would cost 57 MB and 26 ms even in runs that
+/// draw no pictures.
 class OsmesaContext {
  public:
-  /// Throws std::runtime_error, with the package to install, if OSMesa is missing or too old.
+  /// Throws std::runtime_error if OSMesa is missing or too old. The message names the package to install.
   OsmesaContext();
   ~OsmesaContext();
   OsmesaContext(const OsmesaContext&) = delete;
   OsmesaContext& operator=(const OsmesaContext&) = delete;
 
-  /// Makes this context current on the calling thread until release(); it can be current on only one thread
-  /// at a time. Throws std::runtime_error.
+  /// Makes this context current on the calling thread until release() is called. It can be current on only
+  /// one thread at a time. Throws std::runtime_error if OSMesa fails.
   void make_current();
+  /// Ends make_current(). To be called on the same thread.
   void release();
 
   using Procedure = void (*)();
-  /// An OpenGL function by name, such as "glClear", valid for all contexts. Throws std::runtime_error if the
-  /// library has no such function.
+  /// The OpenGL function with this name, such as "glClear". It is valid for all contexts. Throws
+  /// std::runtime_error if the library has no such function.
   Procedure procedure(const char* name) const;
 
  private:
@@ -33,8 +34,9 @@ class OsmesaContext {
       window_;  // required by OSMesa; pictures are drawn into framebuffer objects
 };
 
-/// Opens the first library that can be loaded and returns its handle, which is never closed. Throws
-/// std::runtime_error with the package to install and the loader's messages if none can.
+/// Opens the first of these libraries that can be loaded and returns its handle, which is never closed. If
+/// none can be loaded, throws std::runtime_error; the message has the package to install and the messages of
+/// the loader.
 void* open_osmesa(std::span<const char* const> library_names);
 
 }  // namespace troupe::render

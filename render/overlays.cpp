@@ -29,20 +29,21 @@ constexpr Rgba k_sight = {196, 30, 110, 200};
 constexpr Rgba k_covered = {122, 168, 140, 255};
 constexpr Rgba k_free_beam = {52, 140, 70, 255};
 constexpr Rgba k_broken_beam = {206, 48, 40, 255};
-constexpr double k_scan_opacity =
-    46;  // of up to k_few_scans; less for more scans, so that they do not hide the scene
+// Opacities are from 0 to 255. Up to k_few_scans scans have the opacity k_scan_opacity. If there are more
+// scans, it is lower, but at least k_least_opacity, so that the scans do not hide the scene.
+constexpr double k_scan_opacity = 46;
 constexpr double k_few_scans = 20;
 constexpr double k_least_opacity = 5;
 constexpr std::uint8_t k_beam_opacity = 110;
 constexpr std::uint8_t k_heat_opacity = 150;
 constexpr std::uint8_t k_blob_opacity = 90;
-// Opacity of squares visited long ago, and of squares with a robot.
+// Opacity of squares that robots visited long ago (stale), and of squares with a robot (fresh).
 constexpr double k_stale_opacity = 70, k_fresh_opacity = 150;
 
-constexpr double k_grid_strokes = 48;      // least distance of grid lines
-constexpr double k_most_grid_lines = 120;  // in each direction
-constexpr double k_density_strokes = 36;   // least edge of a square
-constexpr std::size_t k_fan_steps = 8;     // triangles of a single beam with an opening angle
+constexpr double k_grid_strokes = 48;      // least distance between grid lines, strokes
+constexpr double k_most_grid_lines = 120;  // greatest number of grid lines in each direction
+constexpr double k_density_strokes = 36;   // least edge of a square of the layer `density`, strokes
+constexpr std::size_t k_fan_steps = 8;     // triangles that show a single beam with an opening angle
 
 /// A layer whose mesh is in metres relative to the projection's origin.
 SolidLayer in_world(SolidMesh mesh, SolidLayer::Depth depth) {
@@ -60,7 +61,8 @@ std::uint8_t scan_opacity(const Frame& frame) {
   return static_cast<std::uint8_t>(std::max(k_least_opacity, k_scan_opacity / std::sqrt(crowd)));
 }
 
-/// End point of reading `i` of a transducer, relative to the projection's origin, m.
+/// End point of beam `i` of a transducer, relative to `origin`, m. pose_world: pose of the transducer; range:
+/// its reading, m.
 Vec3 end_of_beam(const Pose& pose_world, const FrameTransducer& transducer, std::size_t i, double range,
                  const Vec3& origin) {
   const double bearing = transducer.samples > 1
@@ -103,7 +105,8 @@ void add_scan(SolidMesh& fills, SolidMesh& lines, const FrameScene& scene, const
   }
 }
 
-/// The number of robots in each square of the floor, by the indices of the square in a grid of this pitch.
+/// The number of robots in each square of the floor. Squares are given by their x and y indices in a grid
+/// with edges of `pitch`, m.
 std::map<std::pair<std::int64_t, std::int64_t>, int> count_in_squares(const FrameScene& scene,
                                                                       const Frame& frame, double pitch) {
   std::map<std::pair<std::int64_t, std::int64_t>, int> counts;
@@ -123,7 +126,7 @@ void add_square(SolidMesh& mesh, const Vec3& corner, double edge, Rgba color) {
   add_plain(mesh, corner, across, corner + Vec3(0, edge, 0), color);
 }
 
-/// Squares that robots have visited; paler the longer ago.
+/// Squares that robots have visited. A square is the paler, the longer ago the last visit was.
 SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
   SolidMesh mesh;
   for (const engine::FrameSquare& square : frame.covered) {
@@ -134,7 +137,8 @@ SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
   return in_world(std::move(mesh), SolidLayer::Depth::floor);
 }
 
-/// Squares with robots, filled by their number or outlined.
+/// The squares that contain robots: filled with the colour of the number of robots if `filled`, else
+/// outlined.
 SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection& projection, double pitch,
                    bool filled, Rgba outline) {
   SolidMesh mesh;
@@ -174,7 +178,7 @@ void add_footprint(SolidMesh& mesh, const FrameScene& scene, const FrameBody& bo
   }
 }
 
-/// Adds a trail; older parts are paler.
+/// Adds the trail of a body. Older parts are paler.
 void add_trail(SolidMesh& mesh, const engine::FrameTrail& trail, const Projection& projection, Rgba color) {
   const std::size_t n = trail.points.size();
   for (std::size_t i = 1; i < n; ++i) {
@@ -199,10 +203,10 @@ void add_names(Writing& writing, const FrameScene& scene, const Frame& frame, co
   }
 }
 
-/// Adds a bar above each body with a power pack: green, or red if the charge is low.
+/// Adds a bar above each body with a power pack. The bar is green, or red if the charge is low.
 void add_charges(Mesh& mesh, const FrameScene& scene, const Frame& frame, const Projection& projection) {
   constexpr double k_least_width = 10, k_height = 3;  // strokes
-  constexpr double k_little = 0.2;
+  constexpr double k_little = 0.2;  // fraction of the capacity below which the charge is low
   constexpr Rgba k_rim = {60, 56, 50, 255}, k_none = {235, 232, 225, 255};
   constexpr Rgba k_full = {52, 140, 70, 255}, k_low = {206, 48, 40, 255};
   const double stroke = projection.stroke();
@@ -260,14 +264,15 @@ struct Look {
   std::size_t count = 0;
 };
 
-/// Adds a swatch, a name and a number for each type and colour of robots, in the upper left corner.
+/// Adds a legend in the upper left corner: for each type and colour of robots a swatch, the name of the type
+/// and the number of robots.
 void add_types(Writing& writing, const FrameScene& scene, const Frame& frame, const Framing& framing) {
   constexpr std::size_t k_most = 12;
   std::vector<Look> looks;
   for (const FrameBody& body : frame.mobile) {
     const Rgba color = to_rgba(body.color);
     if (!scene.types[body.type].mobile || looks.size() > 10 * k_most) continue;
-    // Compared by name, because a body with moved joints has a copy of its type.
+    // Types are compared by name, because a body with moved joints has a copy of its type.
     const auto known = std::ranges::find_if(looks, [&](const Look& look) {
       return look.color == color && scene.types[look.type].name == scene.types[body.type].name;
     });
@@ -292,7 +297,7 @@ void add_types(Writing& writing, const FrameScene& scene, const Frame& frame, co
   }
 }
 
-/// Adds the boundary of the area for robots.
+/// Adds the bounds of the world as lines on the floor.
 void add_bounds(SolidMesh& mesh, const Box& bounds, const Projection& projection, Rgba color) {
   const std::array<Vec2, 4> corners = {bounds.min, Vec2(bounds.max.x(), bounds.min.y()), bounds.max,
                                        Vec2(bounds.min.x(), bounds.max.y())};

@@ -10,8 +10,9 @@
 namespace troupe::render {
 namespace {
 
-// The used part of cairo's interface, whose ABI is stable since 1.2. The library is loaded with the first
-// PDF, so that a build needs no headers of cairo, and a run without PDFs does not load it.
+// The part of cairo's interface that is used here. Its ABI has been stable since version 1.2. The library is
+// loaded when the first PDF is drawn: so a build needs no headers of cairo, and a run without PDFs does not
+// load it.
 struct CairoSurface;
 struct CairoContext;
 using CairoWrite = int (*)(void* closure, const unsigned char* data, unsigned length);
@@ -22,7 +23,7 @@ constexpr int k_success = 0;  // cairo_status_t
 constexpr int k_write_error = 11;
 constexpr int k_metadata_title = 0, k_metadata_subject = 2, k_metadata_creator = 4;  // cairo_pdf_metadata_t
 constexpr int k_square_cap = 2, k_miter_join = 0, k_round_join = 1;
-constexpr int k_normal = 0;  // slant and weight
+constexpr int k_normal = 0;  // slant and weight of a font
 
 struct Cairo {
   CairoSurface* (*pdf_surface_create_for_stream)(CairoWrite, void*, double, double);

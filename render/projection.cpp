@@ -14,7 +14,7 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_most_depth_ratio = 4000;
 constexpr double k_bias_pixels = 2;
 
-/// The largest value of `of` over the points.
+/// The largest value of the function `of` over the points.
 template <class Of>
 double largest(std::span<const Vec3> points, Of&& of) {
   double most = -k_infinity;
@@ -66,10 +66,11 @@ void Projection::fit(std::span<const Vec3> points, double margin, double band_be
     const double farthest = along(back_).second;
     eye_ = 0.5 * (left + right) * right_ + center_up * up_ + (farthest + 1) * back_;
   } else {
-    // A point is in the picture if up.(p - e) <= above / focal * depth(p), and so on: each side of the
-    // picture bounds the position e of the eye by a plane, and of all points the farthest such plane counts.
-    // With forward = -back and e in the axes (right, up, forward), two opposite planes bound the forward
-    // coordinate.
+    // Let e be the position of the eye. A point p is below the upper side of the picture if up.(p - e) <=
+    // above / focal * depth(p), and likewise for the other three sides. So each side and each point bound e
+    // by a plane; of all points, only the strictest plane of each side counts. With forward = -back and e in
+    // the axes (right, up, forward), the planes of two opposite sides together bound the forward coordinate
+    // of e.
     const Vec3 forward = -back_;
     const auto bound = [&](const Vec3& axis, double half) {
       return largest(points, [&](const Vec3& p) { return axis.dot(p) - half / focal_ * forward.dot(p); });
@@ -141,7 +142,8 @@ bool Projection::may_show(const Vec3& point, double radius) const {
            (y - radius) * pixels_per_metre_ <= 0.5 * height_;
   const double d = -back_.dot(seen);
   if (d + radius < near_) return false;
-  // The distance to a side's plane is shorter than the distance across the view, by the slope of the plane.
+  // The planes through the eye and the sides of the picture are oblique. So the distance of a point from such
+  // a plane is shorter than its distance measured across the view, by the factor sqrt(1 + slope^2).
   const double wide = 0.5 * width_ / focal_;
   const double high = 0.5 * height_ / focal_;
   return x - wide * d <= radius * std::sqrt(1 + wide * wide) &&
@@ -149,7 +151,8 @@ bool Projection::may_show(const Vec3& point, double radius) const {
 }
 
 Vec3 Projection::floor_center() const {
-  // At smaller slopes the floor's centre is so far away that floats relative to it lose precision.
+  // If the view is nearly horizontal, the floor in the picture's centre is so far away that single-precision
+  // coordinates relative to it would be inexact.
   constexpr double k_least_slope = 0.05;
   if (back_.z() < k_least_slope) return {eye_.x(), eye_.y(), 0};
   const Vec3 center = eye_ - eye_.z() / back_.z() * back_;
@@ -196,7 +199,8 @@ std::array<float, 16> Projection::clip_matrix() const {
 
 float Projection::clip_bias() const {
   const double metres = k_bias_pixels * stroke_ / (perspective() ? focal_ : pixels_per_metre_);
-  // In a perspective view these are metres at a depth of 1 m, and the bias grows with the depth.
+  // In a perspective view, `metres` is the length at a depth of 1 m; the bias grows in proportion to the
+  // depth.
   const double range = perspective() ? 2 * far_ * near_ / (far_ - near_) : 2 / (far_ - near_);
   return static_cast<float>(-metres * range);
 }

@@ -12,54 +12,62 @@ namespace troupe::render {
 
 using Vec3 = Eigen::Vector3d;
 
-/// The mapping of world points to the picture. The picture's axes in the world are right, up, and back
-/// (towards the viewer).
+/// The mapping of world points to the picture. In the world frame, right() and up() are the axes of the
+/// picture, and back() points from the picture towards the viewer.
 class Projection {
  public:
-  /// Straight down, with the given framing; `heights` is the interval that the depth buffer must resolve.
+  /// A parallel view straight down, with the given framing. `heights` is the interval of heights, m, that the
+  /// depth buffer must resolve.
   static Projection from_above(const Framing& framing, const ZInterval& heights);
-  /// With pitch (rad, 0 straight down, pi/2 level) and yaw (rad, counter-clockwise from looking along +y).
-  /// `fov` is the vertical angle of a perspective view, rad; 0: parallel.
+  /// A view of width x height pixels. stroke: pixels per stroke, as in Framing. pitch: rad, 0 looks straight
+  /// down, pi/2 horizontally. yaw: rad, counter-clockwise, 0 looks along +y. fov: vertical field of view of a
+  /// perspective view, rad; 0: parallel view. The position of the viewer must be set by one of the functions
+  /// below.
   Projection(int width, int height, double stroke, double pitch, double yaw, double fov);
 
   bool perspective() const { return focal_ > 0; }
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Pixels per stroke unit, as in Framing.
+  /// Pixels per stroke, as in Framing.
   double stroke() const { return stroke_; }
 
-  /// Moves the viewer so that all points are in the picture and fill it, with margins in pixels. `points`
-  /// must not be empty.
+  /// Moves the viewer so that all points are in the picture and fill it, except for a margin on all sides and
+  /// a band below, both in pixels. `points` (m, world frame) must not be empty.
   void fit(std::span<const Vec3> points, double margin, double band_below);
-  /// Moves the viewer so that `center` is in the picture's centre, where the picture is `across` metres wide.
+  /// Moves the viewer so that the world point `center` is in the picture's centre, where the picture is
+  /// `across` metres wide.
   void look_at(const Vec3& center, double across);
-  /// Moves the viewer to this point; perspective views only.
+  /// Moves the viewer to the world point `eye`. Only for perspective views.
   void stand_at(const Vec3& eye);
   /// Sets the range of the depth buffer to the depths of these points, with a margin.
   void reach(std::span<const Vec3> points);
 
   /// Distance from the viewer along the view direction, m; negative: behind the viewer.
   double depth(const Vec3& point) const { return -back_.dot(point - eye_); }
-  /// Scale at a point; 0 if it is not in front of the viewer.
+  /// Scale of the picture at a world point, pixels per metre; 0 if the point is not in front of the viewer.
   double pixels_per_metre(const Vec3& point) const;
-  /// Pixels right of and above the picture's centre; nothing if the point is not in front of the viewer.
+  /// Place of a world point in the picture: pixels right of and above its centre. Nothing if the point is not
+  /// in front of the viewer.
   std::optional<Vec2> to_pixels(const Vec3& point) const;
-  /// Whether a ball around the point may be visible.
+  /// Whether a ball around a world point may be visible. May be true for a ball just outside the picture.
   bool may_show(const Vec3& point, double radius) const;
-  /// The point of the floor in the picture's centre, or below the viewer if there is no floor in the centre.
+  /// The point of the floor (z = 0) in the picture's centre, or below the viewer if no floor is in the
+  /// centre.
   Vec3 floor_center() const;
 
-  /// Single-precision coordinates are relative to this point, m, to limit rounding; its height is 0.
+  /// The world point, m, to which the single-precision coordinates in solid layers are relative, which limits
+  /// their rounding. Its height is 0.
   const Vec3& origin() const { return origin_; }
-  /// Matrix from points relative to the origin to OpenGL's clip coordinates, column-major, y up.
+  /// Column-major matrix that converts points relative to origin() to OpenGL's clip coordinates, with y up.
   std::array<float, 16> clip_matrix() const;
-  /// Offset of the third clip coordinate that moves a point about two pixels nearer.
+  /// Offset of the third clip coordinate that moves a point towards the viewer by the length of about two
+  /// pixels.
   float clip_bias() const;
   /// Distance of the near plane of a perspective view, m; 0 in a parallel view.
   double nearest() const { return perspective() ? near_ : 0; }
-  /// Clip units per metre across the view, before the division by depth.
+  /// Clip units per metre to the right and upwards in the picture, before the division by depth.
   Vec2 clip_scale() const;
-  /// Position of the viewer relative to the origin; far away in a parallel view.
+  /// Position of the viewer relative to origin(), m; a point far away in a parallel view.
   Vec3 viewer_from_origin() const;
   const Vec3& right() const { return right_; }
   const Vec3& up() const { return up_; }
@@ -70,7 +78,7 @@ class Projection {
   int height_;
   double stroke_;
   Vec3 right_, up_, back_;
-  double focal_ = 0;             ///< pixels at a depth of 1 m; 0: parallel
+  double focal_ = 0;             ///< pixels per metre at a depth of 1 m; 0: parallel view
   double pixels_per_metre_ = 1;  ///< scale of a parallel view
   Vec3 eye_ = Vec3::Zero();
   Vec3 origin_ = Vec3::Zero();

@@ -8,38 +8,42 @@
 
 namespace troupe::render {
 
-/// A scene, with data that are computed once for all pictures.
+/// A scene, with data that are computed only once for all its pictures.
 struct SceneMeshes {
   const engine::FrameScene& scene;
-  std::vector<Pieces> pieces;  ///< by type
+  std::vector<Pieces> pieces;  ///< convex pieces of the shapes of each type
 };
 
 inline constexpr Rgba k_stalled_edge = {224, 32, 32, 255};
-/// Factors by which the outline of a stalled robot is wider than that of other robots, and the white line
-/// below it wider than the outline. One of the two contrasts with any colour.
+/// Width of the outline of a stalled robot divided by the width of the outlines of other robots.
 inline constexpr float k_stalled_widening = 1.3F;
+/// Width of the white line below the outline of a stalled robot divided by the width of this outline. On any
+/// background, either the outline or the white line has enough contrast.
 inline constexpr float k_stalled_halo = 1.9F;
 
-/// Least width of a robot, strokes, so that a swarm stays visible in a large world.
+/// Least width of a robot in the picture, strokes (Framing::stroke), so that a swarm stays visible in a large
+/// world.
 inline constexpr double k_smallest_robot = 3.5;
-/// Robots narrower than this, strokes, have no outline, which would hide their colour.
+/// Robots narrower than this, in strokes, have no outline, because it would hide their colour.
 inline constexpr double k_smallest_outlined = 7;
-/// Robots narrower than this, strokes, have no heading mark, which would be too small to see.
+/// Robots narrower than this, in strokes, have no heading mark, because it would be too small to see.
 inline constexpr double k_smallest_marked = 9;
 
-/// A layer with one instance of a mesh that is already in pixels of the picture.
+/// A layer with a single instance of a mesh whose units are pixels from the picture's centre.
 Layer flat(Mesh mesh, bool on_top);
 
-/// Add the layers of a view from above: static bodies such as the floor plan, and mobile bodies. `colors` has
-/// one colour per body.
+/// Add the layers of a view from above: add_flat_fixed() those of static bodies such as the floor plan,
+/// add_flat_mobile() those of mobile bodies. `colors` has one colour per mobile body; if it is empty, bodies
+/// have their own colours.
 void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
                     const Layers& shown, const Theme& theme);
 void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                      std::span<const Rgba> colors, const Framing& framing, const Layers& shown);
 
-/// Adds the layers of other views: static and mobile bodies in the order in which they must be drawn, shadows
-/// first. `on_floor` is drawn above the shadows and below the bodies. `in_air` is hidden by static bodies and
-/// never hides mobile bodies: a hundred overlapping scans would cover the robots below.
+/// Adds the layers of a view that is not from above: shadows, static bodies and mobile bodies, in the order
+/// in which they must be drawn. The overlays `on_floor` are drawn over the shadows and below the bodies. The
+/// overlays `in_air` are hidden by static bodies but never hide mobile bodies, because a hundred overlapping
+/// scans would cover the robots below. colors: as for add_flat_mobile().
 void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                 const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);

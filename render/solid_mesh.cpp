@@ -12,7 +12,8 @@ using Eigen::Vector3d;
 using engine::FrameShape;
 using engine::FrameType;
 
-/// Two sides that meet at a smaller angle count as one curved surface without a line between them.
+/// If the directions of two adjacent sides differ by less than this angle, rad, the sides count as one curved
+/// surface without a line between them.
 constexpr double k_bend = 30 * k_pi / 180;
 
 SolidVertex vertex(const Vector3d& p, const Vector3d& a, double side, Paint paint, Rgba own, Corner corner) {
@@ -36,7 +37,8 @@ void add_quad(SolidMesh& mesh, const std::array<Vector3d, 4>& corners, const Vec
     mesh.push_back(vertex(corners[k], normal, 0, paint, own, Corner::face));
 }
 
-/// Whether there is a line between two sides: if both are long enough and meet at a large enough angle.
+/// Whether there is a line between two adjacent sides: both must be at least `least_side` long, m, and their
+/// directions must differ by k_bend or more.
 bool is_edge(const Vec2& before, const Vec2& after, double least_side) {
   const double lengths = before.norm() * after.norm();
   return std::min(before.norm(), after.norm()) >= least_side &&
@@ -54,8 +56,8 @@ void add_sides(SolidMesh& mesh, const Ring& ring, const ZInterval& z, Paint pain
   }
 }
 
-/// Whether a point is inside or on top of another shape than this one. A line there would be visible only
-/// where two surfaces nearly coincide.
+/// Whether a point is inside or on top of a shape of the type other than shape `own`. A line at such a point
+/// would be visible only where two surfaces nearly coincide.
 bool is_inside_others(const FrameType& type, std::size_t own, const Vec2& point, double z) {
   constexpr double k_flush_m = 0.005;
   for (std::size_t s = 0; s < type.shapes.size(); ++s) {
@@ -89,8 +91,8 @@ void add_edges(SolidMesh& mesh, const FrameType& type, std::size_t shape, const 
   }
 }
 
-/// Draws lines in the colour of a top along its pieces. Adjacent pieces may share a side without sharing its
-/// end points, which would leave cracks.
+/// Draws lines along the outlines of the pieces of a top face, in the colour of the face. They cover cracks
+/// between adjacent pieces, which occur where two pieces share a side but not its end points.
 void close_cracks(SolidMesh& mesh, const FrameShape& shape, const std::vector<ConvexPrism>& pieces,
                   double width) {
   if (pieces.size() < 2) return;
@@ -109,7 +111,7 @@ double width_of(const Solid& solid) {
   return extent.empty() ? 0 : extent.size().maxCoeff();
 }
 
-/// A copy of the type with only its highest shape, on whose top the mark lies.
+/// A copy of the type that has only its highest shape, on top of which the heading mark is drawn.
 FrameType topmost(const FrameType& type) {
   FrameType top{.mobile = type.mobile, .radius = type.radius};
   const auto highest =

@@ -75,7 +75,7 @@ std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts) {
   if (drawing.ground[3] != 0)
     svg += fmt::format("<rect width=\"{}\" height=\"{}\"{}/>\n", drawing.width, drawing.height,
                        paint("fill", drawing.ground));
-  // paint-order "stroke" draws the halo below the letters. The viewport clips what extends beyond the
+  // The paint-order "stroke" draws the halo below the letters. The viewport clips everything outside the
   // picture.
   svg +=
       "<g stroke-linecap=\"square\" stroke-linejoin=\"miter\" paint-order=\"stroke\" "

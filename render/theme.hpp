@@ -7,15 +7,16 @@ namespace troupe::render {
 
 /// The colours of everything except bodies.
 struct Theme {
-  Rgba ground;  ///< opacity 0: none
-  Rgba shadow;
-  Rgba grid;
-  Rgba ink;     ///< letters and lines
-  Rgba halo;    ///< around letters and lines
-  Rgba line;    ///< bounds and links
-  Rgba square;  ///< outlines of cells
+  Rgba ground;  ///< background; opacity 0: transparent
+  Rgba shadow;  ///< shadows of bodies
+  Rgba grid;    ///< grid lines on the floor
+  Rgba ink;     ///< letters, and the lines of legends and scale bar
+  Rgba halo;    ///< margin around letters and lines of `ink`
+  Rgba line;    ///< bounds of the world, and links between bodies
+  Rgba square;  ///< outlines of cells of the spatial index
 };
 
+/// The colours that match a background.
 const Theme& theme_of(Background background);
 
 }  // namespace troupe::render

@@ -9,7 +9,8 @@
 namespace troupe::render {
 namespace {
 
-/// The colours of viridis (van der Walt and Smith, public domain) at equal steps.
+/// Nine equally spaced colours of the colour map viridis (van der Walt and Smith, public domain), from 0 to
+/// 1.
 constexpr std::array<std::array<double, 3>, 9> k_steps = {{{68, 1, 84},
                                                            {71, 44, 122},
                                                            {59, 81, 139},

@@ -8,15 +8,16 @@
 
 namespace troupe::render {
 
-/// The colour of a value from 0 to 1, from dark violet to yellow with increasing lightness, so that it is
-/// readable in grey and for the colour-blind. Values outside 0 to 1 are clamped.
+/// The colour for a number from 0 (dark violet) to 1 (yellow). Lightness increases with the number, so that
+/// the scale is readable in grey and for the colour-blind. Numbers outside 0 to 1 are clamped.
 Rgba value_color(double share);
 /// The colour of bodies without a value.
 inline constexpr Rgba k_no_value = {170, 166, 158, 255};
 
-/// The smallest and the largest of the values that are numbers. If they are equal, an interval around them.
+/// The smallest and the largest finite value. If they are equal, the ends of an interval around them; if
+/// there are none, 0 and 1.
 std::pair<double, double> range_of(std::span<const double> values);
-/// One colour per value.
+/// One colour per value, on a scale whose ends are `range`; k_no_value for NaN.
 std::vector<Rgba> value_colors(std::span<const double> values, const std::pair<double, double>& range);
 
 }  // namespace troupe::render

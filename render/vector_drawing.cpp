@@ -16,19 +16,20 @@ struct Flat {
   VectorPath path;
 };
 
-/// Joins added triangles and lines to the previous path if that has the same colour, width and height.
+/// Collects triangles and lines as paths. A triangle or line is joined to the previous path if both have the
+/// same colour, width and height.
 class Paths {
  public:
   Vec2 middle = Vec2::Zero();  ///< centre of the picture, pixels
   std::vector<Flat> all;
 
-  /// Adds a triangle, in pixels right of and above the centre.
+  /// Adds a triangle. Its corners are in pixels right of and above the picture's centre.
   void add_triangle(std::array<Vec2, 3> corners, double z, Rgba color) {
     for (Vec2& corner : corners) corner = placed(corner);
     Flat& flat = path_of(z, color, 0);
     Ring* const last = flat.path.rings.empty() ? nullptr : &flat.path.rings.back();
     if (last && last->size() >= 3 && last->front() == corners[0] && last->back() == corners[1])
-      last->push_back(corners[2]);  // the next triangle of a fan
+      last->push_back(corners[2]);  // this is the next triangle of a fan
     else
       add_ring(flat, {corners.begin(), corners.end()});
   }
@@ -58,7 +59,8 @@ class Paths {
     return all.back();
   }
 
-  /// Transparent rings get a path each: in one path, overlaps would not be darker.
+  /// Every transparent ring gets a path of its own. In a common path, the overlap of two rings would not be
+  /// darker than the rings.
   void add_ring(Flat& flat, Ring ring) {
     if (flat.path.color[3] == 255 || flat.path.rings.empty()) {
       flat.path.rings.push_back(std::move(ring));
@@ -98,7 +100,7 @@ void add(Paths& paths, const Layer& layer) {
       const Rgba color = color_of(c, instance);
       if (a.offset_x == 0 && a.offset_y == 0) {
         paths.add_triangle({place(a.x, a.y), place(b.x, b.y), place(c.x, c.y)}, z, color);
-      } else {  // two triangles of add_stroke()
+      } else {  // a stroke: two triangles, made by add_stroke()
         const double width = std::hypot(c.offset_x - b.offset_x, c.offset_y - b.offset_y);
         paths.add_line(place(a.x, a.y), place(b.x, b.y), width, z, color);
         i += 3;
@@ -116,7 +118,7 @@ void add(Paths& paths, const SolidLayer& layer, const Projection& projection) {
     const SolidVertex& a = layer.mesh[i];
     const SolidVertex& b = layer.mesh[i + 1];
     const SolidVertex& c = layer.mesh[i + 2];
-    if (a.corner == Corner::stroke) {  // two triangles of add_stroke()
+    if (a.corner == Corner::stroke) {  // a stroke: two triangles, made by add_stroke()
       paths.add_line(pixels(a.x, a.y, a.z), pixels(a.ax, a.ay, a.az), 2 * std::abs(a.side), 0, a.own);
       i += 3;
     } else {
@@ -137,7 +139,7 @@ void add(Paths& paths, const PointLayer& layer) {
   }
 }
 
-/// Marks lines that end where they began as closed.
+/// Marks the lines of a path as closed if all of them end at the point at which they begin.
 void close_lines(VectorPath& path) {
   const auto comes_back = [](const Ring& ring) { return ring.size() > 3 && ring.front() == ring.back(); };
   if (path.width == 0 || !std::ranges::all_of(path.rings, comes_back)) return;
@@ -145,8 +147,8 @@ void close_lines(VectorPath& path) {
   path.is_closed = true;
 }
 
-/// Replaces bytes that are not valid UTF-8 and control characters by question marks; neither format allows
-/// them.
+/// Replaces control characters, and bytes that are not valid UTF-8, by question marks: neither SVG nor PDF
+/// allows them.
 std::string as_utf8(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
@@ -156,7 +158,7 @@ std::string as_utf8(std::string_view text) {
                     i + more < text.size();
     for (std::size_t k = 1; is_right && k <= more; ++k)
       is_right = (static_cast<unsigned char>(text[i + k]) & 0xc0U) == 0x80U;
-    if (is_right && more > 1) {  // overlong forms, surrogates, and code points above the last
+    if (is_right && more > 1) {  // refuses overlong forms, surrogates, and code points above U+10FFFF
       const auto second = static_cast<unsigned char>(text[i + 1]);
       is_right = !(first == 0xe0 && second < 0xa0) && !(first == 0xed && second >= 0xa0) &&
                  !(first == 0xf0 && second < 0x90) && !(first == 0xf4 && second >= 0x90);
@@ -193,7 +195,8 @@ VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLa
     } else {
       flush();
       add(paths, std::get<SolidLayer>(any), projection);
-      std::vector<Flat> in_order = std::move(paths.all);  // not sorted: these layers have no heights
+      // Not sorted by height: solid layers on the floor have no heights.
+      std::vector<Flat> in_order = std::move(paths.all);
       paths.all.clear();
       for (Flat& flat : in_order) drawing.items.emplace_back(std::move(flat.path));
       paths.close();

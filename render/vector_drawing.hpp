@@ -12,42 +12,42 @@
 
 namespace troupe::render {
 
-/// A path of filled outlines or of lines, in pixels from the upper left corner, y down.
+/// A path of filled outlines, or of lines.
 struct VectorPath {
-  std::vector<Ring> rings;
+  std::vector<Ring> rings;  ///< points in pixels from the picture's upper left corner, y down
   Rgba color{};
-  double width = 0;        ///< width of lines, pixels; 0: the rings are filled, overlaps included
-  bool is_closed = false;  ///< for lines: the last point of each is joined to its first
+  double width = 0;        ///< width of lines, pixels; 0: the rings are filled, also where they overlap
+  bool is_closed = false;  ///< for lines: whether the last point of each ring is joined to its first
 };
 
 /// One line of text.
 struct VectorText {
-  std::string text;         ///< UTF-8
-  Vec2 pen = Vec2::Zero();  ///< start of its baseline; its end if `ends_at_pen`
-  bool ends_at_pen = false;
-  double cap_height = 11;  ///< pixels
+  std::string text;          ///< UTF-8
+  Vec2 pen = Vec2::Zero();   ///< start of its baseline, or the end if `ends_at_pen`; pixels, as in VectorPath
+  bool ends_at_pen = false;  ///< true: the text ends at the pen; false: it starts there
+  double cap_height = 11;    ///< height of capitals, pixels
   Rgba color{};
-  Rgba halo{};
-  double halo_width = 0;  ///< pixels beyond the letters
+  Rgba halo{};            ///< colour of a margin around the letters
+  double halo_width = 0;  ///< width of this margin, pixels
 };
 
 /// A picture as paths and texts, in the order of drawing.
 struct VectorDrawing {
-  int width = 0;  ///< pixels of 1/96 inch
-  int height = 0;
-  Rgba ground{};  ///< opacity 0: none
+  int width = 0;   ///< pixels of 1/96 inch
+  int height = 0;  ///< pixels of 1/96 inch
+  Rgba ground{};   ///< background; opacity 0: no background
   std::vector<std::variant<VectorPath, VectorText>> items;
 };
 
-/// The layers and the lettering of a map as a drawing. Joins triangles to the polygons they were made of, and
-/// strokes to lines. Sorts flat layers by height, as the depth buffer does for pixels.
+/// The layers and the lettering of a map as a drawing. Adjacent triangles are joined to polygons again, and
+/// adjacent strokes to lines. Flat layers are sorted by height, which for pixels the depth buffer does.
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 
-/// The drawing as SVG 1.1, with texts as text.
+/// The drawing as the content of an SVG 1.1 file with the metadata `texts`. Texts of the drawing stay text.
 std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts);
-/// The drawing as PDF 1.5 with embedded fonts. Throws std::runtime_error, with the package to install, if
-/// cairo is missing.
+/// The drawing as the content of a PDF 1.5 file with embedded fonts and the metadata `texts`. Throws
+/// std::runtime_error if cairo is missing; the message names the package to install.
 std::string pdf_text(const VectorDrawing& drawing, const FileTexts& texts);
 
 }  // namespace troupe::render

@@ -21,7 +21,8 @@ std::size_t count_types(const engine::WorldSpec& spec) {
   return static_cast<std::size_t>(std::ranges::count(is_used, true));
 }
 
-/// The document of a JSON world, for the lines of its keys. Empty for a `.world` or an unreadable file.
+/// The document of a JSON world, which tells the line of each key. Empty for a `.world` or an unreadable
+/// file.
 std::optional<WorldDocument> document_of(const std::filesystem::path& file, const engine::Registry& registry,
                                          const LoadOptions& options, const Diagnostics& diagnostics) {
   if (file.extension() != ".json") return std::nullopt;
@@ -44,7 +45,7 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
   }
   engine::WorldSpec spec = load_world(from, registry, options, diagnostics);
   if (diagnostics.has_errors()) return {};
-  // A Stage world without a name has its file's name as title: the new file's name replaces it.
+  // A Stage world without a name has the name of its file as title. The name of the new file replaces it.
   if (spec.title == from.string() || spec.title == from.stem().string()) spec.title = to.stem().string();
   ConvertedWorld converted{.bodies = spec.bodies.size() - 1, .types = count_types(spec)};
   const auto source = document_of(from, registry, options, diagnostics);

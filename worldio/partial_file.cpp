@@ -18,19 +18,20 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int k_most_writers = 1000;  // simultaneous writers of one file
-constexpr mode_t k_mode = 0666;       // of a new file, before the umask
+constexpr mode_t k_mode = 0666;       // permissions of a new file, before the umask
 
 void check(std::int64_t result) {
   if (result < 0) throw std::system_error(errno, std::generic_category());
 }
 
-/// Whether an error of open() is caused by an existing entry of this name, so that another name may work.
+/// Whether an error of open() may be caused by an existing file or folder of this name, so that another name
+/// may work.
 bool is_of_the_name(int error) {
   return error == EACCES || error == EPERM || error == EISDIR || error == ELOOP || error == ENXIO ||
          error == EEXIST;
 }
 
-/// Whether a name still refers to the open file: its writer may have renamed or removed it.
+/// Whether a name still refers to the open file. Another writer may have renamed or removed the file.
 bool is_called(int descriptor, const fs::path& name) {
   struct stat opened {};
   struct stat named {};
@@ -69,7 +70,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
 
 PartialFile::~PartialFile() {
   if (descriptor_ < 0) return;
-  unlink(partial_.c_str());  // while still locked, so that no other writer has taken the file over
+  unlink(partial_.c_str());  // while it is still locked: afterwards it could belong to another writer
   close(descriptor_);
 }
 
@@ -90,7 +91,7 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
     if (!is_regular(descriptor)) return give_up(Taken::no);
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) return give_up(Taken::no);
-      unlink(partial.c_str());  // without locks no writer owns this name
+      unlink(partial.c_str());  // this name is only for writers with locks, which do not work here
       return give_up(Taken::no_locks);
     }
     if (!is_called(descriptor, partial)) {  // its writer renamed or removed it between open() and flock()
@@ -121,8 +122,8 @@ void PartialFile::write(std::span<const std::byte> bytes) {
 void PartialFile::sync() { check(fsync(descriptor_)); }
 
 void PartialFile::commit() {
-  // Some file systems report a full disk only on close. The duplicate is closed, so the lock is kept until
-  // the file has its final name.
+  // Some file systems report a full disk only on close. Closing a duplicate of the descriptor reports it too,
+  // and keeps the lock until the file has its final name.
   check(close(dup(descriptor_)));
   check(std::rename(partial_.c_str(), file_.c_str()));
   close(std::exchange(descriptor_, -1));

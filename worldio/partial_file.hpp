@@ -7,17 +7,18 @@
 
 namespace troupe::worldio {
 
-/// A file that is written under a temporary name in the folder of its final one: `NAME.partial`, or
-/// `NAME.2.partial`, `NAME.3.partial`, ... if several writers write NAME at the same time. A writer holds a
-/// lock (flock) on its partial file until it renames or removes it. An unlocked partial file was left by a
-/// killed writer; the next writer of NAME reuses it. On file systems without locks the temporary name
-/// contains the process id, and the partial file of a killed writer remains.
+/// A file NAME that is written under a temporary name in the same folder and renamed when it is complete. The
+/// temporary name is `NAME.partial`, or `NAME.2.partial`, `NAME.3.partial` and so on if several writers write
+/// NAME at the same time. A writer holds a lock (flock) on its partial file until it renames or removes it. A
+/// partial file without a lock was left by a killed writer, and the next writer of NAME reuses it. On file
+/// systems without locks the temporary name contains the process id, and the partial file of a killed writer
+/// remains.
 ///
-/// All functions throw std::system_error. If NAME exists, it must be a regular file.
+/// All functions throw std::system_error on failure. If NAME exists, it must be a regular file.
 class PartialFile {
  public:
-  /// Creates an empty partial file for `file`. `ending` is appended to the temporary name, for programs that
-  /// choose a format by it: ".mp4".
+  /// Creates an empty partial file for the final name `file`. `ending`, such as ".mp4", is appended to the
+  /// temporary name, for programs that choose a format by the ending.
   explicit PartialFile(std::filesystem::path file, std::string_view ending = {});
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
@@ -25,8 +26,9 @@ class PartialFile {
   ~PartialFile();
 
   const std::filesystem::path& path() const { return partial_; }  ///< the temporary name
-  /// Open for writing. A process that inherits it shares the lock.
+  /// Descriptor of the partial file, open for writing. A process that inherits it shares the lock.
   int descriptor() const { return descriptor_; }
+  /// Appends all bytes to the partial file.
   void write(std::span<const std::byte> bytes);
   /// Flushes the written bytes to the disk (fsync).
   void sync();

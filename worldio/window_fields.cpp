@@ -14,8 +14,8 @@ using engine::FieldType;
 using engine::Unit;
 
 constexpr double k_most_window_px = 16384;
-constexpr double k_most_turn = 100;  // rad
-constexpr double k_reach_m = 100e3;  // the extent of worlds
+constexpr double k_most_turn = 100;  // greatest camera angle, rad
+constexpr double k_reach_m = 100e3;  // greatest coordinate in a world
 
 /// The layers that can be switched on and off, with Stage's defaults.
 constexpr std::pair<std::string_view, bool> k_switches[] = {
@@ -59,7 +59,7 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{400, 300},
        .min = -k_most_window_px,
        .max = k_most_window_px,
-       .text = "width and height of the window; negative: full screen",
+       .text = "width and height of the window; negative numbers: full screen",
        .columns = 2},
       {.name = "center",
        .type = FieldType::numbers,
@@ -75,7 +75,7 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{0, 0},
        .min = -k_most_turn,
        .max = k_most_turn,
-       .text = "pitch (0: straight down) and yaw of the orthographic view",
+       .text = "pitch (0 looks straight down) and yaw of the orthographic view",
        .columns = 2},
       {.name = "scale_px_per_m",
        .fallback = 15.0,
@@ -97,12 +97,12 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{radians(70), 0},
        .min = -k_most_turn,
        .max = k_most_turn,
-       .text = "pitch (0: straight down) and yaw of the perspective view",
+       .text = "pitch (0 looks straight down) and yaw of the perspective view",
        .columns = 2},
       {.name = "perspective",
        .type = FieldType::boolean,
        .fallback = false,
-       .text = "use the perspective view"},
+       .text = "true: the perspective view is used; false: the orthographic view"},
       {.name = "interval",
        .unit = Unit::seconds,
        .fallback = 0.04,
@@ -110,13 +110,16 @@ FieldTable make_window_fields() {
        .max = 1e6,
        .text = "time between two updates of the window",
        .above_min = true},
-      {.name = "screenshots", .type = FieldType::boolean, .fallback = false, .text = "save screenshots"},
+      {.name = "screenshots",
+       .type = FieldType::boolean,
+       .fallback = false,
+       .text = "true: screenshots are saved"},
       {.name = "screenshot_skip",
        .type = FieldType::integer,
        .fallback = 1,
        .min = 1,
        .max = 1e9,
-       .text = "save one of this many screenshots"},
+       .text = "n: only every n-th screenshot is saved"},
       {.name = "follow",
        .type = FieldType::text,
        .fallback = "",

@@ -4,8 +4,8 @@
 
 namespace troupe::worldio {
 
-/// The parameters of a world's `window` (engine::WorldSpec::window), as of Stage's: camera poses and which
-/// layers are drawn.
+/// The table of the parameters of a world's `window` (engine::WorldSpec::window). They are those of Stage's
+/// `window`: camera poses and which layers are drawn.
 const engine::FieldTable& window_fields();
 
 }  // namespace troupe::worldio

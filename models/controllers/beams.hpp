@@ -10,11 +10,11 @@
 
 namespace troupe::models {
 
-/// Geometry of one reading of a ranger, in the frame of the drive that the controller commands: x is straight
-/// ahead, y left.
+/// Geometry of one beam of a ranger, in the frame of the drive that the controller commands: x points
+/// straight ahead, y to the left.
 struct Beam {
-  std::size_t reading = 0;     ///< index in Percept::ranges()
-  std::size_t transducer = 0;  ///< index of its transducer
+  std::size_t reading = 0;     ///< index of its reading in Percept::ranges()
+  std::size_t transducer = 0;  ///< index of the transducer (fan of beams) to which it belongs
   double bearing = 0;          ///< rad, counter-clockwise from straight ahead, within [-pi, pi]
   SinCos direction;            ///< unit vector of the bearing
   Vec2 origin = Vec2::Zero();  ///< start of the beam, m

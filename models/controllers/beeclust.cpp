@@ -18,8 +18,8 @@ using sensors::k_ground_color;
 using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_ahead = k_pi / 3;       // rad to either side: within this a robot is met
-constexpr double k_least_turn = k_pi / 2;  // rad, after a wait
+constexpr double k_ahead = k_pi / 3;       // rad to either side: robots within this angle are met
+constexpr double k_least_turn = k_pi / 2;  // rad: least angle of a turn
 
 struct Beeclust {
   struct Params {
@@ -34,18 +34,21 @@ struct Beeclust {
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::max_wait>("max_wait", seconds, within(0, 1e6),
-                                  "upper limit of the waiting time, approached as the ground gets brighter");
-      d.member<&Params::half>("half", above(0), at_most(1e6),
-                              "square of the brightness (0 to 1) at which it waits for half of `max_wait`");
-      d.member<&Params::meet>("meet", meters, at_least(0),
-                              "distance between the radios within which it meets a robot ahead");
+                                  "limit of the waiting time: on ground of brightness S (0 to 1) a robot "
+                                  "waits max_wait S^2 / (S^2 + half)");
+      d.member<&Params::half>(
+          "half", above(0), at_most(1e6),
+          "square of the brightness (0 to 1) at which a robot waits for half of `max_wait`");
+      d.member<&Params::meet>(
+          "meet", meters, at_least(0),
+          "distance between two radios within which a robot meets another robot that is ahead of it");
       describe_min_front(d);
     }
   };
   struct Memory {
-    std::uint32_t wait_updates = 0;
-    std::uint32_t turn_updates = 0;
-    float turn = 0;  ///< rad/s
+    std::uint32_t wait_updates = 0;  ///< decisions that remain of the present wait
+    std::uint32_t turn_updates = 0;  ///< decisions that remain of the present turn
+    float turn = 0;                  ///< turn rate of the present turn, rad/s
     TROUPE_FIELDS(wait_updates, turn_updates, turn)
   };
   static constexpr std::size_t k_ground = 0, k_radio = 1, k_scanner = 2, k_led = 3;
@@ -71,7 +74,7 @@ struct Beeclust {
     const RadioPort radio(percept.devices[k_radio], actions.devices[k_radio]);
     radio.say();
     if (memory.wait_updates > 0) {
-      // The wait is over: it turns away from the robot that it met.
+      // When the wait is over, the robot turns away from the robot that it met.
       if (--memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
     } else if (memory.turn_updates > 0) {
       --memory.turn_updates;
@@ -121,8 +124,9 @@ struct Beeclust {
 }  // namespace
 
 engine::ControllerKind beeclust_controller() {
-  return engine::make_controller_kind<Beeclust>(
-      "beeclust", "aggregate where the ground is bright: wait where another robot is met");
+  return engine::make_controller_kind<Beeclust>("beeclust",
+                                                "aggregate where the ground is bright: wait on meeting "
+                                                "another robot, the longer the brighter the ground");
 }
 
 }  // namespace troupe::models

@@ -33,25 +33,29 @@ struct BrazilNut {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::radius>("radius", meters, required, above(0), at_most(1000),
-                                "radius of the disc that it acts as");
+                                "radius of the disc as which the robot acts");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "greatest speed");
-      d.member<&Params::gain>("gain", per_second, at_least(0), "turn rate per radian that it is to turn");
+      d.member<&Params::gain>("gain", per_second, at_least(0),
+                              "turn rate per radian of the angle to the direction in which the robot aims");
       d.member<&Params::taxis>("taxis", at_least(0), "weight of the direction to the light");
       d.member<&Params::noise>("noise", at_least(0), "weight of the random direction");
-      d.member<&Params::push>("push", at_least(0), "repulsion by a robot in the same place");
-      d.member<&Params::shake>("shake", seconds, within(0, 1e6), "how long a random direction lasts");
+      d.member<&Params::push>(
+          "push", at_least(0),
+          "weight of the repulsion by a robot in the same place; it falls to 0 at the sum of both radii");
+      d.member<&Params::shake>("shake", seconds, within(0, 1e6),
+                               "time after which a new random direction is drawn");
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;  ///< decisions left with the present random direction
-    double heading = 0;              ///< the random direction, rad, in the frame of the estimate
+    std::uint32_t updates_left = 0;  ///< decisions until a new random direction is drawn
+    double heading = 0;              ///< present random direction, rad, in the frame of the estimated pose
     TROUPE_FIELDS(updates_left, heading)
   };
   static constexpr std::size_t k_light = 0, k_radio = 1;
 
   Params params;
   double radio_heading = 0;        // heading of the radio in the frame of the drive, rad
-  std::vector<SinCos> directions;  // of the light sensor, in the frame of the drive
+  std::vector<SinCos> directions;  // directions of the light sensor's readings, in the frame of the drive
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -118,7 +122,8 @@ struct BrazilNut {
 
 engine::ControllerKind brazil_nut_controller() {
   return engine::make_controller_kind<BrazilNut>(
-      "brazil_nut", "act as a disc of a given size that is shaken, drawn to a light and pushed by others");
+      "brazil_nut",
+      "sort by size: robots act as shaken discs that a light attracts and that repel one another");
 }
 
 }  // namespace troupe::models

@@ -20,14 +20,16 @@ using sensors::payload_of;
 using sensors::RadioPort;
 
 constexpr std::uint8_t k_prey = 255;
-constexpr double k_turn = 1.0;               // rad/s, away from obstacles ahead
-constexpr double k_gain = 2.0;               // 1/s, towards its goal
-constexpr double k_tolerance_share = 0.15;   // of the spacing: this near, it is at the place of a link
-constexpr double k_home_share = 0.75;        // of the spacing: radius of its circles around the nest
-constexpr double k_same_place_share = 0.5;   // of the spacing: links of one number this near are in one place
-constexpr double k_longest_round_s = 30;     // around the nest
-constexpr std::uint32_t k_patience = 20;     // decisions for which it stays without the link before it
-constexpr std::uint32_t k_past_updates = 8;  // straight on after a turn, to get past the obstacle
+constexpr double k_turn = 1.0;  // rad/s, away from obstacles ahead
+constexpr double k_gain = 2.0;  // 1/s, towards its goal
+// Distances as fractions of the spacing:
+constexpr double k_tolerance_share = 0.15;  // a robot this near to the place of a link is at the place
+constexpr double k_home_share = 0.75;       // radius of the circles of robots around the nest
+constexpr double k_same_place_share = 0.5;  // two links of the same number this near are in one place
+
+constexpr double k_longest_round_s = 30;     // longest time of circling around the nest
+constexpr std::uint32_t k_patience = 20;     // decisions for which a link stays without the link before it
+constexpr std::uint32_t k_past_updates = 8;  // decisions straight on after a turn, to get past the obstacle
 
 enum class Role : std::uint8_t { robot, nest, prey };
 constexpr std::array<std::string_view, 3> names_of(Role) { return {"robot", "nest", "prey"}; }
@@ -44,29 +46,32 @@ struct Chain {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::role>("role", "role; a nest and a prey stand still");
-      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000), "distance from link to link");
+      d.member<&Params::role>(
+          "role", "robot: searches and forms chains; nest, prey: stands still as one end of the chains");
+      d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000),
+                                 "distance between neighbouring links of a chain");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       describe_min_front(d);
-      d.member<&Params::joins>("joins", within(0, 1),
-                               "probability per decision that it becomes a link where there is room for one");
+      d.member<&Params::joins>(
+          "joins", within(0, 1),
+          "probability per decision that a robot becomes a link, once it is at the place for the next link");
       d.member<&Params::leaves>("leaves", within(0, 1),
-                                "probability per decision that the last link of a chain leaves it");
+                                "probability per decision that the last link of a chain leaves the chain");
     }
   };
   struct Memory {
-    std::uint8_t link = 0;      ///< 1: it is a link
-    std::uint8_t number = 0;    ///< number of the link, counted from the nest
-    std::uint8_t path = 0;      ///< 1: a path leads on from here to the prey
-    std::uint8_t homeward = 0;  ///< 1: it is on its way back to the nest
-    std::uint32_t alone = 0;    ///< decisions since it heard the link before it
-    std::uint32_t round_updates = 0;
-    std::uint32_t turn_updates = 0;
-    std::uint32_t past_updates = 0;
-    float turn = 0;  ///< rad/s
+    std::uint8_t link = 0;            ///< 1: the robot is a link
+    std::uint8_t number = 0;          ///< number of the link, counted from the nest
+    std::uint8_t path = 0;            ///< 1: a path leads on from here to the prey
+    std::uint8_t homeward = 0;        ///< 1: the robot is on its way back to the nest
+    std::uint32_t alone = 0;          ///< decisions since the link heard the link before it
+    std::uint32_t round_updates = 0;  ///< decisions that remain of circling around the nest
+    std::uint32_t turn_updates = 0;   ///< decisions that remain of the present turn
+    std::uint32_t past_updates = 0;   ///< decisions that remain of driving straight on after a turn
+    float turn = 0;                   ///< turn rate of the present turn, rad/s
     TROUPE_FIELDS(link, number, path, homeward, alone, round_updates, turn_updates, past_updates, turn)
   };
-  /// The nest or a link that it hears. Place in the robot frame, m.
+  /// The nest or a link that the robot hears. `place` is its position in the robot frame, m.
   struct Post {
     std::uint8_t number = 0;
     double range = std::numeric_limits<double>::infinity();
@@ -147,7 +152,7 @@ struct Chain {
     return true;
   }
 
-  /// Updates `path` and `alone`. False if it cannot stay.
+  /// Updates `path` and `alone` of a link from the messages that it hears. Returns false if it must leave.
   bool listen_as_link(Memory& memory, const engine::Percept& percept, const RadioPort& radio) const {
     bool has_path = false;
     const bool is_nest = params.role == Role::nest;
@@ -170,7 +175,8 @@ struct Chain {
 
   // ---- as an explorer
 
-  /// The nearest post heard: with the number `wanted`, or, without one, of any number. Never the prey.
+  /// The nearest nest or link heard: with the number `wanted`, or with any number if none is given. The prey
+  /// is never returned.
   std::optional<Post> nearest(const RadioPort& radio, std::optional<int> wanted = {}) const {
     Post best;
     for (std::size_t i = 0; i < radio.count(); ++i) {
@@ -210,7 +216,7 @@ struct Chain {
     }
     const Vec2 room = beyond(*post, nearest(radio, post->number - 1));
     const std::optional<Post> next = nearest(radio, post->number + 1);
-    // Chains may leave the nest in several directions.
+    // At the nest there is room for another chain in a direction that is far from the first links.
     const bool has_room = !next || (post->number == 0 && (next->place - room).norm() > params.spacing);
     if (!has_room) {
       head_for(next->place, command);
@@ -226,7 +232,7 @@ struct Chain {
     head_for(room, command);
   }
 
-  /// Place of the next link: in line with the last two; at the nest, in the direction of the robot.
+  /// Place of the next link: in line with the last two links; after the nest, in the direction of the robot.
   Vec2 beyond(const Post& last, const std::optional<Post>& before) const {
     const Vec2 way = before && last.number > 0 ? Vec2(last.place - before->place) : Vec2(-last.place);
     const double length = way.norm();
@@ -239,7 +245,7 @@ struct Chain {
     command = {share * params.speed * std::max(0.0, cos(angle)), 0, k_gain * angle};
   }
 
-  /// Circles the nest, counter-clockwise, so that all robots go the same way.
+  /// Circles around the nest counter-clockwise, so that all robots go in the same direction.
   void go_round(const Vec2& centre, engine::Command& command) const {
     const double range = std::max(centre.norm(), 1e-6);
     const Vec2 in = centre / range;

@@ -9,7 +9,7 @@ namespace troupe::models {
 namespace {
 
 constexpr double k_turn = 1.0;              // rad/s
-constexpr std::uint32_t k_surely_goes = 3;  // updates after which a command must have moved it
+constexpr std::uint32_t k_surely_goes = 3;  // decisions after which a command must have moved the robot
 
 enum Does : std::uint8_t { k_ahead, k_back, k_turns };
 
@@ -24,19 +24,19 @@ struct Clustering {
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed forward and backward");
       d.member<&Params::back>("back", seconds, within(0, 1e6),
-                              "how long it backs off from what it cannot push");
+                              "how long the robot drives backwards from a load that it cannot push");
       describe_min_front(d);
     }
   };
   struct Memory {
-    double x = 0;                    ///< estimated pose at the last decision: m
-    double y = 0;                    ///< m
-    double heading = 0;              ///< rad
-    std::uint32_t same_updates = 0;  ///< updates since it last changed what it does
-    std::uint8_t does = 0;           ///< drives ahead, backs off or turns
-    std::uint32_t back_updates = 0;  ///< updates of backing off left
-    std::uint32_t turn_updates = 0;  ///< updates of turning left
-    float turn = 0;                  ///< rad/s
+    double x = 0;                    ///< estimated x at the last decision, m
+    double y = 0;                    ///< estimated y at the last decision, m
+    double heading = 0;              ///< estimated heading at the last decision, rad
+    std::uint32_t same_updates = 0;  ///< decisions since `does` last changed
+    std::uint8_t does = 0;           ///< what the robot does, one of Does
+    std::uint32_t back_updates = 0;  ///< decisions that remain of driving backwards
+    std::uint32_t turn_updates = 0;  ///< decisions that remain of the present turn
+    float turn = 0;                  ///< turn rate of the present turn, rad/s
     TROUPE_FIELDS(x, y, heading, same_updates, does, back_updates, turn_updates, turn)
   };
 

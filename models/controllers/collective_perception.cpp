@@ -18,11 +18,11 @@ namespace {
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
-constexpr double k_listen_s = 3;     // the last messages before a decision, which count
-constexpr double k_straight_s = 10;  // mean
-constexpr double k_turn = 0.8;       // rad/s
-constexpr double k_stop_share = 0.6;
-constexpr float k_middle = 0.5f;  // brightness below which ground is black
+constexpr double k_listen_s = 3;      // messages heard in this time before the end of sharing count
+constexpr double k_straight_s = 10;   // mean time of driving straight on
+constexpr double k_turn = 0.8;        // rad/s
+constexpr double k_stop_share = 0.6;  // fraction of `min_front`
+constexpr float k_middle = 0.5f;      // brightness below which ground is black
 
 enum class Rule : std::uint8_t { majority, voter };
 constexpr std::array<std::string_view, 2> names_of(Rule) { return {"majority", "voter"}; }
@@ -39,26 +39,29 @@ struct CollectivePerception {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
-      d.member<&Params::explore>("explore", seconds, above(0), at_most(1e6),
-                                 "mean time for which it explores the floor");
+      d.member<&Params::explore>(
+          "explore", seconds, above(0), at_most(1e6),
+          "mean time for which a robot explores the floor before it shares its opinion");
       d.member<&Params::share>("share", seconds, above(0), at_most(1e6),
-                               "mean time for which it broadcasts an opinion of quality 1");
-      d.member<&Params::rule>(
-          "rule", "decision rule: the majority of the opinions received, or a random one of them");
+                               "mean time for which a robot broadcasts an opinion of quality 1; it is "
+                               "proportional to the quality (0 to 1)");
+      d.member<&Params::rule>("rule",
+                              "how a robot adopts an opinion. majority: the most frequent one of those "
+                              "received and its own; voter: a random one of those received");
       describe_min_front(d);
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;  ///< updates left of exploring or sharing
-    std::uint32_t looked = 0;        ///< readings since it began to explore
-    std::uint32_t agreed = 0;        ///< those with the colour of its opinion
-    std::array<std::uint32_t, 2> votes{};
-    std::int32_t straight_updates = 0;
-    std::int32_t turn_updates = 0;
-    float turn = 0;  ///< rad/s
-    std::uint8_t opinion = 0;
-    std::uint8_t shares = 0;
-    std::uint8_t begun = 0;
+    std::uint32_t updates_left = 0;        ///< decisions that remain of exploring or sharing
+    std::uint32_t looked = 0;              ///< readings of the floor since the robot began to explore
+    std::uint32_t agreed = 0;              ///< how many of these readings have the colour of its opinion
+    std::array<std::uint32_t, 2> votes{};  ///< messages heard for black and for white
+    std::int32_t straight_updates = 0;     ///< decisions that remain of driving straight on
+    std::int32_t turn_updates = 0;         ///< decisions that remain of the present turn
+    float turn = 0;                        ///< turn rate of the present turn, rad/s
+    std::uint8_t opinion = 0;              ///< a FloorOpinion
+    std::uint8_t shares = 0;               ///< 1: the robot shares its opinion; 0: it explores
+    std::uint8_t begun = 0;                ///< 1: the robot has decided before
     TROUPE_FIELDS(updates_left, looked, agreed, votes, straight_updates, turn_updates, turn, opinion, shares,
                   begun)
   };
@@ -109,6 +112,7 @@ struct CollectivePerception {
     walk(memory, percept, random, actions.command);
   }
 
+  /// A random number of decisions: an exponentially distributed time with the mean mean_s, s.
   static std::uint32_t updates(double mean_s, const engine::Percept& percept, Random& random) {
     return static_cast<std::uint32_t>(std::min(random.exponential() * mean_s / percept.tick_s, 1e9));
   }
@@ -146,7 +150,7 @@ struct CollectivePerception {
       memory.opinion = random.below(all) < memory.votes[1];
       return;
     }
-    // Its own opinion counts as one message, no more than it may hear in one tick.
+    // The robot's own opinion counts as one message. Another robot may be heard once in each tick.
     std::array<std::uint32_t, 2> votes = memory.votes;
     ++votes[memory.opinion];
     if (votes[0] != votes[1]) memory.opinion = votes[1] > votes[0];

@@ -26,20 +26,20 @@ namespace {
 using engine::DeviceInfo;
 using engine::WorldSpec;
 
-// m, m/s, rad, 1/s, updates.
+// Distances in m, speeds in m/s, angles in rad, gains in 1/s, durations in decisions.
 constexpr double k_cruise = 0.3;
 constexpr double k_creep = 0.1;
-constexpr double k_creep_within = 0.5;  // distance to a puck
-constexpr double k_aligned = 0.1;       // bearing of a puck: beyond, it turns on the spot
-constexpr double k_drive_within = 1.0;  // bearing of any other goal: beyond, it turns on the spot
+constexpr double k_creep_within = 0.5;  // distance to a puck within which the robot drives at k_creep
+constexpr double k_aligned = 0.1;       // bearing of a puck beyond which the robot turns on the spot
+constexpr double k_drive_within = 1.0;  // bearing of any other goal beyond which the robot turns on the spot
 constexpr double k_turn_gain = 1;
-constexpr double k_at_sink = 0.5;     // nearer, it releases the puck
-constexpr double k_delivered = 0.8;   // pucks nearer to a sink are delivered
-constexpr double k_at_charger = 0.4;  // nearer, it stands still
-constexpr double k_low = 0.25;
-constexpr double k_full = 0.95;
-constexpr std::uint32_t k_patience = 30;  // for closing, which takes 20 from end to end
-constexpr std::uint32_t k_back_off = 15;
+constexpr double k_at_sink = 0.5;         // distance to a sink within which the robot releases the puck
+constexpr double k_delivered = 0.8;       // pucks within this distance of a sink count as delivered
+constexpr double k_at_charger = 0.4;      // distance to a charger within which the robot stands still
+constexpr double k_low = 0.25;            // a pack below this fraction of its capacity must be charged
+constexpr double k_full = 0.95;           // charging ends above this fraction of the capacity
+constexpr std::uint32_t k_patience = 30;  // wait for the paddles to close, which takes 20 in ticks of 0.1 s
+constexpr std::uint32_t k_back_off = 15;  // driving backwards from a sink or a charger
 constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
 
 bool is_number(std::string_view text) { return text.find_first_not_of("0123456789") == text.npos; }
@@ -54,8 +54,8 @@ struct Collector {
     std::int32_t avoid_updates = 0;
     std::uint32_t still_updates = 0;
     std::uint32_t escape_updates = 0;
-    std::uint32_t updates = 0;  ///< since it entered the mode
-    std::uint32_t goal = 0;     ///< index of a sink or a charger
+    std::uint32_t updates = 0;  ///< decisions since the robot entered the mode
+    std::uint32_t goal = 0;     ///< index of its sink or its charger
     double x = 0;
     double y = 0;
     double heading = 0;
@@ -78,10 +78,12 @@ struct Collector {
       using namespace engine::facts;
       constexpr double k_most_mark = 1e9;
       d.member<&Params::sink>("sink",
-                              "name of the models to which pucks are brought, without a number at its end");
-      d.member<&Params::puck>("puck", within(-k_most_mark, k_most_mark), "fiducial_return of a puck");
+                              "name of the models to which pucks are brought; names that continue with "
+                              "digits, such as sink2, count too");
+      d.member<&Params::puck>("puck", within(-k_most_mark, k_most_mark),
+                              "fiducial_return by which pucks are recognised");
       d.member<&Params::charger>("charger", within(-k_most_mark, k_most_mark),
-                                 "fiducial_return of a charger");
+                                 "fiducial_return by which chargers are recognised");
     }
   };
 
@@ -90,7 +92,7 @@ struct Collector {
   FiducialReadings sights;  // readings of the finder
   bool has_pack = false;
   std::vector<Vec2> sinks, chargers;
-  partition::BoxGrid sinks_about;  // finds the sinks at which a puck is delivered
+  partition::BoxGrid sinks_about;  // finds the sinks within k_delivered of a puck
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
   Result<> bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
@@ -148,8 +150,8 @@ Result<> Collector::bind_world(const WorldSpec& world, const engine::TypeSpec&, 
       }
   }
   if (sinks.empty())
-    return Error{
-        fmt::format("needs a model \"{}\", or \"{}0\", \"{}1\", ...", params.sink, params.sink, params.sink)};
+    return Error{fmt::format("needs a model named \"{}\", or \"{}0\", \"{}1\" and so on", params.sink,
+                             params.sink, params.sink)};
   std::vector<Box> boxes;
   for (const Vec2& at : sinks) boxes.push_back(Box::around(at, k_delivered + 1e-6));
   sinks_about = partition::BoxGrid(boxes);
@@ -189,7 +191,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
       order(actions) = GripperCommand::open;
       actions.command = {-k_creep, 0, 0};
       if (memory.updates <= k_back_off) return;
-      // Turns, so as not to drive back to where it came from.
+      // The robot turns, so that it does not drive back to the place that it leaves.
       actions.command = {0, 0, memory.goal % 2 == 0 ? 0.8 : -0.8};
       if (memory.updates > k_back_off + 10 + random.below(20)) enter(memory, seeking);
       return;
@@ -203,7 +205,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
   }
 }
 
-/// The nearest puck in sight that is not delivered.
+/// The nearest puck in sight that is not yet at a sink; none if there is no such puck.
 std::optional<Collector::Puck> Collector::puck_in_sight(const engine::Percept& percept) const {
   const engine::Readings& seen = percept.devices[k_finder];
   for (std::size_t i = 0; i < sights.count(seen); ++i)
@@ -257,7 +259,8 @@ void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept
 
 engine::ControllerKind collector_controller() {
   return engine::make_controller_kind<Collector>(
-      "collector", "grip marked pucks, carry them to the nearest sink, and charge");
+      "collector",
+      "grip marked pucks, carry them to the nearest sink, and charge the power pack when it is low");
 }
 
 }  // namespace troupe::models

@@ -29,11 +29,11 @@ struct Source {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::capacity>(
-          "capacity", at_most(1e6),
-          "number of flags that it keeps in stock, at most what its list of flags can hold");
-      d.member<&Params::unused>("unused",
-                                "no effect; accepted because worlds for Stage give a second number");
+      d.member<&Params::capacity>("capacity", at_most(1e6),
+                                  "number of flags up to which the source refills its stock, at most what "
+                                  "its list of flags can hold");
+      d.member<&Params::unused>(
+          "unused", "no effect; accepted because Stage's worlds give this controller a second number");
     }
   };
 
@@ -55,7 +55,7 @@ struct Source {
 
 struct Sink {
   struct Memory {
-    std::uint64_t delivered = 0;  ///< flags, since tick 0
+    std::uint64_t delivered = 0;  ///< number of flags received since tick 0
     TROUPE_FIELDS(delivered)
   };
   static constexpr bool needs_drive = false;

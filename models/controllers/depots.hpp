@@ -4,11 +4,11 @@
 
 namespace troupe::models {
 
-/// Creates flags: at each update adds a yellow flag of 0.25 m while its model holds fewer than `capacity`.
-/// Robots take them.
+/// Creates flags for robots to take: at each decision, if its model holds fewer than `capacity` flags, it
+/// adds a yellow flag of 0.25 m.
 engine::ControllerKind source_controller();
 
-/// Receives flags: counts the flags given to its model, and deletes one per update, so that there is room for
+/// Receives flags: counts the flags given to its model, and deletes one flag per decision to make room for
 /// more.
 engine::ControllerKind sink_controller();
 

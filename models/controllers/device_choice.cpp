@@ -24,8 +24,8 @@ Error DeviceChoice::no_scanner() const {
     if (beams == 0) continue;
     has_ranger = true;
     const std::string_view why = claimed_[d]                ? "is read by another controller"
-                                 : beams >= k_least_samples ? "has none ahead"
-                                                            : "has too few";
+                                 : beams >= k_least_samples ? "has no beam ahead"
+                                                            : "has too few beams";
     text += fmt::format("; \"{}\" ({} beams) {}", devices_[d].name, beams, why);
   }
   return {has_ranger ? text : text + "; the robot has no ranger"};

@@ -11,10 +11,11 @@
 
 namespace troupe::models {
 
-/// The devices of a body that a controller selects in its `choose`, one after another.
+/// Helps the choose() function of a controller to select (claim) devices of its body, one after another.
 class DeviceChoice {
  public:
-  /// Both must outlive the object. `claimed` has one entry per device: true if a controller uses it.
+  /// devices: the devices of the body. claimed: one entry per device, true if a controller uses it; updated
+  /// by the functions below. Both must outlive this object.
   DeviceChoice(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed)
       : devices_(devices), claimed_(claimed) {}
 
@@ -33,10 +34,10 @@ class DeviceChoice {
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable): the first one that has a transducer
-  /// with k_least_samples or more samples, as in Stage; else the first one whose transducers together have
-  /// as many. If there is none, the error says for each ranger of the robot why it cannot be used.
-  /// share: see Scanner.
+  /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable). It takes the first such ranger that has
+  /// a single transducer with k_least_samples or more beams, as in Stage. If there is none, it takes the
+  /// first whose transducers have that many beams together. If there is none either, the error says for each
+  /// ranger of the robot why it cannot be used. share: see Scanner.
   Result<Scanner> take_scanner(std::size_t share) {
     Scanner scanner;
     const auto is_usable = [&](const engine::DeviceInfo& device) {
@@ -49,7 +50,8 @@ class DeviceChoice {
     if (!has_one) return no_scanner();
     return scanner;
   }
-  /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order; an error if one is missing.
+  /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order. Returns an error if one of
+  /// them is missing. share: see Scanner.
   Result<Scanner> take_ground_radio_scanner(std::size_t share) {
     if (!take_kind("ground")) return Error{"needs a ground sensor"};
     if (!take_kind("radio")) return Error{"needs a radio"};

@@ -9,20 +9,22 @@
 
 namespace troupe::models {
 
-/// How a robot on its way to a goal gets past other robots: speeds in m/s and rad/s, distances in m.
-/// `Memory` must have the members avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m)
-/// and heading (rad).
+/// Obstacle avoidance of controllers that drive to goals among other robots. Speeds are in m/s and rad/s,
+/// distances in m. `Memory`, the controller's memory, must have the members avoid_updates (int32),
+/// still_updates and escape_updates (uint32), x, y (m) and heading (rad), all 0 at the start.
 struct Evasion {
   double avoid_speed = 0.05;  ///< forward speed while it turns away
   double avoid_turn = 0.5;    ///< turn rate, to either side
-  double min_front = 0.7;     ///< turns away when a reading ahead is below this
-  double stop = 0.5;          ///< turns on the spot when a reading ahead is below this
+  double min_front = 0.7;     ///< the robot turns away when a reading ahead is below this
+  double stop = 0.5;          ///< it turns on the spot when a reading ahead is below this
   double back_speed = 0.1;    ///< backward speed while it escapes
-  std::uint32_t stuck = 5;    ///< updates without motion; more than a command takes to act
-  static constexpr std::size_t window_share = 4;  ///< `share` of the Scanner
+  std::uint32_t stuck = 5;    ///< decisions without motion before it escapes; a command takes fewer to act
+  static constexpr std::size_t window_share = 4;  ///< the `share` with which Scanners must be made
 
-  /// Turns away from obstacles as `wander` does, but with a narrower window ahead and for half as long,
-  /// because many robots meet near their common goals. True if it has set the command.
+  /// Turns away from obstacles as the controller `wander` does, but looks at the middle half of the scan
+  /// instead of the middle third, and turns for half as long, because many robots meet near their common
+  /// goals. ranges: readings of the ranger, m. Returns true if it has set the command, false if the way is
+  /// free.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
               engine::Command& command) const {
@@ -38,8 +40,9 @@ struct Evasion {
     return true;
   }
 
-  /// Backs out if the robot is stuck at an obstacle that its scanner does not see. True if it has set the
-  /// command.
+  /// Backs out if the robot is stuck at an obstacle that its scanner does not see. here: estimated pose.
+  /// command: that of the last decision, replaced when the robot begins to back out. Returns true while the
+  /// robot backs out: the caller must then leave the command as it is.
   template <class Memory>
   bool escapes(Memory& memory, const Pose& here, Random& random, engine::Command& command) const {
     const bool is_to_move = command.x != 0 || command.turn != 0;

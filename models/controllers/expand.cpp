@@ -15,8 +15,10 @@
 namespace troupe::models {
 namespace {
 
-constexpr double k_even = 1e-6;      // relative to the sum of the ranges, and rad: less is rounding error
-constexpr double k_turn_away = 0.5;  // rad
+// A vector sum shorter than this fraction of the sum of the ranges, or an angle below this (rad), is only
+// rounding error.
+constexpr double k_even = 1e-6;
+constexpr double k_turn_away = 0.5;  // angle taken for the vector sum if a wall is straight ahead, rad
 
 struct Expand {
   struct Params {
@@ -32,21 +34,24 @@ struct Expand {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::speed>("speed", meters_per_second, "speed while the way is clear");
-      d.member<&Params::gain>("gain", per_second,
-                              "turn rate per radian between the heading and the vector sum");
-      d.member<&Params::clearance>(
-          "clearance", meters, at_least(0),
-          "free distance needed ahead; a beam at angle a from straight ahead must exceed clearance * cos(a)");
-      d.member<&Params::clearances>("clearances", meters, at_least(0),
-                                    "instead of `clearance`: distance that the beams of each transducer must "
-                                    "exceed, in the order of the transducers; 0 or left out: no limit");
-      d.member<&Params::cone>("cone", radians, at_least(0),
-                              "drives only while the vector sum is less than this off straight ahead");
-      d.member<&Params::invert>("invert",
-                                "turns away from the vector sum: robots cluster instead of dispersing");
-      d.member<&Params::hold_on_axis>(
-          "hold_on_axis",
-          "keeps the last command while the vector sum lies exactly on an axis, as in Stage's examples");
+      d.member<&Params::gain>(
+          "gain", per_second,
+          "turn rate per radian of the angle from the heading to the vector sum of the ranges");
+      d.member<&Params::clearance>("clearance", meters, at_least(0),
+                                   "free distance that the robot needs to drive: the reading of a beam at "
+                                   "angle a from straight ahead must exceed clearance * cos(a)");
+      d.member<&Params::clearances>(
+          "clearances", meters, at_least(0),
+          "list that replaces `clearance`: for each transducer, in order, the distance that the readings of "
+          "its beams must exceed for the robot to drive; 0 or a missing entry: no limit");
+      d.member<&Params::cone>(
+          "cone", radians, at_least(0),
+          "the robot drives only while the angle from straight ahead to the vector sum is less than this");
+      d.member<&Params::invert>(
+          "invert", "true: robots turn away from the vector sum, so that they gather instead of dispersing");
+      d.member<&Params::hold_on_axis>("hold_on_axis",
+                                      "true: the robot repeats its last command while the vector sum lies "
+                                      "exactly along its x or y axis, as in Stage's examples");
     }
   };
   struct Feeler {
@@ -58,7 +63,8 @@ struct Expand {
   Params params;
   std::vector<Feeler> feelers;
 
-  /// Whether the vector sum of some ranges can point within the cone ahead. Otherwise it would turn forever.
+  /// Whether there are readings for which the vector sum points into the cone ahead. If there are none, the
+  /// robot would turn forever.
   bool can_point_ahead(std::span<const Beam> beams) const {
     double left = std::numeric_limits<double>::infinity();
     double right = -left;
@@ -73,7 +79,8 @@ struct Expand {
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> sensors,
                                           std::vector<bool>& claimed) {
     DeviceChoice choice(sensors, claimed);
-    // Only the first ranger: Stage's examples do not read the second one (a laser) either.
+    // Only the first ranger is read, as in Stage's examples, whose robots also have a second ranger (a
+    // laser).
     if (!choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
       return Error{"needs a ranger that no other controller of the robot reads"};
     const engine::DeviceInfo& ranger = sensors[choice.chosen().front()];
@@ -84,8 +91,9 @@ struct Expand {
                       "sum of the beams of \"{}\" never points ahead",
                       ranger.name)};
     if (const std::size_t count = ranger.prepared.transducers.size(); params.clearances.size() > count)
-      return Error{fmt::format("has {} clearances for the {} transducers of \"{}\"", params.clearances.size(),
-                               count, ranger.name)};
+      return Error{fmt::format(
+          "has {} clearances for the {} transducers of \"{}\": give at most one for each transducer",
+          params.clearances.size(), count, ranger.name)};
     for (const Beam& beam : beams) {
       const double demand = params.clearances.empty() ? params.clearance * beam.direction.cos
                             : beam.transducer < params.clearances.size() ? params.clearances[beam.transducer]
@@ -96,8 +104,8 @@ struct Expand {
   }
 
   void operator()(const engine::DecideBatch& batch) const {
-    // First all sums, then all angles: an arc tangent has a long latency but few operations, so those of
-    // several robots overlap if nothing else is computed between them.
+    // First all vector sums are computed, then all angles. An arc tangent has a long latency but few
+    // operations, so the arc tangents of several robots overlap if nothing else is computed between them.
     constexpr std::size_t k_some = 64;
     std::array<double, k_some> x;
     std::array<double, k_some> y;
@@ -117,7 +125,7 @@ struct Expand {
           sum += r;
           all_clear &= r > feeler.clearance;
         }
-        // Equally free on all sides: the sum is only rounding error, so it drives straight ahead.
+        // All sides are equally free: the sum is only rounding error, so the robot drives straight ahead.
         const bool is_even =
             !params.hold_on_axis && sum_x * sum_x + sum_y * sum_y <= k_even * k_even * sum * sum;
         x[i] = is_even ? 1 : params.invert ? -sum_x : sum_x;
@@ -127,7 +135,7 @@ struct Expand {
       for (std::size_t i = 0; i < count; ++i) {
         if (params.hold_on_axis && (x[i] == 0 || y[i] == 0)) continue;
         double theta = atan2(y[i], x[i]);
-        // Perpendicular to a wall, it would never turn.
+        // Without this, a robot that faces a wall at a right angle would never turn.
         if (!params.hold_on_axis && !params.invert && !clear[i] && std::abs(theta) < k_even)
           theta = k_turn_away;
         batch.command(first + i) = {clear[i] && std::abs(theta) < params.cone ? params.speed : 0.0, 0.0,
@@ -140,7 +148,8 @@ struct Expand {
 }  // namespace
 
 engine::ControllerKind expand_controller() {
-  return engine::make_controller_kind<Expand>("expand", "disperse along the vector sum of the ranges");
+  return engine::make_controller_kind<Expand>(
+      "expand", "disperse: turn towards the vector sum of the ranges, and drive while the way is clear");
 }
 
 engine::Registry::Preset expand_pioneer_preset() {

@@ -20,12 +20,13 @@ class FiducialReadings {
   /// finder: a device that the controller chose, of kind `fiducial`.
   explicit FiducialReadings(const engine::DeviceInfo& finder) : finder_heading_(finder.pose.heading) {}
 
-  /// Number of targets that have an entry, nearest first. More may be in sight.
+  /// Number of targets with an entry in the readings; the nearest target is the first. More targets may be in
+  /// sight than the readings have room for.
   std::size_t count(const engine::Readings& seen) const {
     return std::min<std::size_t>(seen.field<std::uint32_t>(sensors::k_fiducial_count)[0],
                                  seen.field<std::int32_t>(sensors::k_fiducial_id).size());
   }
-  /// fiducial_return of the target; 0 if it is too far to be read.
+  /// fiducial_return of the target, its mark; 0 if the target is too far away for its mark to be read.
   std::int32_t id(const engine::Readings& seen, std::size_t target) const {
     return seen.field<std::int32_t>(sensors::k_fiducial_id)[target];
   }

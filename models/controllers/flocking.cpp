@@ -18,13 +18,14 @@ using engine::DeviceInfo;
 constexpr double k_gain = 0.3;        // 1/s: towards free space
 constexpr double k_flock_gain = 0.3;  // 1/s: towards the heading of the nearest robot
 constexpr double k_speed = 0.4;       // m/s
-constexpr double k_cone = 0.5;        // rad
+constexpr double k_cone = 0.5;        // rad: robots drive if the free space is this near straight ahead
 constexpr double k_front = 1.0;       // m that must be free within k_front_angle of straight ahead
-constexpr double k_side = 0.5;        // m that must be free from there to k_side_angle
-constexpr double k_tolerance = 1e-3;  // rad: files give angles in degrees with few digits
+constexpr double k_side = 0.5;        // m that must be free between k_front_angle and k_side_angle
+constexpr double k_tolerance = 1e-3;  // rad and m: files give angles in degrees with few digits
 constexpr double k_front_angle = radians(30);
 constexpr double k_side_angle = radians(50);
-constexpr double k_least_turn = 0.1;  // rad/s, of a robot that does not drive
+// rad/s: if a robot that does not drive would turn more slowly, its turn rate is random.
+constexpr double k_least_turn = 0.1;
 
 struct Flocking {
   static constexpr std::size_t k_ring = 8;  // least number of transducers of a ring of sonars
@@ -36,8 +37,8 @@ struct Flocking {
   std::vector<Sonar> sonars;
   FiducialReadings finder;
 
-  /// The beams to the front and to the sides. Beams at a right angle to the heading count only if they do not
-  /// start behind the robot's origin: of Stage's ring of 16 sonars, the result is the front eight.
+  /// The beams that point forwards or sideways. Beams at a right angle to the heading are left out if they
+  /// start behind the robot's origin: of Stage's ring of 16 sonars, the front eight remain.
   static std::vector<Sonar> front_of(const DeviceInfo& device) {
     std::vector<Sonar> front;
     for (const Beam& beam : beams_of(device)) {
@@ -102,7 +103,7 @@ struct Flocking {
 engine::ControllerKind pioneer_flocking_controller() {
   return engine::make_controller_kind<Flocking>(
       "pioneer_flocking",
-      "flock: drive where the sonars see free space, turning like the nearest marked robot");
+      "flock: drive where the sonars see free space, and turn to the heading of the nearest marked robot");
 }
 
 }  // namespace troupe::models

@@ -4,15 +4,16 @@
 
 namespace troupe::models {
 
-/// Flocking of robots with a ring of sonars, after Stage's pioneer_flocking: turn in the direction in which
-/// the beams to the front and to the sides see free space, and while the way is free, drive, turning like
-/// the nearest marked robot in sight.
+/// Flocking of robots with a ring of sonars, as in Stage's pioneer_flocking. A robot turns in the direction
+/// in which its beams to the front and to the sides see free space, that is, along the vector sum of these
+/// beams. While the way is free, it also drives, and turns to the heading of the nearest marked robot in
+/// sight.
 ///
-/// needs  a ranger with beams ahead and to both sides (the first one with eight or more transducers, else the
-///        first one), and a fiducial finder
-/// free   the way is free while the readings within 30 degrees of straight ahead exceed 1 m, those within 50
-///        degrees exceed 0.5 m, and the direction of free space is less than 0.5 rad off straight ahead. On
-///        Stage's Pioneer these are sonars 2 to 5, and 1 and 6, of the front eight
+/// needs  a ranger with beams ahead and to both sides, and a fiducial finder. It takes the first such ranger
+///        with eight or more transducers, or, if there is none, the first such ranger
+/// free   The way is free while three conditions hold. The readings within 30 degrees of straight ahead
+///        exceed 1 m: on Stage's Pioneer, sonars 2 to 5 of the front eight. The readings within 50 degrees
+///        exceed 0.5 m: sonars 1 and 6. The direction of free space is less than 0.5 rad off straight ahead.
 engine::ControllerKind pioneer_flocking_controller();
 
 }  // namespace troupe::models

@@ -25,30 +25,30 @@ namespace {
 using engine::DeviceInfo;
 using engine::WorldSpec;
 
-// From Stage's foragers, in m, m/s, rad/s and updates.
+// Constants from Stage's foragers. Distances in m, speeds in m/s, durations in decisions.
 constexpr double k_cruise = 0.4;
-constexpr std::uint32_t k_wait = 20;
-constexpr double k_fetch_radius = 2;
-constexpr double k_deliver_radius = 1;
-constexpr double k_full = 0.95;
-constexpr double k_creep_within = 0.5;
+constexpr std::uint32_t k_wait = 20;    // near a source or a sink, before a flag is taken or given
+constexpr double k_fetch_radius = 2;    // distance that is near a source
+constexpr double k_deliver_radius = 1;  // distance that is near a sink
+constexpr double k_full = 0.95;         // charging ends above this fraction of the capacity
+constexpr double k_creep_within = 0.5;  // distance to a charger within which the robot drives at k_creep
 constexpr double k_creep = 0.02;
-constexpr double k_docked = 0.08;
-constexpr double k_back_off = 0.3;
+constexpr double k_docked = 0.08;   // distance to a charger within which the robot stands still
+constexpr double k_back_off = 0.3;  // distance to which a robot backs away from its charger
 constexpr double k_back_speed = 0.1;
-constexpr double k_abandon = 0.0005;  // probability per update
-constexpr std::int32_t k_charger_mark = 2;
+constexpr double k_abandon = 0.0005;        // probability per decision
+constexpr std::int32_t k_charger_mark = 2;  // fiducial_return of chargers
 
-// Our own.
-constexpr int k_steps_ahead = 2;          // cells
+// Constants that Stage does not have.
+constexpr int k_steps_ahead = 2;          // cells of the path from the robot to the point that it heads for
 constexpr double k_turn_gain = 1;         // 1/s
-constexpr double k_drive_within = 1.0;    // rad off the path: beyond, it turns on the spot
-constexpr double k_dock_within = 1.5;     // m from the charger: nearer, it heads for it directly
-constexpr double k_aligned = 0.2;         // rad
+constexpr double k_drive_within = 1.0;    // rad off the path beyond which the robot turns on the spot
+constexpr double k_dock_within = 1.5;     // m: nearer to its charger, the robot heads straight for it
+constexpr double k_aligned = 0.2;         // rad: bearing of the charger within which the robot faces it
 constexpr double k_room = 0.7;            // m that must be free ahead, except in the last half metre
-constexpr double k_queue = 1.2;           // m from the charger: robots wait farther away
-constexpr std::uint32_t k_patience = 50;  // updates of backing off, at most
-constexpr double k_least_zone = 1;        // m: radius of a fuel zone, at least
+constexpr double k_queue = 1.2;           // m from the charger: waiting robots back off to this distance
+constexpr std::uint32_t k_patience = 50;  // greatest number of decisions for which a robot backs away
+constexpr double k_least_zone = 1;        // m: least radius of a fuel zone
 
 constexpr Evasion k_evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
 
@@ -62,7 +62,7 @@ struct Task {
   Goal source, sink;
 };
 
-/// Position of a charger, seen or known, relative to the robot.
+/// Position of a charger relative to the robot, seen by the finder or known from the world file.
 struct Sight {
   double range = 0;    // m
   double bearing = 0;  // rad, from straight ahead
@@ -75,17 +75,17 @@ double bearing_of(const Pose& from, const Vec2& to) {
 struct Forager {
   enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
   struct Memory {
-    std::int32_t avoid_updates = 0;  ///< scans left of the present turn
-    std::uint32_t near_updates = 0;  ///< consecutive updates near source or sink, or of backing off
-    std::uint32_t task = 0;
-    std::uint32_t charger = 0;
-    std::uint32_t still_updates = 0;   ///< consecutive updates in which a command did not move it
-    std::uint32_t escape_updates = 0;  ///< updates left of backing out
-    double x = 0;                      ///< estimated pose at the last update: m
-    double y = 0;
-    double heading = 0;  ///< rad
-    std::uint8_t mode = working;
-    std::uint8_t started = 0;
+    std::int32_t avoid_updates = 0;    ///< decisions that remain of the present turn
+    std::uint32_t near_updates = 0;    ///< consecutive decisions near the source or sink, or of backing away
+    std::uint32_t task = 0;            ///< index of its task
+    std::uint32_t charger = 0;         ///< index of its charger
+    std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot
+    std::uint32_t escape_updates = 0;  ///< decisions that remain of backing out
+    double x = 0;                      ///< estimated x at the last decision, m
+    double y = 0;                      ///< estimated y at the last decision, m
+    double heading = 0;                ///< estimated heading at the last decision, rad
+    std::uint8_t mode = working;       ///< a Mode
+    std::uint8_t started = 0;          ///< 1: a task has been drawn
     TROUPE_FIELDS(avoid_updates, near_updates, task, charger, still_updates, escape_updates, x, y, heading,
                   mode, started)
   };
@@ -93,18 +93,18 @@ struct Forager {
   static constexpr std::size_t k_scanner = 0;
   static constexpr std::size_t k_flags = 1;
 
-  std::vector<std::pair<std::string, std::string>> names;  // of source and sink, per task
-  std::string map;
-  double low = 0;
-  bool abandons = false;
+  std::vector<std::pair<std::string, std::string>> names;  // names of source and sink, per task
+  std::string map;                                         // name of the floor plan
+  double low = 0;         // a pack below this fraction of its capacity must be charged
+  bool abandons = false;  // whether it may give up waiting, and goes to the fuel zone before it charges
   Scanner scanner;
   std::optional<std::size_t> pack, finder;  // indices among the chosen devices
   FiducialReadings sights;                  // readings of the finder
   std::vector<Task> tasks;
   std::vector<Goal> chargers;
-  bool has_zone = false;  // a fuel zone, to which it goes first
+  bool has_zone = false;  // whether there is a fuel zone, to which robots go before they choose a charger
   Goal zone;
-  double zone_radius = 0;
+  double zone_radius = 0;  // m
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
   Result<> bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
@@ -153,7 +153,7 @@ Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, st
     const BodyId from = find_body(world, source);
     const BodyId to = find_body(world, sink);
     if (!from.valid() || !to.valid())
-      return Error{fmt::format("needs a model \"{}\"", from.valid() ? sink : source)};
+      return Error{fmt::format("needs a model named \"{}\"", from.valid() ? sink : source)};
     tasks.push_back({goal(from), goal(to)});
   }
   for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)
@@ -181,7 +181,7 @@ std::uint32_t Forager::nearest_charger(const Pose& from) const {
   return static_cast<std::uint32_t>(std::ranges::min_element(chargers, {}, distance2) - chargers.begin());
 }
 
-/// By the finder, if it sees a charger; else by the pose of the charger in the world file.
+/// The charger that the finder sees. If it sees none, the robot's charger by its pose in the world file.
 Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& percept) const {
   if (finder) {
     const engine::Readings& seen = percept.devices[*finder];
@@ -272,13 +272,13 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   memory.avoid_updates = 0;
   if (abandons && state.charging == 0 && random.uniform() < k_abandon)
     memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
-  if (sight.range < k_docked) {  // not at first contact: it would leave no room for others
+  if (sight.range < k_docked) {  // not already at first contact, which would leave no room for other robots
     actions.command = {};
     return;
   }
   const double turn = k_turn_gain * sight.bearing;
   const bool is_aligned = std::abs(sight.bearing) < k_aligned;
-  // A robot ahead is charging or about to: wait, and leave it room to come out.
+  // A robot ahead is charging or about to charge: wait, and leave it room to come out.
   const bool is_taken =
       scanner.straight_ahead(percept.ranges(k_scanner)) < k_room && sight.range > k_creep_within;
   if (is_taken)
@@ -288,7 +288,8 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
 }
 
 void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const {
-  ++memory.near_updates;  // if it cannot back off, it works on and turns away on the spot
+  // After k_patience decisions the robot works on even if it could not back away. It then turns on the spot.
+  ++memory.near_updates;
   if (charger_in_sight(memory, percept).range > k_back_off || memory.near_updates > k_patience) {
     memory.mode = working;
     memory.near_updates = 0;
@@ -297,7 +298,8 @@ void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Acti
 }
 
 constexpr const char* k_map_text =
-    "model that is the floor plan; if there is none of this name, the first model outlined by an image";
+    "name of the model that is the floor plan; if no model has this name, the first model whose outline is "
+    "an image";
 
 struct Fasr : Forager {
   struct Params {
@@ -306,8 +308,8 @@ struct Fasr : Forager {
     std::string map = "cave";
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::source>("source", "model from which flags are fetched");
-      d.member<&Params::sink>("sink", "model to which flags are brought");
+      d.member<&Params::source>("source", "name of the model from which flags are fetched");
+      d.member<&Params::sink>("sink", "name of the model to which flags are brought");
       d.member<&Params::map>("map", k_map_text);
     }
   };
@@ -320,15 +322,17 @@ struct Fasr : Forager {
   }
 };
 
-/// Switches devices: the finder is on only while it docks and leaves, the scanner off for the last half
-/// metre to a charger and while it charges.
+/// This controller also switches devices: the fiducial finder is on only while the robot docks and leaves.
+/// The scanner is off for the last half metre to a charger and while the robot charges.
 struct Fasr2 : Forager {
   struct Params {
     std::string task, task2, task3, task4, task5, task6, task7, task8;
     std::string map = "cave";
 
     static constexpr void describe(engine::Description<Params>& d) {
-      constexpr const char* k_text = "\"red\": from the model red_source to the model red_sink";
+      constexpr const char* k_text =
+          "name of a task: \"red\" means to carry flags from the model red_source to the model red_sink; "
+          "empty: no task";
       d.member<&Params::task>("task", k_text);
       d.member<&Params::task2>("task2", k_text);
       d.member<&Params::task3>("task3", k_text);
@@ -370,13 +374,14 @@ struct Fasr2 : Forager {
 }  // namespace
 
 engine::ControllerKind fasr_controller() {
-  return engine::make_controller_kind<Fasr>("fasr",
-                                            "fetch flags from a source, bring them to a sink, and charge");
+  return engine::make_controller_kind<Fasr>(
+      "fasr", "fetch flags from a source, bring them to a sink, and charge the power pack when it is low");
 }
 
 engine::ControllerKind fasr2_controller() {
-  return engine::make_controller_kind<Fasr2>(
-      "fasr2", "fetch flags from several sources, bring them to their sinks, and charge");
+  return engine::make_controller_kind<Fasr2>("fasr2",
+                                             "fetch flags from several sources, bring them to their sinks, "
+                                             "and charge the power pack when it is low");
 }
 
 }  // namespace troupe::models

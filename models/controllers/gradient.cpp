@@ -15,13 +15,14 @@ namespace {
 using engine::DeviceInfo;
 using sensors::RadioPort;
 
-constexpr double k_stop_share = 0.6;       // of min_front: it turns on the spot if a reading is below this
-constexpr double k_creep_share = 0.2;      // of the speed while it turns away
+constexpr double k_stop_share = 0.6;       // fraction of min_front below which robots turn on the spot
+constexpr double k_creep_share = 0.2;      // fraction of the speed at which robots drive while they turn away
 constexpr double k_turn = 0.8;             // rad/s
-constexpr std::uint32_t k_backwards = 20;  // decisions
+constexpr std::uint32_t k_backwards = 20;  // decisions of driving backwards when no settled robot is heard
 constexpr std::uint8_t k_halt = 3;         // decisions: more than it takes to stop and to receive messages
-constexpr float k_far_hops = 12;           // number of hops that an LED can show
-constexpr double k_settles = 0.02;         // probability per decision: rarely two at once in one place
+constexpr float k_far_hops = 12;           // greatest number of hops that an LED can show
+// Probability per decision of halting to settle: low, so that two robots rarely settle in one place at once.
+constexpr double k_settles = 0.02;
 
 struct Gradient {
   struct Params {
@@ -36,26 +37,28 @@ struct Gradient {
       using enum engine::Unit;
       d.member<&Params::beacon>("beacon",
                                 "this robot is a beacon: it stands still, and hops are counted from it");
-      d.member<&Params::spacing>("spacing", meters, within(0, 10'000),
-                                 "it settles where no settled robot is nearer than this");
+      d.member<&Params::spacing>(
+          "spacing", meters, within(0, 10'000),
+          "a robot settles only where the nearest settled robot that it hears is at least this far away");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed while it roams");
       describe_min_front(d);
-      d.member<&Params::patience>("patience", within(1, 1'000'000),
-                                  "decisions after which an unconfirmed hop count is forgotten");
+      d.member<&Params::patience>(
+          "patience", within(1, 1'000'000),
+          "a robot forgets its hop count when no message has confirmed it for this number of decisions");
     }
   };
   struct Memory {
-    std::uint32_t hops = k_hops_unknown;
-    std::uint32_t unconfirmed = 0;  ///< decisions since a message confirmed `hops`
-    std::uint32_t alone = 0;        ///< decisions since it heard a settled robot
-    std::int32_t avoid_updates = 0;
-    std::uint8_t settled = 0;
-    std::uint8_t halts = 0;  ///< decisions left before it settles
+    std::uint32_t hops = k_hops_unknown;  ///< hop count of a settled robot
+    std::uint32_t unconfirmed = 0;        ///< decisions since a message confirmed `hops`
+    std::uint32_t alone = 0;              ///< decisions since the robot heard a settled robot
+    std::int32_t avoid_updates = 0;       ///< decisions that remain of the present turn
+    std::uint8_t settled = 0;             ///< 1: the robot is settled
+    std::uint8_t halts = 0;               ///< decisions that remain of halting before the robot settles
     TROUPE_FIELDS(hops, unconfirmed, alone, avoid_updates, settled, halts)
   };
   struct Heard {
-    std::uint32_t hops = k_hops_unknown;  ///< the smallest count
-    float nearest = std::numeric_limits<float>::infinity();
+    std::uint32_t hops = k_hops_unknown;                     ///< smallest hop count heard
+    float nearest = std::numeric_limits<float>::infinity();  ///< distance to the nearest robot heard, m
   };
   static constexpr bool needs_drive = false;
 
@@ -68,8 +71,8 @@ struct Gradient {
     if (!choice.take_kind("radio")) return Error{"needs a radio"};
     if (!params.beacon) {
       const Result<Scanner> taken = choice.take_scanner(3);
-      // A robot without a ranger is meant to stand. A robot with an unusable ranger is an error: it would
-      // stand too, without saying why.
+      // A robot without a ranger is meant to stand still. A ranger that cannot be used is an error: without
+      // an error, the robot would stand still too, and the user would not learn why.
       for (std::size_t d = 0; d < devices.size() && !taken; ++d)
         if (!claimed[d] && !devices[d].prepared.bearings.empty()) return taken.error();
       if (taken) scanner = *taken;
@@ -101,7 +104,7 @@ struct Gradient {
     } else {
       const bool has_room = in_touch && heard.nearest >= params.spacing;
       if (!scanner.is_usable()) memory.settled = 1;
-      // It must not settle if it is out of radio range once it stands.
+      // It must not settle if it stands out of radio range of the settled robots.
       if (memory.halts > 0 && --memory.halts == 0 && has_room) memory.settled = 1;
       if (memory.halts == 0 && has_room && random.uniform() < k_settles) memory.halts = k_halt;
       if (memory.settled != 0) count(memory, heard);

@@ -17,9 +17,9 @@ using sensors::k_ground_color;
 using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_least_turn = k_pi / 2;  // rad
+constexpr double k_least_turn = k_pi / 2;  // rad: least angle of a turn
 constexpr float k_black = 0.25f;           // brightness below which ground is black
-constexpr float k_white = 0.75f;
+constexpr float k_white = 0.75f;           // brightness above which ground is white
 constexpr Evasion k_evasion{};
 
 enum Ground : std::uint8_t { k_plain, k_is_black, k_is_white };
@@ -40,30 +40,33 @@ struct InformedAggregation {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::informed>("informed", "the only colour on which it stops; no: it stops on both");
+      d.member<&Params::informed>(
+          "informed",
+          "colour of the only sites on which the robot stops; no: it stops on black and on white sites");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
-      d.member<&Params::enter>("enter", seconds, within(0, 1e6),
-                               "longest time that it drives on into a site before it stops there");
+      d.member<&Params::enter>(
+          "enter", seconds, within(0, 1e6),
+          "longest time for which the robot drives on inside a site before it stops; the time is random");
       d.member<&Params::leave>("leave", per_second, at_least(0),
-                               "rate at which a robot that stands alone leaves");
+                               "rate at which a robot leaves its site while it hears no other robot there");
       d.member<&Params::others>(
           "others", within(0, 1000),
-          "each other robot that it hears on its site multiplies that rate by exp(-others)");
+          "each robot heard on a site of the same colour multiplies the rate `leave` by exp(-others)");
       describe_min_front(d);
     }
   };
   struct Memory {
-    std::uint32_t enter_updates = 0;
-    std::uint32_t turn_updates = 0;
-    std::uint32_t still_updates = 0;   ///< consecutive updates in which a command did not move it
-    std::uint32_t escape_updates = 0;  ///< updates left of backing out
-    double x = 0;                      ///< estimated pose at the last update: m
-    double y = 0;
-    double heading = 0;       ///< rad
-    float turn = 0;           ///< rad/s
-    std::uint8_t does = 0;    ///< walk, enter or stand
-    std::uint8_t site = 0;    ///< black or white, while it enters or stands
-    std::uint8_t leaves = 0;  ///< 1: it must leave the site before it may stop again
+    std::uint32_t enter_updates = 0;   ///< decisions that remain of driving on inside a site
+    std::uint32_t turn_updates = 0;    ///< decisions that remain of the present turn
+    std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot
+    std::uint32_t escape_updates = 0;  ///< decisions that remain of backing out
+    double x = 0;                      ///< estimated x at the last decision, m
+    double y = 0;                      ///< estimated y at the last decision, m
+    double heading = 0;                ///< estimated heading at the last decision, rad
+    float turn = 0;                    ///< turn rate of the present turn, rad/s
+    std::uint8_t does = 0;             ///< what the robot does, one of Does
+    std::uint8_t site = 0;             ///< colour of the site that it enters or stands on, a Ground
+    std::uint8_t leaves = 0;           ///< 1: the robot must leave the site before it may stop again
     TROUPE_FIELDS(enter_updates, turn_updates, still_updates, escape_updates, x, y, heading, turn, does, site,
                   leaves)
   };

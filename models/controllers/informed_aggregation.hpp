@@ -4,23 +4,24 @@
 
 namespace troupe::models {
 
-/// Aggregation on black and white sites, by robots of which some are informed: these stop only on sites of
-/// one colour.
+/// Aggregation on black and white sites. Some of the robots are informed: they stop only on sites of one
+/// colour.
 ///
-/// walks     straight on, and turns by a random angle away from obstacles nearer than `min_front`
-/// enters    on a site of a colour on which it may stop, drives on for a random time of at most `enter`, so
-///           that the first robots do not block the border, and then stands, if it is still on that colour
-/// stands    broadcasts the colour; leaves at the rate `leave` exp(-`others` n), 1/s, where n is the number
-///           of robots that it hears on the same colour; then it does not stop again before it has been on
-///           ground that is neither black nor white
-/// sees      black below a quarter of full brightness, white above three quarters
-/// stuck     backs out if other robots block it
+/// walks     A robot drives straight on and turns by a random angle away from obstacles nearer than
+///           `min_front`.
+/// enters    On a site of a colour on which it may stop, it drives on for a random time of at most `enter`,
+///           so that the first robots do not block the border. Then it stops if it is still on that colour.
+/// stands    While it stands, it broadcasts the colour. It leaves with the rate `leave` exp(-`others` n), in
+///           1/s, where n is the number of robots that it hears on a site of the same colour. It does not
+///           stop again before it has been on ground that is neither black nor white.
+/// colours   Ground below a quarter of full brightness is black, above three quarters white.
+/// stuck     If other robots block it, it backs out.
 /// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
 /// source    Firat, Ferrante, Cambier, Tuci: Self-organised aggregation in swarms of robots with informed
-///           robots, TPNC 2018. Robots stay longer the more others are near, as cockroaches do:
-///           Jeanson et al., Self-organized aggregation in cockroaches, Animal Behaviour 69, 2005; Garnier et
-///           al., The embodiment of cockroach aggregation behavior in a group of micro-robots, Artificial
-///           Life 14, 2008. The form of the law and its constants are our own
+///           robots, TPNC 2018. Robots stay longer the more other robots are near, as cockroaches do: Jeanson
+///           et al., Self-organized aggregation in cockroaches, Animal Behaviour 69, 2005; Garnier et al.,
+///           The embodiment of cockroach aggregation behavior in a group of micro-robots, Artificial Life 14,
+///           2008. The form of the law and its constants are our own
 engine::ControllerKind informed_aggregation_controller();
 
 }  // namespace troupe::models

@@ -38,7 +38,7 @@ struct Step {
     d.member<&Step::order>("order", required,
                            "for a gripper: open, close, up, down; for an actuator: go_to, speed");
     d.member<&Step::value>("value", within(-1e6, 1e6),
-                           "argument of go_to, m or rad, or of speed, m/s or rad/s");
+                           "for go_to: the position, m or rad; for speed: the speed, m/s or rad/s");
     d.derived<&Step::chosen>();
   }
 };
@@ -52,15 +52,15 @@ std::optional<double> number_of(std::string_view text) {
   return number;
 }
 
-/// Removes the text up to the first separator from `rest`, with the separator, and returns it without that.
+/// Removes the text up to and including the first separator from `rest`. Returns it without the separator.
 std::string_view take_first(char separator, std::string_view& rest) {
   const std::size_t end = std::min(rest.size(), rest.find(separator));
   const std::string_view word = rest.substr(0, end);
   rest.remove_prefix(std::min(rest.size(), end + 1));
   return word;
 }
-/// Removes the text after the last colon from `rest`, with the colon, and returns it; all if there is no
-/// colon.
+/// Removes the last colon and the text after it from `rest`. Returns this text, or all of `rest` if there is
+/// no colon.
 std::string_view take_last(std::string_view& rest) {
   const std::size_t colon = rest.rfind(':');
   const std::string_view word = colon == rest.npos ? rest : rest.substr(colon + 1);
@@ -94,7 +94,8 @@ Result<Step> read_step(std::string_view entry) {
   const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
   if (takes_value(order) != value.has_value())
     return Error{fmt::format("has a plan with \"{}\": that order {}", entry,
-                             takes_value(order) ? "needs a number" : "takes no number")};
+                             takes_value(order) ? "needs a value: DEVICE:ORDER:VALUE@SECONDS"
+                                                : "takes no value: DEVICE:ORDER@SECONDS")};
   return Step{*at_s, std::string(device), order, value.value_or(0)};
 }
 
@@ -104,9 +105,9 @@ struct Operate {
     std::vector<Step> orders;
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::plan>(
-          "plan",
-          "orders in one word, for .world files: DEVICE:ORDER@SECONDS,DEVICE:ORDER:VALUE@SECONDS,...");
+      d.member<&Params::plan>("plan",
+                              "orders as one word, for .world files: DEVICE:ORDER@SECONDS or "
+                              "DEVICE:ORDER:VALUE@SECONDS, separated by commas");
       d.member<&Params::orders>("orders", "timed orders to devices");
     }
   };
@@ -138,7 +139,7 @@ struct Operate {
       }
       const std::string_view wanted = takes_value(step.order) ? "actuator" : "gripper";
       if (device->kind != wanted)
-        return Error{fmt::format("has an order \"{}\" for \"{}\", which is no {}",
+        return Error{fmt::format("has an order \"{}\" for \"{}\", which is not a device of kind \"{}\"",
                                  k_orders[static_cast<std::size_t>(step.order)], step.device, wanted)};
       const auto index = static_cast<std::size_t>(device - devices.begin());
       const auto known = std::ranges::find(chosen, index);
@@ -150,7 +151,7 @@ struct Operate {
   }
 
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    for (const Step& step : steps) {  // by time: the last one whose time has come holds
+    for (const Step& step : steps) {  // in order of time: the last order whose time has come prevails
       if (percept.tick < engine::ticks_until(step.at_s, percept.tick_s)) return;
       using G = GripperCommand;
       switch (step.order) {

@@ -16,12 +16,14 @@ namespace {
 using sensors::payload_of;
 using sensors::RadioPort;
 
-// Relative to the weight of the heading.
-constexpr double k_push = 3;            // at contact with an obstacle
-constexpr double k_repulsion = 5;       // by another robot, at most
-constexpr double k_attraction = 0.3;    // at most, so that many distant robots do not outweigh a near one
-constexpr double k_least_range = 1e-3;  // m
-constexpr double k_backwards = 0.5;     // of the speed
+// Weights relative to that of the mean heading, which is 1:
+constexpr double k_push = 3;       // repulsion by an obstacle at contact
+constexpr double k_repulsion = 5;  // greatest repulsion by another robot
+// Greatest attraction by another robot: small, so that many distant robots do not outweigh a near one.
+constexpr double k_attraction = 0.3;
+
+constexpr double k_least_range = 1e-3;  // m: smaller ranges are taken for this one
+constexpr double k_backwards = 0.5;     // greatest speed backwards, as a fraction of the speed
 
 struct RadioFlocking {
   struct Params {
@@ -37,10 +39,11 @@ struct RadioFlocking {
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::distance>("distance", meters, above(0), "distance that it keeps from other robots");
       d.member<&Params::spacing_weight>("spacing_weight", at_least(0),
-                                        "weight of keeping the distance, relative to that of the headings");
-      d.member<&Params::gain>("gain", per_second, at_least(0), "turn rate per radian that it is to turn");
+                                        "weight of keeping the distance; the mean heading has the weight 1");
+      d.member<&Params::gain>("gain", per_second, at_least(0),
+                              "turn rate per radian of the angle to the direction in which the robot aims");
       d.member<&Params::clearance>("clearance", meters, at_least(0),
-                                   "obstacles that its scanner sees nearer than this repel it");
+                                   "obstacles that the ranger sees nearer than this repel the robot");
     }
   };
   Params params;
@@ -85,7 +88,7 @@ struct RadioFlocking {
     radio.say(static_cast<float>(own));
   }
 
-  /// Repulsion by obstacles: the mean over the beams whose reading is below the clearance.
+  /// Repulsion by obstacles: the mean over the beams whose reading is below `clearance`, robot frame.
   Vec2 push(const engine::Percept& percept) const {
     Vec2 sum(0, 0);
     std::size_t count = 0;
@@ -104,7 +107,7 @@ struct RadioFlocking {
 engine::ControllerKind radio_flocking_controller() {
   return engine::make_controller_kind<RadioFlocking>(
       "radio_flocking",
-      "flock: broadcast the own heading, turn to the mean of the headings received, keep a distance");
+      "flock by radio: broadcast the heading, turn to the mean of the headings received, keep a distance");
 }
 
 }  // namespace troupe::models

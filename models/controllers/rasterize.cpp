@@ -54,7 +54,8 @@ struct Rasterize {
 }  // namespace
 
 engine::ControllerKind rasterize_controller() {
-  return engine::make_controller_kind<Rasterize>("rasterize", "keep a raster of the model's outlines");
+  return engine::make_controller_kind<Rasterize>(
+      "rasterize", "store a raster image of the model's outlines in the controller's memory");
 }
 
 }  // namespace troupe::models

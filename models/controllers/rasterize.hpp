@@ -12,11 +12,12 @@ inline constexpr std::uint32_t k_raster_columns = 40;  ///< columns of the raste
 inline constexpr std::uint32_t k_raster_rows = 20;     ///< rows of the raster, over the model's size in y
 /// The memory of `rasterize`, which can be recorded.
 struct RasterizeMemory {
-  std::array<std::uint8_t, k_raster_columns * k_raster_rows> cells{};  ///< 1: an outline; from below, x first
+  /// 1: an outline crosses the cell. Cells are listed along x, row by row from the least y.
+  std::array<std::uint8_t, k_raster_columns * k_raster_rows> cells{};
   TROUPE_FIELDS(cells)
 };
-/// Stores which cells of a raster of 40 x 20 over the model's size its outlines cross, in the first tick.
-/// Stage prints the raster; here it is the controller's memory, which can be recorded.
+/// In the first tick, stores in its memory a raster of 40 x 20 cells over the size of the model: 1 for each
+/// cell that an outline of the model crosses. Stage's controller prints the raster; here it can be recorded.
 engine::ControllerKind rasterize_controller();
 
 }  // namespace troupe::models

@@ -20,7 +20,8 @@ Scanner::Scanner(const engine::DeviceInfo& ranger, std::size_t share) {
   const double step = fov / static_cast<double>(beams.size() - 1);
   const std::size_t margin = beams.size() / share;
   const double window = fov / 2 - static_cast<double>(margin) * step;
-  // Files give angles in degrees with few digits: a beam at the edge of the window must stay at its edge.
+  // Files give angles in degrees with few digits. The tolerance keeps a beam that should be exactly at the
+  // edge of the window on the right side of the edge.
   const double tolerance = 1e-3 * step + 1e-9;
 
   const auto off = [](const models::Beam& beam) { return std::abs(beam.bearing); };

@@ -22,16 +22,16 @@ struct Leg {
     using namespace engine::facts;
     using enum engine::Unit;
     d.member<&Leg::until_s>("until", seconds, required, at_least(0),
-                            "world time at which the next leg begins");
+                            "world time at which this leg ends and the next one begins");
     d.member<&Leg::forward>("forward", meters_per_second, "forward speed");
-    d.member<&Leg::left>("left", meters_per_second, "speed to the left, omni drives only");
-    d.member<&Leg::turn>("turn", radians_per_second, "turn rate; for a car the steering angle in rad");
+    d.member<&Leg::left>("left", meters_per_second, "speed to the left; only omni drives obey it");
+    d.member<&Leg::turn>("turn", radians_per_second, "turn rate; for a car drive, the steering angle in rad");
   }
 };
 
 struct Script {
   struct Memory {
-    std::uint32_t updates = 0;  ///< n of the laws
+    std::uint32_t updates = 0;  ///< number of decisions so far: n in the laws
     TROUPE_FIELDS(updates)
   };
   struct Params {
@@ -39,9 +39,12 @@ struct Script {
     std::vector<Leg> legs;
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::law>("law", "timed: the speeds in `legs`; wave, line: fixed laws");
-      d.member<&Params::legs>(
-          "legs", "successive speeds, for the law `timed`; after the last leg the robot stands still");
+      d.member<&Params::law>("law",
+                             "timed: the speeds in `legs`; line: 0.5 m/s straight ahead; wave: forward speed "
+                             "and turn rate that change every few decisions");
+      d.member<&Params::legs>("legs",
+                              "for the law `timed`: periods with constant speeds, one after another; after "
+                              "the last one the robot stands still");
     }
   };
 
@@ -50,7 +53,7 @@ struct Script {
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     for (std::size_t i = 1; i < params.legs.size(); ++i)
       if (params.legs[i].until_s <= params.legs[i - 1].until_s)
-        return Error{"has a leg whose `until` is not above that of the leg before it"};
+        return Error{"has a leg whose `until` is not later than that of the leg before it"};
     if (params.law == Law::timed && params.legs.empty()) return Error{"needs `legs` for the law `timed`"};
     return std::vector<std::size_t>();
   }

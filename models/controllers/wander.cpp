@@ -21,14 +21,15 @@ struct Wander {
       d.member<&Params::cruise_speed>("cruise_speed", meters_per_second, "speed while the way is clear");
       d.member<&Params::avoid_speed>("avoid_speed", meters_per_second, "forward speed while turning away");
       d.member<&Params::avoid_turn>("avoid_turn", radians_per_second, "turn rate while turning away");
-      d.member<&Params::min_front>("min_front", meters, at_least(0),
-                                   "turns away when a reading in the middle third of the scan is below this");
+      d.member<&Params::min_front>(
+          "min_front", meters, at_least(0),
+          "the robot turns away when a reading in the middle third of the scan is below this");
       d.member<&Params::stop>("stop", meters, at_least(0),
-                              "stops when a reading in the middle third of the scan is below this");
+                              "the robot stops when a reading in the middle third of the scan is below this");
     }
   };
   struct Memory {
-    std::int32_t avoid_updates = 0;  ///< scans left of the present turn
+    std::int32_t avoid_updates = 0;  ///< decisions that remain of the present turn
     TROUPE_FIELDS(avoid_updates)
   };
 
@@ -48,7 +49,7 @@ struct Wander {
                   engine::Actions& actions) const {
     const auto [obstruction, stop, left, right] =
         scanner.ahead(percept.ranges(0), params.min_front, params.stop);
-    // A program may have commanded another mode before.
+    // A program may have commanded another control mode between two ticks.
     actions.command.mode = engine::ControlMode::velocity;
     if (!obstruction && !stop && memory.avoid_updates == 0) {
       actions.command = {params.cruise_speed, 0, 0};
@@ -66,8 +67,8 @@ struct Wander {
 }  // namespace
 
 engine::ControllerKind wander_controller() {
-  return engine::make_controller_kind<Wander>("wander",
-                                              "wander, turning away from what the scanner sees ahead");
+  return engine::make_controller_kind<Wander>(
+      "wander", "drive about, and turn away from obstacles that the scanner sees ahead");
 }
 
 }  // namespace troupe::models

@@ -16,7 +16,8 @@
 namespace troupe::models {
 namespace {
 
-// It reaches tracked goals up to the rounding of its last step, m and rad.
+// The robot reaches tracked goals (Goal::is_tracked) up to the rounding of its last step: this far, m and
+// rad.
 constexpr double k_there = 1e-6;
 
 struct Goal {
@@ -30,22 +31,24 @@ struct Goal {
     using enum engine::Unit;
     d.part<&Goal::pose>();
     d.member<&Goal::at_s>("at", seconds, within(0, engine::k_most_seconds),
-                          "time of arrival, since the start of the world or of the present round; the robot "
-                          "stays until then; 0: when it gets there");
+                          "time at which the robot is to arrive, counted from tick 0 or, with `again`, from "
+                          "the start of the present round; 0: no time is set");
     d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
-                           "speed of a straight motion to the goal; 0: the drive's own law for goals");
+                           "speed at which the robot moves straight to the goal; 0: the speed follows from "
+                           "`at` or, if `at` is 0 too, from the drive's own law for goals");
     d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
-                            "how long it waits there before it goes on");
+                            "how long the robot waits at the goal before it goes on");
   }
-  /// Whether it moves to the goal in a straight line at a given speed, not by the drive's own law for goals.
+  /// Whether the robot moves to the goal in a straight line, at a speed or time that the goal gives. To other
+  /// goals it moves by the drive's own law for goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }
 };
 
 struct Waypoints {
   struct Memory {
     std::uint32_t goal = 0;    ///< index of the present goal
-    std::uint64_t begun = 0;   ///< tick at which its round began, if goals have times
-    std::uint64_t leaves = 0;  ///< tick at which it goes on, while it waits
+    std::uint64_t begun = 0;   ///< tick at which the present round began, if goals have times
+    std::uint64_t leaves = 0;  ///< while the robot waits: the tick at which it goes on; else 0
     TROUPE_FIELDS(goal, begun, leaves)
   };
 
@@ -57,21 +60,24 @@ struct Waypoints {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::goals>("goals", required,
-                               "goals in their order, in the frame of the robot's localization");
+      d.member<&Params::goals>(
+          "goals", required,
+          "goals in the order in which the robot visits them, in the frame of its estimated pose");
       // At least 0.03 m, because drives stop within 0.02 m of a goal along both axes.
-      d.member<&Params::near>(
-          "near", meters, at_least(0.03),
-          "estimated distance to a goal without `at` and `speed` at which the robot goes on to the next");
-      d.member<&Params::again>("again", "starts again after the last goal; otherwise it stays there");
+      d.member<&Params::near>("near", meters, at_least(0.03),
+                              "distance, by the estimated pose, within which the robot has reached a goal "
+                              "that has neither `at` nor `speed`");
+      d.member<&Params::again>("again",
+                               "true: after the last goal the robot starts again with the first; false: it "
+                               "stays at the last goal");
     }
   };
 
   Params params;
-  // Of the drive, if goals are tracked:
-  double speed_max = 0;  // m/s, in any direction
-  double turn_max = 0;   // rad/s, either way
-  std::uint64_t period = 1;
+  // Limits of the drive, set if goals are tracked:
+  double speed_max = 0;      // greatest speed in any direction, m/s
+  double turn_max = 0;       // greatest turn rate to either side, rad/s
+  std::uint64_t period = 1;  // ticks between two runs of the drive
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     if (params.goals.empty()) return Error{"needs at least one goal"};
@@ -83,17 +89,19 @@ struct Waypoints {
     if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
     if (!type.drive || type.drive->kind != omni_drive().name)
       return Error{
-          "has goals with `at` or `speed`, which need an omni drive: other drives do not move straight to a "
-          "goal"};
+          "has goals with `at` or `speed`, which need a drive of kind \"omni\": other drives do not move "
+          "straight to a goal"};
     const MotionParams motion = engine::from_record<DriveParams>(type.drive->params).motion;
     speed_max = std::min(
         {motion.velocity_max_x, -motion.velocity_min_x, motion.velocity_max_y, -motion.velocity_min_y});
     turn_max = std::min(motion.turn_max, -motion.turn_min);
     if (!(speed_max > 0 && turn_max > 0))
-      return Error{"has goals with `at` or `speed`, but its drive cannot move and turn in every direction"};
+      return Error{
+          "has goals with `at` or `speed`, but the limits of its drive do not let it move and turn in every "
+          "direction"};
     for (std::size_t i = 0; i < params.goals.size(); ++i)
       if (const Result<> kept = can_keep(i); !kept)
-        return Error{fmt::format("has a goal {} {}", i + 1, kept.error().text)};
+        return Error{fmt::format("cannot follow goal {}: {}", i + 1, kept.error().text)};
     return {};
   }
 
@@ -110,7 +118,8 @@ struct Waypoints {
   }
 
  private:
-  /// The tick in which a command given now first moves it, and its pose then, unless it is blocked.
+  /// The tick in which a command given now first moves the robot, and its pose at the start of that tick if
+  /// it is not blocked until then.
   struct Ahead {
     std::uint64_t tick;
     Pose pose;
@@ -127,7 +136,7 @@ struct Waypoints {
     return ahead;
   }
 
-  /// The tick at whose end it is to be at its goal; 0: any.
+  /// The tick at whose end the robot is to be at its goal; 0 if the goal has no time.
   std::uint64_t due(const Memory& memory, const engine::Percept& percept) const {
     const double at_s = params.goals[memory.goal].at_s;
     return at_s > 0 ? memory.begun + engine::ticks_until(at_s, percept.tick_s) : 0;
@@ -161,7 +170,7 @@ struct Waypoints {
       memory.begun = ahead.tick;
   }
 
-  /// Moves at the speed that takes it to the goal on time or, if it is late, as fast as its drive can.
+  /// Commands the speed that takes the robot to the goal on time, or the greatest speed if it is late.
   void track(const Goal& goal, std::uint64_t due, const Ahead& ahead, const engine::Percept& percept,
              engine::Actions& actions) const {
     const Vec2 way = goal.pose.position() - ahead.pose.position();
@@ -179,25 +188,27 @@ struct Waypoints {
 
   double speed_of(const Goal& goal) const { return goal.speed > 0 ? goal.speed : speed_max; }
 
-  /// An error if the drive cannot fulfil what goal i demands.
+  /// Returns an error if the drive cannot do what goal i demands.
   Result<> can_keep(std::size_t i) const {
     const Goal& goal = params.goals[i];
     if (goal.at_s > 0 && goal.speed > 0)
-      return Error{"with both `at` and `speed`: one follows from the other"};
+      return Error{"it has both `at` and `speed`; give only one, because the other follows from it"};
     if (goal.speed > speed_max)
-      return Error{fmt::format("with a speed of {:g} m/s: its drive reaches only {:g} m/s in every direction",
-                               goal.speed, speed_max)};
+      return Error{
+          fmt::format("its `speed` is {:g} m/s, but the drive reaches only {:g} m/s in every direction",
+                      goal.speed, speed_max)};
     if (i == 0 || !(goal.at_s > 0)) return {};
     const Goal& before = params.goals[i - 1];
     if (before.at_s > 0 && goal.at_s <= before.at_s)
       return Error{
-          fmt::format("at {:g} s, after one at {:g} s: times must increase", goal.at_s, before.at_s)};
+          fmt::format("its `at` is {:g} s, but that of the goal before it is {:g} s; times must increase",
+                      goal.at_s, before.at_s)};
     const double way = (goal.pose.position() - before.pose.position()).norm();
     const double time_s = goal.at_s - before.at_s - before.wait_s;
     if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
       return Error{
-          fmt::format("that is {:g} m from the one before it, to be covered in {:g} s: its drive reaches "
-                      "only {:g} m/s in every direction",
+          fmt::format("it is {:g} m from the goal before it and must be reached within {:g} s, but the drive "
+                      "reaches only {:g} m/s in every direction",
                       way, std::max(time_s, 0.0), speed_max)};
     return {};
   }

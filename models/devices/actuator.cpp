@@ -31,15 +31,20 @@ struct Actuator {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       constexpr double k_far = 1e6;
-      d.member<&Params::type>("type", "linear: along `axis`; rotational: about a vertical axis");
-      d.member<&Params::axis>(
-          "axis", within(-k_far, k_far),
-          "direction of a linear actuator, [x, y, z] in its own frame; the x axis if all are 0");
-      d.member<&Params::min_position>("min_position", within(-k_far, k_far), "lower limit, m or rad");
-      d.member<&Params::max_position>("max_position", within(-k_far, k_far), "upper limit, m or rad");
-      d.member<&Params::max_speed>("max_speed", within(0, k_far), "m/s or rad/s");
-      d.member<&Params::start_position>("start_position", within(-k_far, k_far),
-                                        "position at the start, m or rad, clamped to the limits");
+      d.member<&Params::type>(
+          "type", "linear: the joint slides along `axis`; rotational: it turns about a vertical axis");
+      d.member<&Params::axis>("axis", within(-k_far, k_far),
+                              "direction in which a linear actuator slides, [x, y, z] in the frame of the "
+                              "actuator; [0, 0, 0] means the x axis");
+      d.member<&Params::min_position>("min_position", within(-k_far, k_far),
+                                      "lower limit of the position, m if linear, rad if rotational");
+      d.member<&Params::max_position>("max_position", within(-k_far, k_far),
+                                      "upper limit of the position, m if linear, rad if rotational");
+      d.member<&Params::max_speed>("max_speed", within(0, k_far),
+                                   "greatest speed, m/s if linear, rad/s if rotational");
+      d.member<&Params::start_position>(
+          "start_position", within(-k_far, k_far),
+          "position at the start, m if linear, rad if rotational; clamped to the limits");
     }
   };
   using State = ActuatorState;
@@ -47,12 +52,12 @@ struct Actuator {
   static constexpr std::array joints{std::string_view("joint")};
 
   bool rotational = false;
-  Eigen::Vector3d axis{1, 0, 0};  // of length 1, frame of the joint
+  Eigen::Vector3d axis{1, 0, 0};  // unit vector, frame of the joint
   double min = 0;
   double max = 1;
   double max_speed = 1;
   double start_position = 0;
-  Result<> range;  // an error if min_position exceeds max_position
+  Result<> range;  // holds an error if min_position exceeds max_position; bind_part() returns it
 
   static Actuator read(const Params& params) {
     Actuator actuator;
@@ -83,7 +88,7 @@ struct Actuator {
     if (rotational) return {0, 0, 0, position};
     return {position * axis.x(), position * axis.y(), position * axis.z(), 0};
   }
-  /// Greatest horizontal displacement of the parts on it, m.
+  /// Greatest horizontal displacement of the parts mounted on the joint, m.
   double reach() const {
     return rotational ? 0 : axis.head<2>().norm() * std::max(std::abs(min), std::abs(max));
   }

@@ -44,7 +44,7 @@ struct Brush {
     }
   }
 
-  /// effect.verb: index of the painted part.
+  /// Paints the zone. effect.verb is the index of the painted part, effect.payload the colour.
   void apply(World& world, const engine::Effect& effect) const {
     const Row target = world.row(effect.target);
     const BodyType::Device* device = engine::color_device(world.type(target), effect.verb);
@@ -65,7 +65,8 @@ struct Brush {
 }  // namespace
 
 DeviceKind brush_kind() {
-  return engine::make_device_kind<Brush>("brush", "paints the zone below it, if the zone carries an led");
+  return engine::make_device_kind<Brush>(
+      "brush", "paints the zone (flat coloured body) below it, if the zone carries an `led`");
 }
 
 }  // namespace troupe::models

@@ -9,13 +9,13 @@ namespace troupe::models {
 
 /// The command of a brush. It holds until the controller replaces it.
 struct BrushCommand {
-  std::uint8_t paints = 0;  ///< 1: paints in each tick
+  std::uint8_t paints = 0;  ///< 1: paints the zone below the brush in each tick
   float red = 0;            ///< 0 to 1
   float green = 0;          ///< 0 to 1
   float blue = 0;           ///< 0 to 1
   TROUPE_FIELDS(paints, red, green, blue)
 
-  /// Paints with this colour from the next tick on. Components from 0 to 1.
+  /// Makes the brush paint with this colour from the next tick on. r, g, b: red, green, blue, each 0 to 1.
   void paint(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
@@ -25,8 +25,9 @@ struct BrushState {
   TROUPE_FIELDS(painted)
 };
 
-/// A brush: gives the zone below it a colour, if the zone carries an LED. If several brushes paint one zone
-/// in a tick, the one with the highest id determines its colour.
+/// A brush: gives the zone (flat coloured body) below it a colour, if the zone carries a device `led`. If
+/// several brushes paint a zone in the same tick, the brush of the body with the highest id determines its
+/// colour.
 engine::DeviceKind brush_kind();
 
 }  // namespace troupe::models

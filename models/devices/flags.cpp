@@ -55,7 +55,7 @@ class FlagList {
   std::span<float> sizes_;
 };
 
-/// The list of flags of a body, if it is in the world and has one.
+/// The list of flags of a body; none if the body is not in the world or has no such device.
 std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* kind) {
   if (body.index() >= world.spec().bodies.size() || !world.row(body).valid()) return {};
   const Row row = world.row(body);
@@ -72,9 +72,10 @@ struct Flags {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::most>("most", within(1, k_most_flags), "number of flags that it can hold");
+      d.member<&Params::most>("most", within(1, k_most_flags),
+                              "greatest number of flags that the list can hold");
       d.member<&Params::yellow>("yellow", within(0, k_most_flags),
-                                "yellow flags of 0.25 m that it holds at the start");
+                                "number of yellow flags, each 0.25 m in size, in the list at the start");
     }
   };
   using Command = FlagCommand;
@@ -84,8 +85,9 @@ struct Flags {
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
     const auto most = static_cast<std::uint32_t>(params.most);
     return {.data = Flags{params},
-            .percepts = {{"received", Element::u64, 1, "", "flags received from other bodies since tick 0"},
-                         {"count", Element::u32, 1, "", "flags that it holds"},
+            .percepts = {{"received", Element::u64, 1, "",
+                          "number of flags received from other bodies since tick 0"},
+                         {"count", Element::u32, 1, "", "number of flags in the list"},
                          {"request", Element::u32, 1, "", "the last request that was carried out"},
                          {"colors", Element::u32, most, "",
                           "colour of each flag, the first flag first: 0xRRGGBBAA"},
@@ -138,7 +140,7 @@ struct Flags {
 }  // namespace
 
 DeviceKind flags_kind() {
-  return engine::make_device_kind<Flags>("flags", "a list of tokens that bodies exchange");
+  return engine::make_device_kind<Flags>("flags", "a list of flags: coloured tokens that bodies exchange");
 }
 
 }  // namespace troupe::models

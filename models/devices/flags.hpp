@@ -15,21 +15,21 @@ struct Flag {
 };
 inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< the flag of Stage's examples
 
-/// The command of a list of flags. It is carried out once, in the next tick, each time `request` changes;
-/// ask() changes it.
+/// The command of a list of flags: an operation. It is carried out once, in the next tick, each time
+/// `request` changes. Controllers call ask(), which changes `request`.
 struct FlagCommand {
   /// Operation on flags.
   enum Verb : std::uint8_t {
     nothing,  ///< no operation
     push,     ///< adds a new flag at the front
     pop,      ///< deletes the first flag
-    take,     ///< moves the first flag of `target` to its own front
-    give,     ///< moves its own first flag to the front of `target`
+    take,     ///< moves the first flag of the list of `target` to the front of this list
+    give,     ///< moves the first flag of this list to the front of the list of `target`
   };
-  std::uint32_t request = 0;    ///< see ask()
-  std::uint32_t target = 0;     ///< BodyId
-  std::uint32_t color = 0;      ///< of the flag that `push` adds, 0xRRGGBBAA
-  float size = 0;               ///< of the flag that `push` adds, m
+  std::uint32_t request = 0;    ///< number of operations requested so far
+  std::uint32_t target = 0;     ///< the other body of `take` and `give`, a BodyId
+  std::uint32_t color = 0;      ///< colour of the flag that `push` adds, 0xRRGGBBAA
+  float size = 0;               ///< size of the flag that `push` adds, m
   std::uint8_t verb = nothing;  ///< a Verb
   TROUPE_FIELDS(request, target, color, size, verb)
 
@@ -47,18 +47,19 @@ struct FlagCommand {
 /// Indices of the fields of the state of a list of flags.
 enum FlagField : std::size_t {
   k_flag_received,  ///< u64: flags received from other bodies since tick 0
-  k_flag_count,     ///< u32: flags that it holds
+  k_flag_count,     ///< u32: number of flags in the list
   k_flag_request,   ///< u32: the last request that was carried out
-  k_flag_colors,    ///< u32 each, first flag first; 0 after the last
-  k_flag_sizes,     ///< f32 each, m
+  k_flag_colors,    ///< array of u32: colours, 0xRRGGBBAA, first flag first; 0 after the last flag
+  k_flag_sizes,     ///< array of f32: sizes, m, in the same order
 };
 
-/// A list of at most `most` flags (a parameter).
+/// A list of flags that a body holds, at most as many as the parameter `most` says.
 ///
-/// edges  a push to a full list, a pop from an empty one, and a transfer without a flag to give, without
-///        room, or without a list on the other side have no effect
-/// order  transfers are effects, applied after all motions in the order of ids: if two bodies take the last
-///        flag, the one with the lower id gets it; no flag is lost or duplicated
+/// edges  These have no effect: `push` to a full list, `pop` from an empty list, and `take` or `give` if the
+///        giving list is empty, the receiving list is full, or the other body has no list.
+/// order  `take` and `give` are carried out after all motions of the tick, one after another in the order of
+///        the ids of the requesting bodies. So if two bodies take the same last flag, the one with the lower
+///        id gets it. No flag is lost or duplicated.
 engine::DeviceKind flags_kind();
 
 }  // namespace troupe::models

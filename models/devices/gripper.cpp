@@ -19,7 +19,7 @@ using engine::Mount;
 using engine::World;
 
 constexpr double k_rate = 0.5;                // 1/s: 2 s from end to end
-constexpr double k_beams[] = {0.495, 0.165};  // inner and outer, distance behind the tips / gripper length
+constexpr double k_beams[] = {0.495, 0.165};  // inner, outer: distance behind the tips / gripper length
 enum Verb : std::uint32_t { k_grip, k_release };
 enum JointIndex : std::size_t { k_left, k_right };
 
@@ -39,13 +39,15 @@ struct Gripper {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::size>("size", engine::Unit::meters, above(0), at_most(1000),
-                              "size of base and paddles together, [x, y, z]");
+                              "size of the base and the open paddles together, [x, y, z]");
       d.member<&Params::paddle_size>("paddle_size", above(0), at_most(0.999),
-                                     "size of each paddle relative to `size`, [x, y, z]; y below 0.5");
-      d.member<&Params::paddles>("paddles", "paddles at the start");
-      d.member<&Params::lift>("lift", "lift at the start");
-      d.member<&Params::autosnatch>(
-          "autosnatch", "closes while a beam is broken and opens while none is, without commands");
+                                     "size of each paddle as a fraction of `size`, [x, y, z]; y must be "
+                                     "below 0.5, or two paddles do not fit");
+      d.member<&Params::paddles>("paddles", "state of the paddles at the start");
+      d.member<&Params::lift>("lift", "state of the lift at the start");
+      d.member<&Params::autosnatch>("autosnatch",
+                                    "true: the gripper ignores commands, closes while a body breaks one of "
+                                    "its beams, and opens otherwise");
     }
   };
   using State = GripperState;
@@ -60,8 +62,9 @@ struct Gripper {
   double base_front() const { return -size().x() / 2 + (1 - paddle().x()) * size().x(); }
   double thickness() const { return paddle().y() * size().y(); }
   double height() const { return paddle().z() * size().z(); }
-  /// Travel of a paddle from open to closed (travel) and from down to up (rise), m.
+  /// Distance that a paddle moves from open to closed, m.
   double travel() const { return size().y() / 2 - thickness(); }
+  /// Distance that the lift moves from down to up, m.
   double rise() const { return size().z() - height(); }
   /// y of the inner face of the left paddle, m, at a closing position from 0 to 1.
   double face(double position) const { return (1 - position) * travel(); }
@@ -85,7 +88,8 @@ Solid block(double x0, double x1, double y0, double y1, double height) {
   return {{{Vec2(x0, y0), Vec2(x1, y0), Vec2(x1, y1), Vec2(x0, y1)}}, {0, height}};
 }
 
-/// The base and the paddles, open and down.
+/// The solids of the base and the paddles, with the paddles open and down. The numbers are those of the
+/// joints that move them, or -1.
 std::vector<DeviceKind::Fixture> Gripper::body(const Params& params) {
   const Gripper g{params};
   const double half_x = g.size().x() / 2;
@@ -108,7 +112,7 @@ class Hand {
         frame_(frame),
         z_(frame.z + state.lift_position * gripper.rise()) {}
 
-  /// Calls visit(row, placed shape) for the bodies with gripper_return that it may touch.
+  /// Calls visit(row, placed shape) for the bodies with gripper_return that the gripper may touch.
   template <class Visit>
   void for_each_near(Visit&& visit) const {
     const double reach = gripper_.size().head<2>().norm() / 2;
@@ -133,7 +137,8 @@ class Hand {
     });
   }
 
-  /// Whether the face of a paddle would sweep over the shape when closing to `to`. side: 1 left, -1 right.
+  /// Whether the inner face of a paddle would sweep over the shape if the paddles closed from their present
+  /// position to `to` (0 open to 1 closed). side: 1 for the left paddle, -1 for the right.
   bool touches(const partition::PlacedShape& shape, double side, double to) const {
     const double from_y = side * gripper_.face(state_.paddle_position);
     const double to_y = side * gripper_.face(to);
@@ -177,8 +182,8 @@ class Hand {
   double z_;  // lower edge of the paddles, m, world frame
 };
 
-/// The bodies that closing paddles would hold: for each paddle, of those that it touches and that
-/// fit, the one with the lowest id. That of the left paddle comes first.
+/// The bodies that closing paddles would hold: for each paddle, the body with the lowest id among those that
+/// it touches and that fit between the open paddles. The body at the left paddle takes precedence.
 struct Touched {
   BodyId left;
   BodyId right;
@@ -186,6 +191,8 @@ struct Touched {
   BodyId target() const { return left.valid() ? left : right; }
 };
 
+/// Updates the beams and contacts in `state`, and finds the bodies that the paddles would hold. closer: the
+/// paddle position after one more step of closing.
 void feel(const World& world, const Hand& hand, double closer, GripperState& state, Touched& touched) {
   state.beam_inner = state.beam_outer = state.contact_left = state.contact_right = 0;
   hand.for_each_near([&](Row row, const partition::PlacedShape& shape) {
@@ -203,6 +210,7 @@ void feel(const World& world, const Hand& hand, double closer, GripperState& sta
 
 // ---- motion
 
+/// Starts the motion that an order requests.
 void obey(std::uint8_t order, GripperState& state) {
   using S = GripperState;
   if (order == GripperCommand::open && state.paddles != S::is_open) state.paddles = S::opening;
@@ -211,12 +219,14 @@ void obey(std::uint8_t order, GripperState& state) {
   if (order == GripperCommand::down && state.lift != S::is_down) state.lift = S::sinking;
 }
 
-/// Whether it no longer carries the body that it held. Only its death causes that: no other body can take it.
+/// Whether the gripper no longer carries the body that it held. Only the death of that body causes this: no
+/// other body can take it.
 bool has_lost(const World& world, BodyId own, const GripperState& state) {
   return state.held != 0 && world.carrier(world.row(BodyId(state.held - 1))) != own;
 }
 
-/// One step towards `end`. A rest that is only rounding error is included, so that it costs no further step.
+/// The position after one step towards `end`. If only a rounding error would remain to `end`, the step
+/// includes it, so that the motion does not take another tick.
 double towards(double position, double end, double step) {
   if (std::abs(end - position) <= step * (1 + 1e-9)) return end;
   return position < end ? position + step : position - step;
@@ -288,7 +298,8 @@ void Gripper::joints_moved(const DeviceBatch& batch) const {
   }
 }
 
-/// Tests the contact again, because both bodies have moved since act().
+/// Grips or releases a body. Before gripping it tests the contact again, because both bodies may have moved
+/// since act().
 void Gripper::apply(World& world, const engine::Effect& effect) const {
   const Row row = world.row(effect.source);
   const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may be wrong

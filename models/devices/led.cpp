@@ -42,8 +42,8 @@ struct Led {
 }  // namespace
 
 DeviceKind led_kind() {
-  return engine::make_device_kind<Led>("led",
-                                       "gives its part a colour that controllers and brushes can change");
+  return engine::make_device_kind<Led>(
+      "led", "gives the part that carries it a colour, which controllers and brushes can change");
 }
 
 }  // namespace troupe::models

@@ -8,16 +8,15 @@
 
 namespace troupe::models {
 
-/// The command of an LED: a colour that it takes in each tick if `shows` is 1. It holds until the controller
-/// replaces it.
+/// The command of an LED: the colour that it shows. It holds until the controller replaces it.
 struct LedCommand {
-  std::uint8_t shows = 0;  ///< 1: takes the colour; 0: keeps the present one
-  float red = 0;           ///< 0 to 1; values outside are clamped
-  float green = 0;         ///< as red
-  float blue = 0;          ///< as red
+  std::uint8_t shows = 0;  ///< 1: the LED takes the colour below in each tick; 0: it keeps its present colour
+  float red = 0;           ///< from 0 to 1; other values are clamped
+  float green = 0;         ///< from 0 to 1; other values are clamped
+  float blue = 0;          ///< from 0 to 1; other values are clamped
   TROUPE_FIELDS(shows, red, green, blue)
 
-  /// Shows this colour from the next tick on. Components from 0 to 1.
+  /// Makes the LED show this colour from the next tick on. r, g, b: red, green, blue, each 0 to 1.
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
@@ -30,11 +29,11 @@ struct LedState {
   }
 };
 
-/// An LED, or paint: it gives the part that carries it a colour, which blob finders, cameras, ground sensors
-/// and pictures show.
+/// An LED, or paint: it gives the part that carries it a colour, which blob finders, cameras and ground
+/// sensors see and which pictures show.
 ///
 /// parameters  shows: the colour at the start
-/// when        a commanded colour is visible from the next tick on
+/// when        A commanded colour is visible from the tick after the command on.
 engine::DeviceKind led_kind();
 
 }  // namespace troupe::models

@@ -20,7 +20,8 @@ bool is_lit(const LightSource& light, double time_s) {
   return cycles - std::floor(cycles) < light.dutycycle;
 }
 
-/// The kind of a light with these parameters. Its data are a LightSource, which light sensors look for.
+/// A kind of light with the parameters `Params`. Its instances hold a LightSource as data, by which light
+/// sensors recognise lights.
 template <class Params>
 DeviceKind make_light(std::string_view name, std::string_view text) {
   DeviceKind kind{.name = name, .text = text, .params = engine::described<Params>()};
@@ -48,8 +49,9 @@ struct IndicatorParams {
   double intensity = 1;
 
   static constexpr void describe(engine::Description<IndicatorParams>& d) {
-    d.member<&IndicatorParams::intensity>("intensity", engine::facts::within(0, 1e6),
-                                          "brightness that a light sensor facing it reads at 1 m");
+    d.member<&IndicatorParams::intensity>(
+        "intensity", engine::facts::within(0, 1e6),
+        "brightness that a light sensor reads when it faces the light at a distance of 1 m");
   }
   LightSource source(const Pose& pose_body_light) const {
     return {.pose_body_light = pose_body_light, .intensity = intensity};
@@ -64,11 +66,14 @@ struct BlinkenParams {
 
   static constexpr void describe(engine::Description<BlinkenParams>& d) {
     using namespace engine::facts;
-    d.member<&BlinkenParams::period>("period", engine::Unit::seconds, within(0, 1e6),
-                                     "time from one flash to the next; 0: no blinking");
+    d.member<&BlinkenParams::period>(
+        "period", engine::Unit::seconds, within(0, 1e6),
+        "time from the start of one flash to the start of the next; 0: the light does not blink");
     d.member<&BlinkenParams::dutycycle>("dutycycle", within(0, 1),
-                                        "fraction of each period in which it is lit");
-    d.member<&BlinkenParams::enabled>("enabled", "whether it blinks until a controller switches it");
+                                        "fraction of each period in which the light is lit");
+    d.member<&BlinkenParams::enabled>("enabled",
+                                      "true: the light is lit as `period` and `dutycycle` say; false: it is "
+                                      "dark; a controller can override both");
     d.part<&BlinkenParams::light>();
   }
   LightSource source(const Pose& pose_body_light) const {

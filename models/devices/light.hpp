@@ -10,7 +10,7 @@ namespace troupe::models {
 struct LightCommand {
   /// State of the light, which may override the blinking.
   enum Switch : std::uint8_t {
-    as_world_says,  ///< follows its parameters
+    as_world_says,  ///< lit as the parameters in the world file say
     on,             ///< lit, without blinking
     off,            ///< dark
   };
@@ -20,15 +20,16 @@ struct LightCommand {
 
 using sensors::LightState;
 
-/// A light that blinks: lit for the first `dutycycle` of each `period`, from tick 0 on.
+/// A light that blinks: it is lit for the first fraction `dutycycle` of each `period`. The first period
+/// begins at tick 0.
 ///
 /// parameters  period (s), dutycycle (0 to 1), enabled, intensity
-/// state       LightState; commands: LightCommand; `on` and `off` override the blinking
-/// edges       with a period of 0 it does not blink: it is lit unless the dutycycle is 0; at the instant at
-///             which the lit part of a period ends it is dark
+/// state       LightState; commands: LightCommand, whose `on` and `off` override the blinking
+/// edges       With a period of 0 it does not blink: it is lit unless the dutycycle is 0. At the instant at
+///             which the lit part of a period ends, it is dark.
 engine::DeviceKind blinkenlight_kind();
 
-/// A light that is off until a controller switches it on.
+/// A light that is off until a controller switches it on (parameter: intensity; commands: LightCommand).
 engine::DeviceKind lightindicator_kind();
 
 }  // namespace troupe::models

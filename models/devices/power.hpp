@@ -7,76 +7,84 @@
 
 namespace troupe::models {
 
-/// State of a power pack: its energy, and the energy that it has exchanged since tick 0, J.
+/// State of a power pack: its energy, and the energy that it has exchanged since tick 0, all in J.
 struct PowerPackState {
-  double stored = 0;          ///< energy that it holds
-  double capacity = 0;        ///< energy that it can hold
-  double dissipated = 0;      ///< drawn by all that it supplies
-  double received = 0;        ///< received by contact
-  double given = 0;           ///< given by contact
-  std::uint8_t infinite = 0;  ///< 1: it never runs out; `stored` stays 0
-  std::uint8_t charging = 0;  ///< 1: it received energy in the last tick
+  double stored = 0;          ///< energy that the pack holds
+  double capacity = 0;        ///< greatest energy that it can hold
+  double dissipated = 0;      ///< energy drawn since tick 0 by everything that it supplies
+  double received = 0;        ///< energy received since tick 0 through power contacts
+  double given = 0;           ///< energy given since tick 0 through power contacts
+  std::uint8_t infinite = 0;  ///< 1: the pack never runs out, and `stored` stays 0
+  std::uint8_t charging = 0;  ///< 1: the pack received energy in the last tick
 
   static constexpr void describe(engine::Description<PowerPackState>& d) {
     using namespace engine::facts;
     using enum engine::Unit;
-    d.member<&PowerPackState::stored>("stored", joules, "energy that it holds");
-    d.member<&PowerPackState::capacity>("capacity", joules, "energy that it can hold");
+    d.member<&PowerPackState::stored>("stored", joules, "energy that the pack holds");
+    d.member<&PowerPackState::capacity>("capacity", joules, "greatest energy that the pack can hold");
     d.member<&PowerPackState::dissipated>("dissipated", joules,
-                                          "energy drawn by all that it supplies, since tick 0");
-    d.member<&PowerPackState::received>("received", joules, "energy received by contact, since tick 0");
-    d.member<&PowerPackState::given>("given", joules, "energy given by contact, since tick 0");
-    d.member<&PowerPackState::infinite>("infinite", "1: it never runs out");
-    d.member<&PowerPackState::charging>("charging", "1: it received energy in the last tick");
+                                          "energy drawn since tick 0 by everything that the pack supplies");
+    d.member<&PowerPackState::received>("received", joules,
+                                        "energy received since tick 0 through power contacts");
+    d.member<&PowerPackState::given>("given", joules, "energy given since tick 0 through power contacts");
+    d.member<&PowerPackState::infinite>("infinite", "1: the pack never runs out");
+    d.member<&PowerPackState::charging>("charging", "1: the pack received energy in the last tick");
   }
 
   /// Whether it holds no energy. An infinite pack is never empty.
   bool is_empty() const { return infinite == 0 && stored <= 0; }
-  /// Stored energy relative to the capacity, 0 to 1; 1 if it is infinite, 0 if its capacity is 0.
+  /// Stored energy relative to the capacity, 0 to 1; 1 if the pack is infinite, 0 if its capacity is 0.
   double proportion_remaining() const {
     if (infinite != 0) return 1;
     return capacity > 0 ? stored / capacity : 0;
   }
 };
 
-/// A power pack: supplies its part and the parts mounted on that.
+/// A power pack: an energy store that supplies the part that carries it and the parts mounted on that part.
 ///
-/// draw     each tick: `draw`; the watts of each running sensor and device that it supplies (a ranger 0.2 W
-///          per transducer); and, if it is on the root part of a body with a drive, `idle` plus 10 W for each
-///          kg of `mass` and each m/s (rad/s) of |forward| + |left| + |turn|. These are the velocities that
-///          the drive produces, even if the robot is stalled. As in Stage, with two differences: the energy
-///          is that of the length of the tick (Stage: always 0.1 s), and the velocities are those produced,
-///          not those commanded
-/// empty    with `when_empty` "stop", everything that it supplies stops: sensors keep their last readings and
-///          the drive stands still, but controllers continue to decide. It runs again when the pack receives
-///          energy. With "nothing", an empty pack has no effect, as in Stage. With "die", everything that it
-///          supplies stops, and the body dies unless the pack receives energy within a tick (docs/lives.md)
+/// draw     The power drawn in each tick is the sum of three terms: the parameter `draw`; the watts of each
+///          running sensor and device that the pack supplies (a ranger 0.2 W per transducer); and, if the
+///          pack is on the root part of a body with a drive, the power of the drive. The latter is `idle`
+///          plus 10 W for each kg of `mass` times each m/s or rad/s of |forward| + |left| + |turn|, the
+///          velocities that the drive produces, even if the robot is stalled. This is as in Stage, with two
+///          differences: the power is multiplied by the length of the tick (Stage: always 0.1 s), and the
+///          velocities are those produced, not those commanded.
+/// empty    With `when_empty` "stop", everything that an empty pack supplies stops: sensors keep their last
+///          readings and the drive stands still, but controllers continue to decide. Sensors and drive run
+///          again when the pack receives energy. With "nothing", an empty pack has no effect, as in Stage.
+///          With "die", everything that the pack supplies stops, and the body dies unless the pack receives
+///          energy within a tick (docs/lives.md).
 /// state    PowerPackState; no commands
-/// when     after the drive of the same tick: a robot whose pack runs out in a tick still moves in it
+/// when     The pack runs after the drive in each tick, so a robot still moves in the tick in which its pack
+///          runs out.
 engine::DeviceKind power_pack_kind();
 
-/// State of a contact that gives.
+/// State of a power contact.
 struct PowerContactState {
-  std::uint8_t touched = 0;  ///< taking contacts that it touched in the last tick
+  std::uint8_t touched = 0;  ///< for a giving contact: taking contacts that it touched in the last tick
   TROUPE_FIELDS(touched)
 };
 
-/// A contact, through which the packs of two touching bodies exchange energy: one gives (`give` above 0), the
-/// other takes (`take` above 0). Its shape is the outline of the part that carries it, whatever the heights.
+/// A power contact: two touching contacts transfer energy between the packs that supply them. One contact
+/// gives (its `give` is above 0), the other takes (its `take` is above 0). The shape of a contact is the
+/// outline of the part that carries it, at whatever height.
 ///
-/// touching  the outlines overlap or are within k_contact_m, whether or not the bodies are obstacles
-/// transfer  each tick min(give, take) times the length of the tick, at most what the giver holds and the
-///           taker has room for. Transfers happen one after another in the order of (giver's id, taker's id);
-///           later ones see earlier ones. Of more than k_most_takers contacts, those with the lowest ids are
-///           served
+/// touching  Two contacts touch if their outlines overlap or are at most k_contact_m apart, whether or not
+///           the bodies are obstacles.
+/// transfer  In each tick the energy min(give, take) times the length of the tick, but at most what the
+///           giving pack holds and the taking pack has room for. Transfers happen one after another, ordered
+///           by the giver's id and then the taker's id, and each sees the results of those before it. A
+///           contact that touches more than k_most_takers taking contacts serves those of the bodies with the
+///           lowest ids.
 /// state     PowerContactState; no commands
-/// needs     on both sides a power pack on the same part or on one that carries it; contacts of the same tree
-///           of carried bodies are never served
+/// needs     on both sides a power pack on the same part or on a part that carries it. Contacts of the same
+///           body, and of bodies that carry one another directly or indirectly, do not exchange energy
 engine::DeviceKind power_contact_kind();
 
-/// Greatest distance of touching contacts, m: the width of the cells in which Stage's bodies meet.
+/// Greatest distance of touching contacts, m: the width of the cells by which Stage detects contact of
+/// bodies.
 inline constexpr double k_contact_m = 0.02;
-/// Contacts that one contact serves in a tick, at most.
+/// Greatest number of contacts to which one contact gives energy in a tick.
 inline constexpr std::size_t k_most_takers = 16;
 
 }  // namespace troupe::models

@@ -26,17 +26,19 @@ struct PowerContact {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::give>("give", watts, within(0, engine::k_most_watts),
-                              "greatest power to each contact that it touches and that takes energy");
+      d.member<&Params::give>(
+          "give", watts, within(0, engine::k_most_watts),
+          "greatest power that this contact gives to each taking contact that it touches; 0: it gives none");
       d.member<&Params::take>("take", watts, within(0, engine::k_most_watts),
-                              "greatest power from each contact that touches it and gives energy");
+                              "greatest power that this contact takes from each giving contact that touches "
+                              "it; 0: it takes none");
     }
   };
   using State = PowerContactState;
   static constexpr bool needs_supply = true;
 
   Params params;
-  partition::ObstacleShape shape = {};  ///< of the part, body frame
+  partition::ObstacleShape shape = {};  ///< shape of the part that carries the contact, body frame
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
     return {.data = PowerContact{params}, .most_effects = params.give > 0 ? k_most_takers : 0};
@@ -50,14 +52,14 @@ const PowerContact* as_contact(const BodyType::Device& device) {
   return std::any_cast<PowerContact>(&device.prepared.data);
 }
 
-/// A contact that is touched: a body, and the index of the device.
+/// A touched contact that takes energy: its body, and its index among the devices of the body.
 struct Taker {
   BodyId body;
   std::size_t device = 0;
   auto operator<=>(const Taker&) const = default;
 };
 
-/// Keeps the k_most_takers lowest of the takers added, in order.
+/// Keeps the k_most_takers lowest of the takers added, in ascending order of body and device.
 class Takers {
  public:
   void add(const Taker& taker) {
@@ -75,6 +77,7 @@ class Takers {
   std::size_t count_ = 0;
 };
 
+/// Adds the taking contacts of the body `other` that touch the giving contact with the shape `giver`.
 void add_touched(const World& world, const PlacedShape& giver, Row other, Takers& takers) {
   const BodyType& type = world.type(other);
   for (std::size_t d = 0; d < type.devices.size(); ++d) {
@@ -98,8 +101,8 @@ Result<> PowerContact::bind_part(const engine::TypeSpec& type, std::uint32_t par
   return {};
 }
 
-/// Givers find the contacts that they touch, by the poses of the last tick. The transfers, which depend on
-/// what the packs hold, are computed when effects are applied.
+/// A giving contact finds the taking contacts that it touches, by the poses at the end of the last tick. The
+/// energies depend on what the packs hold by then, so apply() computes them, one effect after another.
 void PowerContact::act(const DeviceBatch& batch) const {
   if (!(params.give > 0) || shape.empty()) return;
   const World& world = batch.world;
@@ -120,6 +123,7 @@ void PowerContact::act(const DeviceBatch& batch) const {
   }
 }
 
+/// The pack that supplies a contact of the body.
 PowerPackState& pack_of(World& world, Row row, const BodyType::Device& contact) {
   return world.state(world.type(row).devices[*contact.supply]).as<PowerPackState>(world.slot(row));
 }
@@ -148,7 +152,7 @@ void PowerContact::apply(World& world, const Effect& effect) const {
 
 DeviceKind power_contact_kind() {
   return engine::make_device_kind<PowerContact>(
-      "power_contact", "gives energy to the bodies that it touches, or takes it from them");
+      "power_contact", "a contact through which the power packs of touching bodies exchange energy");
 }
 
 }  // namespace troupe::models

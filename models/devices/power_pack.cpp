@@ -14,12 +14,13 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 
-// An effect on itself, while it is charging, which tests whether charging continues. It cannot be tested in
-// act(): controllers read the state of the last tick after act(), so `charging` may change only together with
-// the transfers, which are applied before or after this effect.
+// While a pack is charging, it emits this effect on itself, which tests whether charging continues. act()
+// cannot test it: controllers read the state of the last tick after act(), so `charging` may change only when
+// the transfers are applied. The effect is applied among the transfers, and each transfer sets `charging`
+// too.
 constexpr std::uint32_t k_ask_whether_charging = 0;
 
-constexpr double k_watts_per_kg = 10;  // per m/s or rad/s too, as in Stage's position model
+constexpr double k_watts_per_kg = 10;  // for each m/s or rad/s, as in Stage's position model
 
 enum class WhenEmpty : std::uint8_t { stop, nothing, die };
 constexpr std::array<std::string_view, 3> names_of(WhenEmpty) { return {"stop", "nothing", "die"}; }
@@ -41,20 +42,24 @@ struct PowerPack {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::capacity>("capacity", joules, within(0, k_most_joules), "energy that it can hold");
-      d.member<&Params::stored>("stored", joules, within(0, k_most_joules),
-                                "energy at the start, at most its capacity; a full pack if not given");
-      d.member<&Params::infinite>("infinite", "it never runs out and is never charged");
-      d.member<&Params::draw>("draw", watts, within(0, engine::k_most_watts),
-                              "constant power that the body draws in addition to its drive and devices");
+      d.member<&Params::capacity>("capacity", joules, within(0, k_most_joules),
+                                  "greatest energy that the pack can hold");
+      d.member<&Params::stored>(
+          "stored", joules, within(0, k_most_joules),
+          "energy at the start; a value above the capacity, such as the default, means a full pack");
+      d.member<&Params::infinite>("infinite", "true: the pack never runs out and is never charged");
+      d.member<&Params::draw>(
+          "draw", watts, within(0, engine::k_most_watts),
+          "constant power drawn from the pack, in addition to what the drive and the devices draw");
       d.member<&Params::mass>("mass", kilograms, within(0, engine::k_most_mass_kg),
-                              "mass that the drive moves: 10 W for each kg and each m/s or rad/s");
+                              "mass that the drive moves; the drive draws 10 W for each kg times each m/s or "
+                              "rad/s of its speeds");
       d.member<&Params::idle>("idle", watts, within(0, engine::k_most_watts),
-                              "power that the drive draws at rest");
+                              "power that the drive draws at any speed, also at rest");
       d.member<&Params::when_empty>(
           "when_empty",
-          "effect of an empty pack: it stops all that it supplies; nothing, as in Stage; or it stops all "
-          "that it supplies, and its body dies (docs/lives.md)");
+          "effect of an empty pack. stop: everything that it supplies stops; nothing: no effect, as in "
+          "Stage; die: everything that it supplies stops, and its body dies (docs/lives.md)");
     }
   };
 
@@ -119,7 +124,8 @@ struct PowerPack {
 
 DeviceKind power_pack_kind() {
   return engine::make_device_kind<PowerPack>(
-      "power_pack", "supplies the part that carries it and the parts mounted on that part");
+      "power_pack",
+      "an energy store that supplies the part that carries it and the parts mounted on that part");
 }
 
 }  // namespace troupe::models

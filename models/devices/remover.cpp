@@ -19,7 +19,7 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// Keeps the k_most_removed lowest of the ids added, in order.
+/// Keeps the k_most_removed lowest of the ids added, in ascending order.
 class Lowest {
  public:
   void add(BodyId body) {
@@ -45,9 +45,10 @@ struct Remover {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::radius>("radius", engine::Unit::meters, above(0), at_most(1000),
-                                "bodies whose origin comes this near die");
+                                "a body dies when its origin is within this distance of the remover");
       d.member<&Params::of>("of",
-                            "type of the bodies that it removes, robots or not; empty: robots of any type");
+                            "type of the bodies that are removed, with or without a drive; empty: all bodies "
+                            "that have a drive");
     }
   };
   using State = RemoverState;
@@ -106,7 +107,7 @@ struct Remover {
 }  // namespace
 
 DeviceKind remover_kind() {
-  return engine::make_device_kind<Remover>("remover", "removes bodies that come near it");
+  return engine::make_device_kind<Remover>("remover", "removes bodies that come near it from the world");
 }
 
 }  // namespace troupe::models

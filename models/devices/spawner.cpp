@@ -21,14 +21,15 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// Number of periods of the body's life that have ended since the device last ran, own_period ticks ago.
+/// Number of periods of `every_s` seconds, counted from the birth of the body, that have ended since the
+/// device last ran. own_period: the number of ticks since then.
 std::uint64_t periods_ended(const World& world, Row row, std::uint64_t own_period, double every_s) {
   const std::uint64_t age = world.tick() - world.birth_tick(row);
   const std::uint64_t every = engine::period_ticks(every_s, world.tick_s());
   return age / every - (age - std::min(age, own_period)) / every;
 }
 
-/// Flags that the row's body has received from others since its birth.
+/// Number of flags that the body has received from other bodies since its birth.
 std::uint64_t flags_received(const World& world, Row row) {
   std::uint64_t sum = 0;
   for (const BodyType::Device& device : world.type(row).devices)
@@ -46,16 +47,17 @@ struct Spawner {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::population>("population",
-                                    "the population whose bodies it spawns; it must have a reserve");
+      d.member<&Params::population>(
+          "population",
+          "name of the population whose bodies are spawned; the population must have a reserve");
       d.member<&Params::every>("every", seconds, at_least(0), at_most(engine::k_most_seconds),
                                "time from one birth to the next; 0: no periodic births");
       d.member<&Params::per_flags>(
           "per_flags", at_least(0), at_most(1e9),
-          "number of flags given to its body for which a body is born; 0: none are born for flags");
-      d.member<&Params::within>(
-          "within", meters, at_least(0), at_most(1000),
-          "radius of the circle in which bodies are born, at random poses; 0: at its own pose");
+          "number of flags that the spawner's body must receive for each birth; 0: flags cause no births");
+      d.member<&Params::within>("within", meters, at_least(0), at_most(1000),
+                                "bodies are born at random poses within this distance of the spawner; 0: at "
+                                "the pose of the spawner");
     }
   };
   using State = SpawnerState;
@@ -74,7 +76,7 @@ struct Spawner {
     const bool has_flags = std::ranges::any_of(
         type.devices, [](const engine::DeviceSpec& device) { return device.kind == "flags"; });
     if (has_flags) return {};
-    return Error{"counts flags, but its body has no device \"flags\""};
+    return Error{"has \"per_flags\", which counts flags, but its body has no device of kind \"flags\""};
   }
 
   Result<> bind_world(const engine::WorldSpec& world) {

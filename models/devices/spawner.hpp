@@ -17,24 +17,28 @@ struct SpawnerCommand {
 
 /// State of a spawner.
 struct SpawnerState {
-  std::uint64_t flags = 0;    ///< flags received by its body that have been counted
-  std::uint32_t born = 0;     ///< bodies that it has spawned since its own birth
-  std::uint32_t owed = 0;     ///< births still due
-  std::uint32_t refused = 0;  ///< births that failed because the place was occupied
-  std::uint32_t request = 0;  ///< the last request that has been counted
+  std::uint64_t flags = 0;    ///< flags received by its body that have been counted for births
+  std::uint32_t born = 0;     ///< bodies that it has spawned since the birth of its own body
+  std::uint32_t owed = 0;     ///< births that are due but have not succeeded yet
+  std::uint32_t refused = 0;  ///< tries that failed because the place was occupied or out of bounds
+  std::uint32_t request = 0;  ///< the value of SpawnerCommand::request that was counted last
   std::uint32_t last = 0;     ///< id + 1 of the body that it spawned last; 0: none
-  std::uint8_t status = 0;    ///< result of its last birth, an engine::BirthStatus
+  std::uint8_t status = 0;    ///< result of its last try, an engine::BirthStatus
   TROUPE_FIELDS(flags, born, owed, refused, request, last, status)
 };
 
-/// Spawns bodies from the reserve of a population: a nest, a door, a factory.
+/// Spawns bodies from the reserve of a population (bodies that are not in the world at the start): a nest, a
+/// door, a factory.
 ///
-/// when    each `every` seconds of its life; for each `per_flags` flags that its body receives; and on the
-///         command of a controller. A birth stays due until it succeeds; one is tried per tick
-/// where   at its own pose; with `within`, at a random position in the circle around it, with a random
-///         heading, drawn again for each try. If the place is occupied by something solid, or is outside the
-///         bounds of the world, it is tried again in the next tick
-/// which   the next body of the reserve (docs/lives.md); once the reserve is used up, it tries no more births
+/// when    A birth becomes due every `every` seconds of the spawner's life, for each `per_flags` flags that
+///         its body receives, and on the command of a controller. It stays due until it succeeds. In each
+///         tick, one birth is tried.
+/// where   Bodies are born at the pose of the spawner. With `within` above 0, they are born at a random
+///         position in the circle of this radius around the spawner, with a random heading. The pose is drawn
+///         again for each try. If another body or a wall occupies the place, or if the place is outside the
+///         bounds of the world, the try fails and is repeated in the next tick.
+/// which   The next body of the reserve is born (docs/lives.md). Once the reserve is used up, the spawner
+///         tries no more births.
 /// state   SpawnerState; commands: SpawnerCommand
 engine::DeviceKind spawner_kind();
 

@@ -45,7 +45,8 @@ Drive drive_of(const DriveParams& params, double wheelbase = 1) {
 }
 Drive drive_of(const CarParams& params) { return drive_of(params.drive, params.wheelbase); }
 
-// Not std::clamp: NaN must stay NaN, so that the step can report the robot.
+// Not std::clamp, which promises no result for NaN: NaN must stay NaN, so that the engine can report the
+// robot.
 double bounded(double v, const Bounds& bounds) {
   return v < bounds.min ? bounds.min : v > bounds.max ? bounds.max : v;
 }
@@ -55,15 +56,16 @@ Velocity bounded(const Drive& d, double x, double y, double turn) {
   return {bounded(x, d.x), bounded(y, d.y), bounded(turn, d.turn)};
 }
 
-/// Gain of the proportional control, 1/s: `most`, or less if the drive is due so rarely that this overshoots.
+/// Gain of the proportional control, 1/s: `most`, or less if the drive runs so rarely that `most` would
+/// overshoot the goal. elapsed_s: time between two runs of the drive.
 double gain(double most, double elapsed_s) { return most * elapsed_s > 1 ? 1 / elapsed_s : most; }
 
-/// What remains to the goal.
+/// The remaining way to a goal.
 struct Missing {
-  double x, y;      // m, axes of the estimate's frame
+  double x, y;      // m, in the frame in which the pose is estimated
   double distance;  // m
   double turn;      // rad, to the goal's heading
-  bool arrived;     // whatever the heading
+  bool arrived;     // the position is reached; the heading may differ
 
   Missing(const Command& goal, const Pose& at)
       : x(goal.x - at.x),
@@ -115,7 +117,7 @@ struct Car {
     return bounded(d, speed * steering.cos, 0, speed * steering.sin / d.wheelbase);
   }
   static Velocity speed(const Drive& d, const Command& c) { return steer(d, c.x, c.turn); }
-  /// Accelerates the front wheels, starting from their speed in the last tick.
+  /// Accelerates the front wheels. Their speed in the last tick is computed from the velocity of the car.
   static Velocity accelerate(const Drive& d, const Command& c, const Velocity& v, double dt) {
     const double across = v.turn * d.wheelbase;
     const double rolling = sqrt(v.x * v.x + across * across);

@@ -8,8 +8,8 @@
 
 namespace troupe::models {
 
-/// Limits of the speeds and accelerations of a drive, and its velocity until it is first due. Units and
-/// frames: describe().
+/// Limits of the speeds and accelerations of a drive, and its velocity until it runs for the first time.
+/// describe() gives the units and meanings. The frame is that of the robot: x forward, y to the left.
 struct MotionParams {
   double velocity_min_x = -1;
   double velocity_max_x = 1;
@@ -30,37 +30,48 @@ struct MotionParams {
   static constexpr void describe(engine::Description<MotionParams>& d) {
     using namespace engine::facts;
     using enum engine::Unit;
-    d.member<&MotionParams::velocity_min_x>("velocity_min_x", meters_per_second, "backward limit");
-    d.member<&MotionParams::velocity_max_x>("velocity_max_x", meters_per_second, "forward limit");
-    d.member<&MotionParams::velocity_min_y>("velocity_min_y", meters_per_second, "rightward limit");
-    d.member<&MotionParams::velocity_max_y>("velocity_max_y", meters_per_second, "leftward limit");
-    d.member<&MotionParams::turn_min>("turn_min", radians_per_second, "clockwise limit");
-    d.member<&MotionParams::turn_max>("turn_max", radians_per_second, "counter-clockwise limit");
+    d.member<&MotionParams::velocity_min_x>(
+        "velocity_min_x", meters_per_second,
+        "lower limit of the forward speed; if negative, the robot can drive backwards");
+    d.member<&MotionParams::velocity_max_x>("velocity_max_x", meters_per_second,
+                                            "upper limit of the forward speed");
+    d.member<&MotionParams::velocity_min_y>(
+        "velocity_min_y", meters_per_second,
+        "lower limit of the speed to the left; if negative, the robot can drive to the right");
+    d.member<&MotionParams::velocity_max_y>("velocity_max_y", meters_per_second,
+                                            "upper limit of the speed to the left");
+    d.member<&MotionParams::turn_min>("turn_min", radians_per_second,
+                                      "lower limit of the turn rate, which is positive counter-clockwise");
+    d.member<&MotionParams::turn_max>("turn_max", radians_per_second,
+                                      "upper limit of the turn rate, which is positive counter-clockwise");
     d.member<&MotionParams::acceleration_min_x>("acceleration_min_x", meters_per_second_squared,
-                                                "lower limit of the commanded acceleration, forward");
+                                                "lower limit of a commanded forward acceleration");
     d.member<&MotionParams::acceleration_max_x>("acceleration_max_x", meters_per_second_squared,
-                                                "upper limit of the commanded acceleration, forward");
+                                                "upper limit of a commanded forward acceleration");
     d.member<&MotionParams::acceleration_min_y>("acceleration_min_y", meters_per_second_squared,
-                                                "lower limit of the commanded acceleration, to the left");
+                                                "lower limit of a commanded acceleration to the left");
     d.member<&MotionParams::acceleration_max_y>("acceleration_max_y", meters_per_second_squared,
-                                                "upper limit of the commanded acceleration, to the left");
+                                                "upper limit of a commanded acceleration to the left");
     d.member<&MotionParams::turn_acceleration_min>("turn_acceleration_min", radians_per_second_squared,
-                                                   "lower limit of the commanded angular acceleration");
+                                                   "lower limit of a commanded angular acceleration");
     d.member<&MotionParams::turn_acceleration_max>("turn_acceleration_max", radians_per_second_squared,
-                                                   "upper limit of the commanded angular acceleration");
-    d.member<&MotionParams::start_x>("start_x", meters_per_second,
-                                     "forward speed until the drive is first due, not limited");
-    d.member<&MotionParams::start_y>("start_y", meters_per_second,
-                                     "speed to the left until the drive is first due, not limited");
-    d.member<&MotionParams::start_turn>("start_turn", radians_per_second,
-                                        "turn rate until the drive is first due, not limited");
+                                                   "upper limit of a commanded angular acceleration");
+    d.member<&MotionParams::start_x>(
+        "start_x", meters_per_second,
+        "forward speed until the drive runs for the first time; the limits do not apply to it");
+    d.member<&MotionParams::start_y>(
+        "start_y", meters_per_second,
+        "speed to the left until the drive runs for the first time; the limits do not apply to it");
+    d.member<&MotionParams::start_turn>(
+        "start_turn", radians_per_second,
+        "turn rate until the drive runs for the first time; the limits do not apply to it");
   }
 
-  /// An error if a lower bound exceeds the upper one.
+  /// Returns an error if a lower limit exceeds its upper limit.
   Result<> check() const;
 };
 
-/// Parameters of every drive.
+/// Parameters that all drives have.
 struct DriveParams {
   MotionParams motion;
   std::int64_t pushes = 4;
@@ -69,13 +80,14 @@ struct DriveParams {
   static constexpr void describe(engine::Description<DriveParams>& d) {
     using namespace engine::facts;
     d.part<&DriveParams::motion>();
-    d.member<&DriveParams::pushes>("pushes", within(0, engine::k_most_pushed), fixed,
-                                   "number of pushable bodies that it pushes at once; more stop it");
+    d.member<&DriveParams::pushes>(
+        "pushes", within(0, engine::k_most_pushed), fixed,
+        "greatest number of pushable bodies that the robot pushes at once; more bodies block it");
     d.part<&DriveParams::localization>();
   }
 };
 
-/// Parameters of a car.
+/// Parameters of the drive `car`.
 struct CarParams {
   double wheelbase = 1;
   DriveParams drive;
@@ -88,23 +100,25 @@ struct CarParams {
   }
 };
 
-/// The velocity that each kind of drive computes from a command. It is clamped to the limits of the drive.
-/// docs/driving.md has the details.
+/// The three kinds of drives. A drive computes a velocity v (forward, left) and a turn rate from a command
+/// with the members x, y and turn, and clamps both to its limits. What the command means depends on its mode
+/// (engine::ControlMode). docs/driving.md has the details.
 ///
-/// speed   the velocity of the next tick, as in Stage; the acceleration is not limited
-///         diff  v = (x, 0), turn = turn
-///         omni  v = (x, y), turn = turn
-///         car   v = (x cos(steering), 0), turn = x sin(steering) / wheelbase; the command's turn is the
-///         steering angle
-/// acceleration   clamped to limits of its own, multiplied by the time since the drive was last due, and
-///         added to the velocity of the last tick; for a car, to the speed of its front wheels
-/// goal    proportional to the remaining distance and angle (gain 1/s), at most 0.4 m/s and 1 rad/s; arrived
-///         within 0.02 m along both axes
-///         diff  turns to the goal, drives while the goal is within pi/16 of straight ahead, then turns to
-///         the goal's heading
-///         omni  drives straight to the goal, turning on the way
-///         car   drives in a curve, turning with twice the gain; swings about its rear axle towards a goal
-///         behind it
+/// velocity      The command is the velocity of the next tick, as in Stage. Its change is not limited.
+///               diff  v = (x, 0), turn rate = turn
+///               omni  v = (x, y), turn rate = turn
+///               car   v = (x cos(turn), 0), turn rate = x sin(turn) / wheelbase: turn is the steering angle
+/// acceleration  The command is an acceleration. It is clamped to the limits of accelerations, multiplied by
+///               the time since the drive last ran, and added to the velocity of the last tick. For a car it
+///               is added to the speed of the front wheels.
+/// position      The command is a goal, a pose in the frame of the estimated pose. Speeds are proportional to
+///               the remaining distance and angle (gain 1/s), and at most 0.4 m/s and 1 rad/s. The robot has
+///               arrived if it is within 0.02 m of the goal along both axes.
+///               diff  turns to the goal, drives while the goal is within pi/16 of straight ahead, and after
+///                     arrival turns to the goal's heading
+///               omni  drives straight to the goal and turns to its heading on the way
+///               car   drives in a curve, turning with twice the gain. Towards a goal behind it, it swings
+///                     about its rear axle
 ///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();

@@ -20,7 +20,8 @@ using engine::DriveKind;
 using engine::Record;
 using engine::Velocity;
 
-// Limit of the distance from its rest position: the bounding circle of its body grows with it.
+// Limit of the distance of the part from its rest position. Without a limit, the bounding circle of its body,
+// which must contain all positions of the part, would be unbounded.
 constexpr double k_most_reach_m = 100;
 
 enum class Law : std::uint8_t { diff, omni, car };
@@ -52,8 +53,8 @@ struct Wheels {
 
   const DriveKind* kind = nullptr;
   std::any data;
-  Result<> bounds;  // an error if the parameters contradict each other
-  Pose rest;        // of the part, body frame
+  Result<> bounds;  // holds an error if the parameters contradict each other; bind_part() returns it
+  Pose rest;        // rest pose of the part, body frame
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_part) {
     const DriveKind& kind = kind_of(params.drive);
@@ -81,8 +82,8 @@ struct Wheels {
   }
 };
 
-/// The joint's pose after dt, in the frame of its rest pose. Moves along the heading at the start of the
-/// tick, as bodies do.
+/// The pose of the joint after dt seconds, in the frame of its rest pose. It moves along its heading at the
+/// start of the tick, as bodies do.
 Pose moved(const Pose& q, const Velocity& v, double dt) {
   const Vec2 way = Rotation(q.heading) * Vec2(v.x * dt, v.y * dt);
   return {q.x + way.x(), q.y + way.y(), q.z, q.heading + v.turn * dt};

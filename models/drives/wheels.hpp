@@ -5,30 +5,33 @@
 
 namespace troupe::models {
 
-/// State of a part that drives on its body.
+/// State of a part that drives on its body. x, y, z and heading are its pose in the world frame at the start
+/// of the tick; forward, left and turn are its velocity in this tick, in its own frame.
 struct WheelsState {
-  double x = 0;              ///< m, world frame; x, y, z and heading are the pose at the start of the tick
-  double y = 0;              ///< m
-  double z = 0;              ///< m
-  double heading = 0;        ///< rad
-  double forward = 0;        ///< m/s, its own frame; velocity of this tick
-  double left = 0;           ///< m/s
-  double turn = 0;           ///< rad/s
-  std::uint8_t stalled = 0;  ///< 1: its motion was blocked
+  double x = 0;              ///< m, world frame
+  double y = 0;              ///< m, world frame
+  double z = 0;              ///< m, world frame
+  double heading = 0;        ///< rad, world frame
+  double forward = 0;        ///< m/s, frame of the part
+  double left = 0;           ///< m/s, frame of the part
+  double turn = 0;           ///< rad/s, counter-clockwise
+  std::uint8_t stalled = 0;  ///< 1: the motion of the part was blocked
   TROUPE_FIELDS(x, y, z, heading, forward, left, turn, stalled)
 };
 
-/// A drive for one part of a body, like a `position` inside another model of Stage: it drives in the frame of
-/// the part that carries it, and moves with that part.
+/// A drive for one part of a body, like a `position` model inside another model of Stage. The part drives
+/// about relative to the part that carries it, and also moves with that part.
 ///
 /// parameters  drive (diff, omni, car), and the parameters of that drive without localization and pushes
 /// state       WheelsState; commands: engine::Command, as for the drive of a body
-/// moves       as a joint, with the parts mounted on it, unless it would overlap a body outside its own tree
-///             of carriers; a blocked motion leaves it where it is, stalled
-/// estimate    its true pose in the world: controllers of its part see it, and goals are in the world frame
-/// edges       it is due in each tick; it may leave the bounds of the world, but goes no farther than 100 m
-///             from its position at rest
-/// errors      a command that is not a finite number: engine::StepError
+/// moves       The part moves as a joint does, together with the parts mounted on it. A motion is blocked if
+///             it would overlap a body or a wall, except its own body and bodies that carry it or that it
+///             carries. A blocked part keeps its pose and is stalled.
+/// estimate    The estimated pose of the part is its true pose in the world. Its controllers see this pose,
+///             and its goals are in the world frame.
+/// edges       It runs in each tick. It may leave the bounds of the world, but goes no farther than 100 m
+///             from its position in the world file.
+/// errors      A command that is not a finite number throws engine::StepError.
 engine::DeviceKind wheels_kind();
 
 }  // namespace troupe::models

@@ -37,7 +37,7 @@ struct DeadSensors {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::sensors>(
-          "sensors", "names of the sensors, separated by commas; empty: all sensors of the robot");
+          "sensors", "names of the sensors that fail, separated by commas; empty: all sensors of the robot");
     }
   };
 
@@ -70,7 +70,7 @@ struct SlowWheels {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::factor>("factor", above(0), at_most(1), required,
-                                "factor by which its speeds are multiplied");
+                                "factor by which all velocities of the drive are multiplied");
     }
   };
 
@@ -88,12 +88,12 @@ struct DropOut {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::rate>(
-          "rate", per_second, above(0), at_most(1e6), required,
-          "mean rate for one robot: the probability of a failure within t is 1 - exp(-rate t)");
-      d.member<&Params::duration>(
-          "for", seconds, within(0, engine::k_most_seconds),
-          "how long a failure lasts; then the robot works again, until the next one; 0: for good");
+      d.member<&Params::rate>("rate", per_second, above(0), at_most(1e6), required,
+                              "mean number of failures of one robot per second: within t seconds it fails "
+                              "with probability 1 - exp(-rate t)");
+      d.member<&Params::duration>("for", seconds, within(0, engine::k_most_seconds),
+                                  "duration of a failure, after which the robot works again until its next "
+                                  "failure; 0: failures are permanent");
     }
   };
 
@@ -105,7 +105,8 @@ struct DropOut {
 }  // namespace
 
 engine::FaultKind dead_sensors_fault() {
-  return engine::make_fault_kind<DeadSensors>("dead_sensors", "sensors that keep their last readings");
+  return engine::make_fault_kind<DeadSensors>("dead_sensors",
+                                              "sensors that stop working: they repeat their last readings");
 }
 
 engine::FaultKind slow_wheels_fault() {
@@ -113,7 +114,8 @@ engine::FaultKind slow_wheels_fault() {
 }
 
 engine::FaultKind drop_out_fault() {
-  return engine::make_fault_kind<DropOut>("drop_out", "a robot that stops completely");
+  return engine::make_fault_kind<DropOut>(
+      "drop_out", "a robot that stops completely at a random time, for good or for a while");
 }
 
 }  // namespace troupe::models

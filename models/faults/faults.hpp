@@ -4,11 +4,12 @@
 
 namespace troupe::models {
 
-/// Sensors that stop working: they keep their last readings, and controllers cannot tell.
+/// Sensors that stop working: they repeat their last readings. Controllers cannot distinguish these from new
+/// readings.
 engine::FaultKind dead_sensors_fault();
 
 /// A drive that is slower than commanded: all its velocities are multiplied by `factor`. Odometry counts the
-/// motion that results.
+/// slower motion, so the fault adds no error to it.
 engine::FaultKind slow_wheels_fault();
 
 /// A robot that stops completely after an exponentially distributed time of mean 1 / `rate`, for good or for

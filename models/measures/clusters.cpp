@@ -22,8 +22,9 @@ class Clusters : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::distance>("distance", Unit::meters, above(0), at_most(1000), required,
-                                  "bodies whose origins are at most this far apart are in one cluster");
+      d.member<&Params::distance>(
+          "distance", Unit::meters, above(0), at_most(1000), required,
+          "two bodies are in one cluster if their origins are at most this far apart");
     }
   };
 
@@ -94,15 +95,16 @@ class LargestCluster : public Clusters {
 engine::MeasureKind clusters_measure() {
   return engine::make_measure_kind<ClusterCount>(
       "clusters", Unit::none, "number of clusters of pushable bodies",
-      "The number of connected components of the graph that joins pushable bodies whose origins are at most "
-      "`distance` apart; a body on its own counts as one. It does not depend on which robots are measured.");
+      "The number of connected components of the graph that joins all pairs of pushable bodies whose origins "
+      "are at most `distance` apart. A body without neighbours is a cluster of one. The result does not "
+      "depend on which robots are measured.");
 }
 
 engine::MeasureKind largest_cluster_measure() {
   return engine::make_measure_kind<LargestCluster>(
       "largest_cluster", Unit::none, "fraction of the pushable bodies that are in the largest cluster",
-      "The number of bodies in the largest of the components that `clusters` counts, divided by the number "
-      "of all pushable bodies. Not a number if there are none.");
+      "The number of bodies in the largest of the clusters that the measure `clusters` counts, divided by "
+      "the number of all pushable bodies. The value is NaN if there are no pushable bodies.");
 }
 
 }  // namespace troupe::models

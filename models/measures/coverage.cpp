@@ -17,9 +17,9 @@ using engine::Measure;
 using engine::Unit;
 using engine::World;
 
-constexpr double k_most_cells = 25e6;  // of two bytes
+constexpr double k_most_cells = 25e6;  // each takes two bytes of memory
 
-/// The bounds of the world; without any, the box around the static scene and the robots at the start.
+/// The bounds of the world. If it has none, the box around the static scene and the robots at the start.
 Box ground_of(const World& world, std::span<const Row> robots) {
   if (world.spec().bounds) return *world.spec().bounds;
   Box box = world.scene().bounds();
@@ -36,7 +36,7 @@ class Coverage : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::cell>("cell", Unit::meters, engine::facts::within(0.001, 100000),
-                              "edge of the square cells");
+                              "edge length of the square cells");
     }
   };
 
@@ -93,13 +93,14 @@ class Coverage : public Measure {
     const std::int64_t y = std::int64_t{cell.y} - low_.y;
     if (x < 0 || y < 0 || x >= static_cast<std::int64_t>(columns_) || y >= static_cast<std::int64_t>(lines_))
       return;
-    // Robots of several tasks may be in one cell: all of them write the same value.
+    // Several threads may write to one cell at the same time, but all of them write the same value.
     std::atomic_ref<std::uint8_t> visited(visited_[static_cast<std::size_t>(y) * columns_ + x]);
     if (visited.load(std::memory_order_relaxed) == 0) visited.store(1, std::memory_order_relaxed);
   }
 
-  /// Marks the cells whose centres are in a solid as not free, by the even-odd rule: line by line, between
-  /// every other pair of crossings of its edges with the line through the centres.
+  /// Marks the cells whose centres are in a solid as not free, by the even-odd rule: each line of cell
+  /// centres is cut by the edges of the solid, and the centres between the first and second cut, the third
+  /// and fourth, and so on, are inside.
   void take(const Solid& solid) {
     std::vector<std::vector<double>> crossings(lines_);
     for (const Ring& ring : solid.contours)
@@ -121,7 +122,8 @@ class Coverage : public Measure {
     }
   }
 
-  /// Index of the first of `count` cells from `low` on whose centre is not below v; `count` if none is.
+  /// Index, counted from the cell `low`, of the first of `count` cells whose centre is at v or above (m);
+  /// `count` if there is none.
   std::size_t first_not_below(std::int32_t low, std::size_t count, double v) const {
     const std::int64_t near = std::int64_t{grid_.cell({v, 0}).x} - low;
     auto i = static_cast<std::size_t>(std::clamp<std::int64_t>(near, 0, static_cast<std::int64_t>(count)));
@@ -144,11 +146,11 @@ class Coverage : public Measure {
 engine::MeasureKind coverage_measure() {
   return engine::make_measure_kind<Coverage>(
       "coverage", Unit::none, "fraction of the free ground that robots have visited",
-      "The fraction of the free cells in which the origin of a robot has been at the end of any tick since "
-      "measuring began. Cells are squares of edge `cell`, and one of their corners is the world's origin. A "
-      "cell is free if its centre lies within the bounds of the world and in no static obstacle, whatever "
-      "the height of the obstacle. If the world has no bounds, the box around the static scene and the "
-      "robots at the start is used. Ground that no robot can reach counts.");
+      "The fraction of the free cells in which the origin of a robot has been at the end of some tick since "
+      "measuring began. Cells are squares with edges of length `cell`; the world's origin is a corner of "
+      "four of them. A cell is free if its centre is within the bounds of the world and in no static "
+      "obstacle, whatever the height of the obstacle. If the world has no bounds, the box around the static "
+      "scene and the robots at the start takes their place. Free cells that no robot can reach count too.");
 }
 
 }  // namespace troupe::models

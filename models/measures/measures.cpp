@@ -20,7 +20,7 @@ using engine::StateTable;
 using engine::Unit;
 using engine::World;
 
-/// A measure over robots, computed from the present state.
+/// Base of the measures over robots that are computed from the present state.
 class OfRobots : public Measure {
  public:
   OfRobots(const World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
@@ -96,7 +96,7 @@ class PathLength : public OfRobots {
   double value(World& world) override {
     return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
-  // The places are not saved: the constructor reads them from the state that is restored.
+  // places_ is not saved: the constructor reads the positions from the restored state.
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
@@ -111,7 +111,8 @@ class PathLength : public OfRobots {
       places_[i] = world.origin(row);
   }
 
-  /// A robot that a program moved continues from its new pose: the move itself is not counted.
+  /// The path of a robot that a program moved between two ticks continues at its new position: the move
+  /// itself is not counted.
   void set_out_from(std::span<const World::Placed> placed) {
     if (placed.empty()) return;
     if (numbers_.empty()) {
@@ -127,9 +128,9 @@ class PathLength : public OfRobots {
   static std::size_t by_row(const std::pair<Row, std::uint32_t>& number) { return number.first.index(); }
 
   std::vector<double> lengths_;                         // m, per robot, in the order of robots()
-  std::vector<Vec2> places_;                            // per robot, in the state that see() saw last
+  std::vector<Vec2> places_;                            // position of each robot when see() last ran, m
   std::vector<std::pair<Row, std::uint32_t>> numbers_;  // indices into robots(), by row; built when needed
-  std::uint64_t tick_;                                  // that see() saw last
+  std::uint64_t tick_;                                  // tick when see() last ran
 };
 
 class MeanSpeed : public OfRobots {
@@ -192,7 +193,7 @@ class ShareWithin : public OfRobots {
   Params circle_;
 };
 
-/// Over the robots whose state has the component.
+/// The mean of one number over the robots whose state has the component.
 class StateMean : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
@@ -209,10 +210,12 @@ class StateMean : public OfRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::component>(
-          "component", required, "component of the state; \"KIND/0\" is the memory of the first controller");
-      d.member<&Params::field>("field", required, "field of the component");
-      d.member<&Params::column>("column", within(0, 1e6), "column of a field that is an array");
+      d.member<&Params::component>("component", required,
+                                   "name of a table of the state, such as \"wander/0\", the memory of the "
+                                   "first controller if it is of kind `wander`");
+      d.member<&Params::field>("field", required, "name of a field of that table");
+      d.member<&Params::column>("column", within(0, 1e6),
+                                "index of the element, from 0, if the field is an array");
     }
   };
 
@@ -227,14 +230,16 @@ class StateMean : public OfRobots {
   }
 
  private:
-  /// cells: per body.
+  /// cells: for each body, where its number is.
   StateMean(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
       : OfRobots(world, with(world, cells, std::move(rows))),
         column_(static_cast<std::size_t>(params.column)) {
     for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
   }
 
-  /// The cell of each body. Every type that has the component has its own table.
+  /// For each body, the table, field and row of its number. Every type that has the component has its own
+  /// table. Throws std::invalid_argument if no type has the component, or if a type lacks the field or
+  /// column.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
@@ -264,7 +269,8 @@ class StateMean : public OfRobots {
         continue;
       }
       if (params.column >= field.columns)
-        throw std::invalid_argument(fmt::format("the last column of \"{}\" is {}", name, field.columns - 1));
+        throw std::invalid_argument(fmt::format("there is no column {}: the last column of \"{}\" is {}",
+                                                params.column, name, field.columns - 1));
       return known.size();
     }
     throw std::invalid_argument(unknown_name("field", name, known));
@@ -304,7 +310,7 @@ class Deaths : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::type>("type", engine::facts::required,
-                              "type of the bodies that are counted, robots or not");
+                              "name of the type of the bodies that are counted, with or without a drive");
     }
   };
 
@@ -335,56 +341,57 @@ class Deaths : public Measure {
 engine::MeasureKind stalls_measure() {
   return engine::make_measure_kind<Stalls>("stalls", Unit::none, "number of stalled robots",
                                            "The number of robots whose last motion was blocked by something "
-                                           "in its way, or would have left the world.");
+                                           "in its way, or would have left the bounds of the world.");
 }
 
 engine::MeasureKind alive_measure() {
   return engine::make_measure_kind<Alive>("alive", Unit::none, "number of robots in the world",
                                           "The number of robots that have been born and have not died. Other "
-                                          "measures of robots cover only these.");
+                                          "measures of robots cover only these robots.");
 }
 
 engine::MeasureKind deaths_measure() {
   return engine::make_measure_kind<Deaths>(
       "deaths", Unit::none, "number of bodies of a type that have died",
       "The number of bodies of a type that have died, such as pucks that a remover took or robots whose "
-      "packs ran empty. It does not depend on which robots are measured.");
+      "power packs ran empty. The result does not depend on which robots are measured.");
 }
 
 engine::MeasureKind held_measure() {
-  return engine::make_measure_kind<Held>(
-      "held", Unit::none, "number of robots stopped at the world's bounds",
-      "The number of robots whose last motion would have left the world. They also count as stalled.");
+  return engine::make_measure_kind<Held>("held", Unit::none, "number of robots stopped at the world's bounds",
+                                         "The number of robots whose last motion would have left the bounds "
+                                         "of the world. The measure `stalls` counts them too.");
 }
 
 engine::MeasureKind displacement_measure() {
   return engine::make_measure_kind<Displacement>(
       "displacement", Unit::meters, "mean distance of the robots from where they started",
-      "The mean over the robots of the straight-line distance between a robot's origin now and at tick 0, or "
-      "at its birth.");
+      "The mean over the robots of the straight-line distance between a robot's origin now and its origin at "
+      "tick 0, or at its birth if it was born later.");
 }
 
 engine::MeasureKind path_length_measure() {
   return engine::make_measure_kind<PathLength>(
       "path_length", Unit::meters, "mean length of the robots' paths",
-      "The mean over the robots of the sum, over all ticks since measuring began, of the straight-line "
-      "distance between a robot's origin before and after the tick. Moves by a program between two ticks do "
-      "not count.");
+      "The mean over the robots of the length of a robot's path. That is the sum, over all ticks since "
+      "measuring began, of the straight-line distance between the robot's origin before and after the tick. "
+      "If a program moves a robot between two ticks, that move does not count.");
 }
 
 engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
       "mean_speed", Unit::meters_per_second, "mean speed of the robots in the last tick",
-      "The mean over the robots of the speed of their origins in the last tick, in any direction; 0 for a "
-      "stalled robot, and for all robots before the first tick.");
+      "The mean over the robots of the speed of a robot's origin in the last tick, in whatever direction it "
+      "moved. The speed is 0 for a stalled robot, and for all robots before the first tick.");
 }
 
 engine::MeasureKind order_measure() {
   return engine::make_measure_kind<Order>(
       "order", Unit::none, "agreement of the headings, from 0 (none) to 1 (full)",
-      "The length of the mean of the robots' unit heading vectors, also called polarisation. Vicsek et al., "
+      "The length of the mean of the robots' unit heading vectors, also called polarisation: 1 if all "
+      "headings are equal, near 0 if they are random. Source, for particles of equal speed: Vicsek et al., "
       "Novel type of phase transition in a system of self-driven particles, Physical Review Letters 75, "
-      "1995, for particles of one speed.");
+      "1995.");
 }
 
 engine::MeasureKind spread_measure() {
@@ -396,14 +403,15 @@ engine::MeasureKind spread_measure() {
 engine::MeasureKind share_within_measure() {
   return engine::make_measure_kind<ShareWithin>(
       "share_within", Unit::none, "fraction of the robots that are in a circle",
-      "The fraction of the robots whose origin is at most `radius` from `center`.");
+      "The fraction of the robots whose origin is at most `radius` away from `center`.");
 }
 
 engine::MeasureKind state_mean_measure() {
   return engine::make_measure_kind<StateMean>(
-      "state_mean", Unit::none, "mean of a number in the robots' state",
-      "The mean of one number of the state over the robots that have it, such as the memory of a controller "
-      "or the reading of a sensor. For a field that is 0 or 1, it is a fraction of the robots.");
+      "state_mean", Unit::none, "mean of one number of the robots' state",
+      "The mean of one number of the state, such as a variable in the memory of a controller or a reading of "
+      "a sensor, over the robots that have this number. If the number is 0 or 1, the mean is the fraction of "
+      "these robots for which it is 1.");
 }
 
 }  // namespace troupe::models

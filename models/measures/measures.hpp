@@ -2,19 +2,20 @@
 
 #include "engine/measure_kind.hpp"
 
-/// Counts and means over single robots. `troupe describe` prints their definitions.
+/// Measures that are counts, means or sums over robots or other bodies. `troupe describe NAME` prints the
+/// definition of a measure.
 namespace troupe::models {
 
 engine::MeasureKind stalls_measure();        ///< `stalls`: number of stalled robots
 engine::MeasureKind held_measure();          ///< `held`: number of robots stopped at the world's bounds
 engine::MeasureKind alive_measure();         ///< `alive`: number of robots in the world
 engine::MeasureKind deaths_measure();        ///< `deaths`: number of bodies of a type that have died
-engine::MeasureKind displacement_measure();  ///< `displacement`, m: mean distance from the start
-engine::MeasureKind path_length_measure();   ///< `path_length`, m: mean length of the paths
-engine::MeasureKind mean_speed_measure();    ///< `mean_speed`, m/s: mean speed in the last tick
-engine::MeasureKind order_measure();         ///< `order`: agreement of the headings, 0 to 1
-engine::MeasureKind spread_measure();        ///< `spread`, m: mean distance from their centre
+engine::MeasureKind displacement_measure();  ///< `displacement`, m: mean distance from where robots started
+engine::MeasureKind path_length_measure();   ///< `path_length`, m: mean length of the robots' paths
+engine::MeasureKind mean_speed_measure();    ///< `mean_speed`, m/s: mean speed of the robots in the last tick
+engine::MeasureKind order_measure();         ///< `order`: agreement of the robots' headings, 0 to 1
+engine::MeasureKind spread_measure();        ///< `spread`, m: mean distance of the robots from their centre
 engine::MeasureKind share_within_measure();  ///< `share_within`: fraction of the robots in a circle
-engine::MeasureKind state_mean_measure();    ///< `state_mean`: mean of a number in their state
+engine::MeasureKind state_mean_measure();    ///< `state_mean`: mean of one number of the robots' state
 
 }  // namespace troupe::models

@@ -16,7 +16,7 @@ using engine::World;
 
 constexpr std::size_t k_batch = 256;  // robots per task
 
-/// Finds the neighbours of robots through the index.
+/// Base of the measures that find the neighbours of robots through the spatial index.
 class AmongRobots : public Measure {
  public:
   AmongRobots(const World& world, std::vector<Row> robots)
@@ -27,7 +27,8 @@ class AmongRobots : public Measure {
  protected:
   std::span<const Row> robots() const { return robots_; }
 
-  /// Calls work(row) for all robots, in parallel, in the order of the index: neighbours share the caches.
+  /// Calls work(row) for all robots in parallel. The order is that of the index: neighbours in space are
+  /// visited one after another and find each other's data in the cache.
   template <class Work>
   void for_each_robot(World& world, Work&& work) const {
     const std::span<const std::uint32_t> order = world.index().order();
@@ -38,8 +39,9 @@ class AmongRobots : public Measure {
     });
   }
 
-  /// Calls visit(squared distance) for the other robots in the box of half-width `radius` that are within
-  /// `reach`, and for some that are farther. visit() may reduce `reach`.
+  /// Calls visit(squared distance, m^2) for the other robots in the box of half-width `radius` (m) around the
+  /// robot in `row`. It visits all that are within `reach` (m), and some that are farther away. visit() may
+  /// reduce `reach`, which is a reference for that reason.
   template <class Visit>
   void for_each_other(const World& world, std::uint32_t row, double radius, const double& reach,
                       Visit&& visit) const {
@@ -78,8 +80,10 @@ class MeanNearestDistance : public AmongRobots {
   }
 
  private:
-  /// Searches boxes of growing size until the nearest robot found is within the box. It ends because there is
-  /// another robot. The first size, slightly more than the last distance, affects only the speed.
+  /// Distance to the nearest other robot, m. Searches boxes of growing size until the nearest robot found is
+  /// certainly the nearest of all, because its distance is at most the half-width of the box. The search ends
+  /// because the caller ensures that there is another robot. The first half-width, slightly more than the
+  /// distance at the last call, affects only the speed.
   double nearest(const World& world, std::uint32_t row) const {
     double radius = std::max(1.25 * distances_[row], 0.1 * world.geometry().cell_m);
     for (;;) {
@@ -102,7 +106,7 @@ class Neighbours : public AmongRobots {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::radius>("radius", Unit::meters, above(0), at_most(1000),
-                                "greatest distance of a neighbour");
+                                "greatest distance between the origins of two neighbours");
     }
   };
 
@@ -133,17 +137,18 @@ class Neighbours : public AmongRobots {
 engine::MeasureKind mean_nearest_distance_measure() {
   return engine::make_measure_kind<MeanNearestDistance>(
       "mean_nearest_distance", Unit::meters, "mean distance to the nearest other robot",
-      "The mean over the robots of the distance from a robot's origin to that of the nearest other measured "
-      "robot, even through walls. Not a number for fewer than two robots. Clark and Evans, Distance to "
-      "nearest neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.");
+      "The mean over the robots of the distance from a robot's origin to the origin of the nearest other "
+      "measured robot. Walls between them make no difference. The value is NaN for fewer than two robots. "
+      "Source: Clark and Evans, Distance to nearest neighbor as a measure of spatial relationships in "
+      "populations, Ecology 35, 1954.");
 }
 
 engine::MeasureKind neighbours_measure() {
   return engine::make_measure_kind<Neighbours>(
       "neighbours", Unit::none, "mean number of other robots nearby",
-      "The mean over the robots of the number of other measured robots whose origin lies within `radius` of "
-      "the robot's own, even through walls: the mean degree of the graph that joins robots within that "
-      "distance.");
+      "The mean over the robots of the number of other measured robots whose origin is within `radius` of "
+      "the robot's origin. Walls between them make no difference. It is the mean degree of the graph that "
+      "joins all pairs of robots within that distance.");
 }
 
 }  // namespace troupe::models

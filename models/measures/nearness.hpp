@@ -5,7 +5,8 @@
 /// Measures of the distances between robots. `troupe describe` prints their definitions.
 namespace troupe::models {
 
-engine::MeasureKind mean_nearest_distance_measure();  ///< `mean_nearest_distance`, m
-engine::MeasureKind neighbours_measure();             ///< `neighbours`: mean number within a radius
+/// `mean_nearest_distance`, m: mean distance to the nearest other robot.
+engine::MeasureKind mean_nearest_distance_measure();
+engine::MeasureKind neighbours_measure();  ///< `neighbours`: mean number of robots within a radius
 
 }  // namespace troupe::models

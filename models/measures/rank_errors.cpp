@@ -22,7 +22,7 @@ class RankErrors : public Measure {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::center>("center", Unit::meters, required,
-                                "point from which distances are measured, [x, y]");
+                                "point from which the distances of the robots are measured, [x, y]");
     }
   };
 
@@ -38,7 +38,7 @@ class RankErrors : public Measure {
       const std::size_t type = world.spec().bodies[world.body(row).index()].type.index();
       ranked_.push_back({(world.transform(row).position - center_).squaredNorm(), type});
     }
-    // At equal distances the lower type comes first, so that such pairs count as right.
+    // At equal distances the robot of the earlier type comes first, so that the pair counts as correct.
     std::ranges::sort(ranked_);
     std::ranges::fill(met_, 0);
     std::uint64_t pairs = 0;
@@ -58,7 +58,7 @@ class RankErrors : public Measure {
   std::vector<Row> robots_;
   Vec2 center_;
   std::vector<std::pair<double, std::size_t>> ranked_;  // squared distance, type
-  std::vector<std::uint64_t> met_;                      // robots so far, per type, from the centre outwards
+  std::vector<std::uint64_t> met_;                      // number of robots nearer to the centre, per type
 };
 
 }  // namespace
@@ -66,11 +66,14 @@ class RankErrors : public Measure {
 engine::MeasureKind rank_errors_measure() {
   return engine::make_measure_kind<RankErrors>(
       "rank_errors", Unit::none,
-      "fraction of the pairs of robots of different types that are in the wrong order",
-      "The fraction of the pairs of robots of different types in which the robot whose type comes later in "
-      "the world is nearer to `center`. 0: the robots form rings, type by type; about one half: they are "
-      "mixed. Not a number if all are of one type. Gross, Magnenat, Mondada, Segregation in swarms of mobile "
-      "robots based on the Brazil nut effect, IROS 2009: the percentage of errors in rank.");
+      "fraction of the pairs of robots of different types whose distances from a centre are in the wrong "
+      "order",
+      "The fraction of the pairs of robots of different types that are in the wrong order. Types have the "
+      "order in which the world file defines them, and a pair is in the wrong order if the robot of the "
+      "later type is nearer to `center`. The value is 0 if the types form rings around `center` in their "
+      "order, about one half if they are mixed, and NaN if all robots are of one type. Source: Gross, "
+      "Magnenat, Mondada, Segregation in swarms of mobile robots based on the Brazil nut effect, IROS 2009, "
+      "where it is the percentage of errors in rank.");
 }
 
 }  // namespace troupe::models

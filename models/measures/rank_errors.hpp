@@ -4,7 +4,8 @@
 
 namespace troupe::models {
 
-/// `rank_errors`: fraction of the pairs of robots of different types that are in the wrong order.
+/// `rank_errors`: fraction of the pairs of robots of different types whose distances from a centre are in the
+/// wrong order (docs/measures.md).
 engine::MeasureKind rank_errors_measure();
 
 }  // namespace troupe::models

@@ -268,7 +268,7 @@ TEST(Wander, NeedsMoreThanEightSamples) {
   EXPECT_EQ(
       decide.error,
       "needs a scanner: a ranger with 9 or more beams, in one transducer or several, one of them within "
-      "30 degrees of straight ahead; \"sensor\" (8 beams) has too few");
+      "30 degrees of straight ahead; \"sensor\" (8 beams) has too few beams");
 }
 
 TEST(Script, WaveFollowsItsLaw) {
@@ -314,12 +314,13 @@ TEST(Script, LegsMustFollowOneAnother) {
       {}, "script",
       test::record(table, {{"legs", std::vector<engine::Record>{test::record(leg, {{"until", 5.0}}),
                                                                 test::record(leg, {{"until", 2.0}})}}}));
-  EXPECT_EQ(decide.error, "has a leg whose `until` is not above that of the leg before it");
+  EXPECT_EQ(decide.error, "has a leg whose `until` is not later than that of the leg before it");
 }
 
 TEST(Expand, MoreClearancesThanTransducersIsAFault) {
   const Decision decide(Decision::ring({0, 1}), "expand", preset("expand_pioneer"));
-  EXPECT_EQ(decide.error, "has 7 clearances for the 2 transducers of \"sensor\"");
+  EXPECT_EQ(decide.error,
+            "has 7 clearances for the 2 transducers of \"sensor\": give at most one for each transducer");
 }
 
 TEST(Script, TimedWithoutLegsIsAFault) {

@@ -201,8 +201,10 @@ TEST_F(StageGrip, APlanIsOneWord) {
   EXPECT_THAT(error_of("hand:clse@1"),
               HasSubstr("has a plan with an unknown order \"clse\"; known: close, down, "
                         "go_to, open, speed, up (did you mean \"close\"?)"));
-  EXPECT_THAT(error_of("arm:go_to@1"), HasSubstr("\"arm:go_to@1\": that order needs a number"));
-  EXPECT_THAT(error_of("hand:close:2@1"), HasSubstr("\"hand:close:2@1\": that order takes no number"));
+  EXPECT_THAT(error_of("arm:go_to@1"),
+              HasSubstr("\"arm:go_to@1\": that order needs a value: DEVICE:ORDER:VALUE@SECONDS"));
+  EXPECT_THAT(error_of("hand:close:2@1"),
+              HasSubstr("\"hand:close:2@1\": that order takes no value: DEVICE:ORDER@SECONDS"));
   EXPECT_THAT(error_of("foot:up@1"), HasSubstr("has an order for unknown device \"foot\"; known: arm, hand"));
 }
 

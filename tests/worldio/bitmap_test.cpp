@@ -139,7 +139,8 @@ TEST_F(BitmapFile, APngWithOneWrongByteIsAnError) {
     EXPECT_FALSE(read(file)) << "byte " << at;
   }
   EXPECT_EQ(error(), "w.world:7: error: the image " + file.string() +
-                         " is damaged: a checksum does not match, or it has more data than pixels");
+                         " is damaged: a part is cut off, a checksum does not match, or there is more data "
+                         "than the pixels need");
 }
 
 /// What an image comes to: its size in pixels, the contours of what is solid in it with their vertices, and

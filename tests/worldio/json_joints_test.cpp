@@ -148,8 +148,9 @@ TEST(JsonJoints, WhatIsWrongIsTold) {
       error_of(changed(R"("device": "boom")", R"("device": "barrier")")),
       ::testing::HasSubstr("gate.json:15: error: controller \"operate\" has an order for unknown device "
                            "\"barrier\"; known: boom, eye, hand, lamp"));
-  EXPECT_THAT(error_of(changed(R"("order": "go_to")", R"("order": "close")")),
-              ::testing::HasSubstr("has an order \"close\" for \"boom\", which is no gripper"));
+  EXPECT_THAT(
+      error_of(changed(R"("order": "go_to")", R"("order": "close")")),
+      ::testing::HasSubstr("has an order \"close\" for \"boom\", which is not a device of kind \"gripper\""));
 }
 
 }  // namespace

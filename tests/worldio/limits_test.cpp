@@ -90,7 +90,7 @@ TEST(BitmapLimits, PixelsAreCountedBeforeTheyTakeMemory) {
 
 TEST(BitmapLimits, WhatUnpacksToMoreThanThePixelsIsDamaged) {
   EXPECT_THAT(error_of(png(10, 10, std::string(10 << 20, '\0'))),
-              HasSubstr("or it has more data than pixels"));
+              HasSubstr("there is more data than the pixels need"));
   Diagnostics diagnostics;
   EXPECT_TRUE(decode_bitmap(png(10, 10, std::string(110, '\0')), "map.png", {}, diagnostics));
 }

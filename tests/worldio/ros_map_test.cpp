@@ -75,7 +75,8 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
       ElementsAre(
           "maps/lab.yaml:1: error: \"image\" needs the path of an image; here is a list",
           "maps/lab.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m; here is \"0\"",
-          "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw], in m, at most 100 km, and rad; here is "
+          "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw]: x and y from -100000 to 100000 m, yaw in "
+          "rad; here is "
           "\"nan\"",
           "maps/lab.yaml:5: error: \"occupied_thresh\" needs a probability from 0 to 1; here is \"65\"",
           "maps/lab.yaml:4: error: \"negate\" needs 0 or 1; here is \"maybe\"",
@@ -86,24 +87,28 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
       ElementsAre(
           "maps/lab.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m; here is \"0.05 m\"",
           "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw], in m and rad",
-          "maps/lab.yaml:4: error: \"free_thresh\", 0.9, must be at most \"occupied_thresh\", 0.65"));
+          "maps/lab.yaml:4: error: \"free_thresh\" is 0.9, but must be at most \"occupied_thresh\", which is "
+          "0.65"));
   EXPECT_FALSE(parse(std::string(k_least) + "occupied_thresh: 0.1\n"));
-  EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml:4: error: \"free_thresh\", 0.196 by default, must be at "
-                                     "most \"occupied_thresh\", 0.1"));
+  EXPECT_THAT(messages_,
+              ElementsAre("maps/lab.yaml:4: error: \"free_thresh\" is 0.196 by default, but must be at "
+                          "most \"occupied_thresh\", which is 0.1"));
 }
 
 TEST_F(RosMapTest, KeysThatMapsDoNotHaveAreWarnings) {
   EXPECT_TRUE(parse(std::string(k_least) + "occupied_tresh: 0.6\n"));
-  EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml:4: warning: a ROS map has no \"occupied_tresh\"; it is "
-                                     "ignored (did you mean \"occupied_thresh\"?)"));
+  EXPECT_THAT(messages_,
+              ElementsAre("maps/lab.yaml:4: warning: a ROS map has no key \"occupied_tresh\"; it is "
+                          "ignored (did you mean \"occupied_thresh\"?)"));
 }
 
 TEST_F(RosMapTest, TheMisspeltKeyIsShownBesideTheMissingOne) {
   EXPECT_FALSE(parse("image: lab.pgm\nresoluton: 0.05\norigin: [-1.5, 2, 0]\n"));
   EXPECT_THAT(
       messages_,
-      ElementsAre("maps/lab.yaml: error: a map needs \"resolution\", the edge of a cell in m",
-                  "maps/lab.yaml:2: error: a ROS map has no \"resoluton\" (did you mean \"resolution\"?)"));
+      ElementsAre(
+          "maps/lab.yaml: error: a map needs \"resolution\", the edge of a cell in m",
+          "maps/lab.yaml:2: error: a ROS map has no key \"resoluton\" (did you mean \"resolution\"?)"));
 }
 
 TEST_F(RosMapTest, WhatIsNoYamlIsAnError) {
@@ -111,16 +116,15 @@ TEST_F(RosMapTest, WhatIsNoYamlIsAnError) {
   EXPECT_THAT(messages_, ElementsAre(StartsWith("maps/lab.yaml:2: error: not valid YAML: ")));
   for (const std::string_view text : {"", "just a text", "- image: a.png\n"}) {
     EXPECT_FALSE(parse(text));
-    EXPECT_THAT(
-        messages_,
-        ElementsAre(
-            "maps/lab.yaml: error: a ROS map is a list of \"key: value\": image, resolution, origin, ..."));
+    EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml: error: a ROS map consists of lines \"key: value\" "
+                                       "with the keys image, resolution, origin and others"));
   }
   EXPECT_FALSE(parse(std::string(60000, '[')));
   EXPECT_FALSE(parse(std::string(70000, ' ')));
   EXPECT_THAT(
       messages_,
-      ElementsAre("maps/lab.yaml: error: too large: a ROS map is a few lines of YAML, at most 64 KiB"));
+      ElementsAre(
+          "maps/lab.yaml: error: the file is too large: a ROS map is a few lines of YAML, at most 64 KiB"));
 }
 
 using Pixel = std::vector<std::uint8_t>;

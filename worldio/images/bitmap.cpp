@@ -21,7 +21,7 @@ namespace {
 
 constexpr int k_darkest_free = 128;  // of 255; darker pixels are solid
 
-/// Counts the bytes that the pixels of a PNG unpack to, without keeping them.
+/// Counts the bytes to which the pixel data of a PNG unpack, without keeping these bytes.
 class Unpacked {
  public:
   Unpacked() { inflateInit(&stream_); }
@@ -46,9 +46,10 @@ class Unpacked {
   std::array<Bytef, 1 << 15> buffer_;
 };
 
-/// True if a chunk of a PNG is cut off or does not match its checksum: stb_image does not check, and a map
-/// with a flipped bit would be a different map. Also if its pixels unpack to far more than the image has:
-/// stb_image would unpack everything, while here unpacking stops as soon as it is too much.
+/// True if a chunk of a PNG is cut off or does not match its checksum: stb_image does not check that, and a
+/// map with a flipped bit would be a different map. True also if the pixel data unpack to far more bytes than
+/// the image has: stb_image would unpack all of them, while unpacking stops here as soon as there are too
+/// many. False for a file that is not a PNG.
 bool png_is_damaged(std::string_view bytes) {
   constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
   if (!bytes.starts_with(k_signature)) return false;
@@ -83,9 +84,10 @@ bool png_is_damaged(std::string_view bytes) {
   return true;
 }
 
-/// True if the segments of a JPEG do not follow one another, a Huffman table has more codes than a byte has
-/// values, or a scan uses a table that is not defined. stb_image (2.27, Debian 12) writes too large a table
-/// beyond its buffer, and reads uninitialized memory for a missing one.
+/// True if the segments of a JPEG do not follow one another, if a Huffman table has more codes than a byte
+/// has values, or if a scan uses a table that is not defined. stb_image (2.27, Debian 12) would write a table
+/// that is too large beyond its buffer, and read uninitialized memory for a missing table. False for a file
+/// that is not a JPEG.
 bool jpeg_is_damaged(std::string_view bytes) {
   constexpr unsigned k_first_marker = 0xc0, k_huffman = 0xc4, k_first_restart = 0xd0, k_last_restart = 0xd7,
                      k_progressive = 0xc2, k_start = 0xd8, k_end = 0xd9, k_start_of_scan = 0xda;
@@ -93,14 +95,16 @@ bool jpeg_is_damaged(std::string_view bytes) {
   const auto byte = [&](std::size_t i) {
     return i < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i])) : 0;
   };
-  // Returns the marker here, 0 if there is none. Any number of bytes 0xff may precede it.
+  // Returns the marker at `at` and moves on; 0 if there is none. Any number of bytes 0xff may precede a
+  // marker.
   const auto take_marker = [&]() -> unsigned {
     if (byte(at) != 0xff) return 0;
     while (byte(at) == 0xff) ++at;
     return byte(at++);
   };
   if (take_marker() != k_start) return false;
-  unsigned given[2] = {0, 0};  // defined Huffman tables of DC and of AC coefficients, a bit each
+  unsigned given[2] = {0,
+                       0};  // Huffman tables defined so far, a bit each: [0] for DC, [1] for AC coefficients
   bool is_progressive = false;
   unsigned marker = take_marker();
   while (marker != k_end) {
@@ -129,7 +133,9 @@ bool jpeg_is_damaged(std::string_view bytes) {
     }
     at = end;
     const bool is_scan = marker == k_start_of_scan;
-    do {  // after the header of a scan, skips its pixels: bytes 0xff among them, and restarts, are no markers
+    // After the header of a scan, its pixel data are skipped. Restart markers and other bytes 0xff among them
+    // do not end the scan.
+    do {
       while (is_scan && at < bytes.size() && byte(at) != 0xff) ++at;
       marker = take_marker();
     } while (is_scan && at < bytes.size() &&
@@ -138,8 +144,8 @@ bool jpeg_is_damaged(std::string_view bytes) {
   return false;
 }
 
-/// True if a PNM (P5 or P6, the binary formats) is cut off or has an invalid header: stb_image does not
-/// check, and reads uninitialized memory for missing pixels.
+/// True if a PNM (P5 or P6, the binary formats) is cut off or has an invalid header: stb_image does not check
+/// that, and would read uninitialized memory for missing pixels. False for a file that is not a PNM.
 bool pnm_is_damaged(std::string_view bytes) {
   if (!bytes.starts_with("P5") && !bytes.starts_with("P6")) return false;
   constexpr std::string_view k_blanks = " \t\n\v\f\r";
@@ -166,8 +172,8 @@ bool pnm_is_damaged(std::string_view bytes) {
   return at > bytes.size() || static_cast<double>(bytes.size() - at) < size;
 }
 
-/// True if a BMP is shorter than its header says, or than its pixels: stb_image would fill the rest with
-/// black.
+/// True if a BMP is shorter than its header says, or than its pixels need: stb_image would fill the missing
+/// pixels with black. False for a file that is not a BMP.
 bool bmp_is_damaged(std::string_view bytes) {
   if (!bytes.starts_with("BM")) return false;
   const auto number = [&](std::size_t at, std::size_t count) {
@@ -199,11 +205,13 @@ std::size_t count_corners(const Bitmap& bitmap) {
   return count;
 }
 
-/// The directed unit edges around the solid pixels; those between two solid pixels cancel. They are stored as
-/// the set of directions in which edges leave each corner of the pixel lattice (image axes, +y down).
+/// The directed unit edges around the solid pixels. There is no edge between two solid pixels. For each
+/// corner of the pixel lattice (image axes, +y down), the set of directions in which edges leave it is
+/// stored.
 class BoundaryEdges {
  public:
-  // In the order of the corners they lead to, x before y: the first one set is the one that Stage follows.
+  // Ordered by the corners to which they lead, by x and then y. Of several directions in a set, Stage follows
+  // the first.
   enum Direction : std::uint8_t { left = 1, up = 2, down = 4, right = 8 };
 
   explicit BoundaryEdges(const Bitmap& bitmap)
@@ -220,7 +228,7 @@ class BoundaryEdges {
   }
 
   std::size_t corners() const { return leaving_.size(); }
-  /// Corners are numbered by x, then y.
+  /// Corners are numbered column by column: by x, and then by y.
   int x_of(std::size_t corner) const { return static_cast<int>(corner / rows_); }
   int y_of(std::size_t corner) const { return static_cast<int>(corner % rows_); }
   bool any_leaves(std::size_t corner) const { return leaving_[corner] != 0; }
@@ -268,7 +276,8 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
     std::string_view what;
   };
   constexpr Format k_formats[] = {
-      {png_is_damaged, "a checksum does not match, or it has more data than pixels"},
+      {png_is_damaged,
+       "a part is cut off, a checksum does not match, or there is more data than the pixels need"},
       {jpeg_is_damaged, "it violates the JPEG format, or is cut off"},
       {pnm_is_damaged, "its header is invalid, or it is cut off"},
       {bmp_is_damaged, "it is cut off"}};
@@ -320,7 +329,7 @@ std::vector<Ring> bitmap_contours(const Bitmap& bitmap) {
       std::size_t corner = start;
       do {
         const Vec2 point(edges.x_of(corner), -edges.y_of(corner));
-        // Straight runs become one edge, but as in Stage never among the first three points.
+        // Collinear edges become one edge, but as in Stage never among the first three points.
         const std::size_t n = ring.size();
         if (n > 2 && cross(ring[n - 1] - ring[n - 2], point - ring[n - 1]) == 0)
           ring.back() = point;

@@ -15,40 +15,43 @@
 
 namespace troupe::worldio {
 
-/// The outlines of an image and, if it is a ROS map, its place.
+/// The outlines of an image of walls and, if it is a ROS map, its place in the world.
 struct FloorImage {
-  int width = 0;
-  int height = 0;
-  std::vector<Ring> contours;  ///< in pixels, +y up: the image lies in x from 0 to width, y from -height to 0
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+  /// Outlines in pixels, +y up: x is from 0 to width, y from -height to 0.
+  std::vector<Ring> contours;
 
   /// The size and place of a ROS map (worldio/images/ros_map.hpp).
   struct Place {
     Eigen::Vector2d size_m;
-    Pose pose_map_center;  ///< of the image's centre
+    Pose pose_map_center;  ///< pose of the image's centre in the frame of the map
   };
-  std::optional<Place> place;
+  std::optional<Place> place;  ///< set if the image is a ROS map
 
-  /// Returns one solid that stands on z = 0: the whole image, margins included, fills `size`, m, centred.
+  /// Returns one solid that stands on z = 0. The whole image, margins included, fills `size` (m) and is
+  /// centred.
   Solid solid(const Eigen::Vector3d& size) const;
 };
 
-/// Returns the body of a floor plan in its own frame, on z = 0: the solid pixels, or the whole image if its
-/// margins are kept, fill `size`, m, and are centred. A ROS map keeps its own place and its own size in x and
-/// y, which overwrites that of `size`.
+/// Returns the solids of a floor plan in its own frame, standing on z = 0. The box of the solid pixels, or
+/// the whole image if `spec` keeps its margins, fills `size` (m) and is centred. A ROS map keeps its own
+/// place, and its own size in x and y, which is written to `size`.
 std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
                                    Eigen::Vector3d& size);
-/// As floor_plan_body(), for a model, as in Stage: the result, boundary included, is fitted to `size` once
-/// more, which may change the last bits.
+/// Like floor_plan_body(), but for a model that is not a floor plan. As in Stage, the result, boundary
+/// included, is then fitted to `size` once more, which may change the last bits.
 std::vector<Solid> image_body(const FloorImage& image, const engine::ImageSpec& spec, Eigen::Vector3d& size);
 
-/// The images of one world. Each is read once.
+/// The images of one world. Each file is read only once.
 class FloorImages {
  public:
   explicit FloorImages(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Reads an image, or a ROS map if `file` is a YAML file; `unknown_is_solid` says whether its unknown cells
-  /// are solid. Null if it cannot be read, with an error at `where` or in the YAML file at the first call.
-  /// The image may have no solid pixel.
+  /// Reads an image, or a ROS map if `file` is a YAML file. `unknown_is_solid` says whether the unknown cells
+  /// of a map are solid. Returns null if the file cannot be read; the first such call adds an error at
+  /// `where` or at a line of the YAML file. An image without solid pixels is not an error. The result is
+  /// valid as long as this object.
   const FloorImage* read(const std::filesystem::path& file, bool unknown_is_solid, Where where);
 
  private:

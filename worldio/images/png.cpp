@@ -35,18 +35,18 @@ void append(png_structp png, png_bytep data, std::size_t size) {
   }
 }
 
-/// Pixels in the layout of a PNG.
+/// Pixels in the layout that libpng expects.
 struct Rows {
   int width;
   int height;
   std::span<const std::uint8_t> bytes;
   int color_type;
-  int bits;                 // per channel
-  std::size_t pixel_bytes;  // of all channels
+  int bits;                 // bits per channel
+  std::size_t pixel_bytes;  // bytes per pixel, all channels together
 };
 
-/// False if libpng left with longjmp(), its way to report an error. No local variable may have a destructor:
-/// the jump would skip it.
+/// Writes the image. Returns false if libpng reported an error, which it does by longjmp(). No local variable
+/// may have a destructor, because the jump would skip it.
 bool encode_rows(png_structp png, png_infop info, const Rows& image, std::vector<png_text>& texts) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),

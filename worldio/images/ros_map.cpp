@@ -15,7 +15,7 @@ namespace troupe::worldio {
 namespace {
 
 constexpr std::size_t k_most_bytes = 1 << 16;  // a map has a dozen lines
-constexpr double k_most_meters = 200e3;        // the size of a world
+constexpr double k_most_meters = 200e3;        // greatest size of a world
 
 constexpr std::string_view k_keys[] = {"image",           "resolution",  "origin", "negate",
                                        "occupied_thresh", "free_thresh", "mode"};
@@ -76,7 +76,7 @@ class MapReader {
 
 std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   if (!node.IsMap()) {
-    error(0, "a ROS map is a list of \"key: value\": image, resolution, origin, ...");
+    error(0, "a ROS map consists of lines \"key: value\" with the keys image, resolution, origin and others");
     return {};
   }
   RosMap map;
@@ -117,8 +117,8 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   return map;
 }
 
-/// In a map with errors, an unknown key is an error too: warnings would not be shown, and it may be a
-/// misspelt form of the missing key.
+/// Reports unknown keys. They are warnings, but errors in a map that has other errors: warnings would not be
+/// shown then, and an unknown key may be a misspelt form of a missing one.
 void MapReader::check_keys(const YAML::Node& map) {
   const bool is_right = is_right_;
   for (const auto& entry : map) {
@@ -127,9 +127,9 @@ void MapReader::check_keys(const YAML::Node& map) {
     const std::string suggestion = did_you_mean(key, k_keys);
     if (is_right)
       diagnostics_.warning({file_number_, line_of(entry.first.Mark())},
-                           fmt::format("a ROS map has no \"{}\"; it is ignored{}", key, suggestion));
+                           fmt::format("a ROS map has no key \"{}\"; it is ignored{}", key, suggestion));
     else
-      error(entry.first, fmt::format("a ROS map has no \"{}\"{}", key, suggestion));
+      error(entry.first, fmt::format("a ROS map has no key \"{}\"{}", key, suggestion));
   }
 }
 
@@ -149,7 +149,7 @@ void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
   double parts[3] = {};
   for (std::size_t i = 0; i < 3; ++i)
     parts[i] = number(origin[i], "origin", -k_most_meters / 2, k_most_meters / 2,
-                      "[x, y, yaw], in m, at most 100 km, and rad")
+                      "[x, y, yaw]: x and y from -100000 to 100000 m, yaw in rad")
                    .value_or(0);
   map.pose_map_corner = {parts[0], parts[1], 0, wrap_angle(parts[2])};
 }
@@ -162,8 +162,8 @@ void MapReader::read_thresholds(const YAML::Node& node, RosMap& map) {
   if (free) map.free_thresh = number(free, "free_thresh", 0, 1, k_probability).value_or(map.free_thresh);
   if (map.free_thresh > map.occupied_thresh)
     error(free ? free : node["occupied_thresh"],
-          fmt::format("\"free_thresh\", {}{}, must be at most \"occupied_thresh\", {}", map.free_thresh,
-                      free ? "" : " by default", map.occupied_thresh));
+          fmt::format("\"free_thresh\" is {}{}, but must be at most \"occupied_thresh\", which is {}",
+                      map.free_thresh, free ? "" : " by default", map.occupied_thresh));
 }
 
 }  // namespace
@@ -183,9 +183,9 @@ std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where wher
 std::optional<RosMap> parse_ros_map(const std::filesystem::path& file, std::string_view text,
                                     Diagnostics& diagnostics) {
   if (text.size() > k_most_bytes) {
-    diagnostics.error(
-        {diagnostics.files()->add(file.string()), 0},
-        fmt::format("too large: a ROS map is a few lines of YAML, at most {} KiB", k_most_bytes >> 10));
+    diagnostics.error({diagnostics.files()->add(file.string()), 0},
+                      fmt::format("the file is too large: a ROS map is a few lines of YAML, at most {} KiB",
+                                  k_most_bytes >> 10));
     return {};
   }
   return MapReader(file, diagnostics).read(text);

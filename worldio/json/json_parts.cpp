@@ -142,8 +142,12 @@ std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least, std::size
   const JsonNode::List* list = read_list(at);
   if (!list) return {};
   if (list->size() < least || list->size() > most) {
-    at.error(least == most ? fmt::format("expected {} points, found {}", least, list->size())
-                           : fmt::format("expected {} to {} points, found {}", least, most, list->size()));
+    const bool has_most = most != std::numeric_limits<std::size_t>::max();
+    at.error(fmt::format("expected {} points, found {}",
+                         least == most ? fmt::format("{}", least)
+                         : has_most    ? fmt::format("{} to {}", least, most)
+                                       : fmt::format("at least {}", least),
+                         list->size()));
     return {};
   }
   const Field field{.name = "point",
