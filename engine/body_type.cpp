@@ -157,6 +157,7 @@ Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const Device
       return mounted.error();
   if (kind.bind_world)
     if (const Result<> looked = kind.bind_world(prepared.data, world); !looked) return looked.error();
+  if (kind.reach_m) prepared.reach_m = kind.reach_m(prepared.data);
   return prepared;
 } catch (...) {
   return Error{fmt::format("({}) {}", kind.name, thrown_text())};

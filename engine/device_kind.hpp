@@ -60,6 +60,7 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///     void draw(const DeviceView&, Frame&) const;
 ///     Result<> bind_part(const TypeSpec&, std::uint32_t part);
 ///     Result<> bind_world(const WorldSpec&);
+///     double reach_m() const;
 ///     static std::vector<DeviceKind::Fixture> body(const Params&);
 ///     static constexpr std::array<std::string_view, N> joints;
 ///     static constexpr bool carries, drives, needs_supply, shows_color;
@@ -102,6 +103,8 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
     kind.bind_world = [](std::any& data, const WorldSpec& world) -> Result<> {
       return std::any_cast<C>(&data)->bind_world(world);
     };
+  if constexpr (requires { &C::reach_m; })
+    kind.reach_m = [](const std::any& data) { return std::any_cast<C>(&data)->reach_m(); };
   if constexpr (requires { &C::start; })
     kind.start = [](const std::any& data, StateTable& state, std::size_t slot) {
       const C& device = *std::any_cast<C>(&data);

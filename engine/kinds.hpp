@@ -189,7 +189,13 @@ struct DeviceKind {
     std::size_t percept_bytes = 0;  ///< size of the struct of a row (memory_fields); 0: rows are no structs
     std::vector<StateField> commands;  ///< commands from controllers: fields of a struct (memory_fields)
     std::size_t command_bytes = 0;     ///< size of the command struct; 0: the device takes no commands
-    double reach_m = 0;            ///< distance from the body's origin within which the device reads bodies
+    /// Radius of a disc around the body's origin: `sense` and `act` read nothing of bodies of other trees
+    /// whose circles are outside it. Joints of the own body extend it. Tests enforce it:
+    /// World::hide_beyond_reach().
+    double reach_m = 0;
+    /// The reach for which the cells of the spatial index are chosen; unset: reach_m. For devices that rarely
+    /// search far, so that they do not make the cells coarse for others.
+    std::optional<double> cell_hint_m = {};
     std::size_t beams = 0;         ///< rays that each device casts each time it runs
     std::size_t most_effects = 0;  ///< largest number of effects that a row may emit in a tick
     bool ends_lives = false;       ///< whether it may emit deaths: emit_death()
@@ -216,6 +222,8 @@ struct DeviceKind {
   /// Called once after `bind_part`: completes the data from the world. The error says what is wrong with it.
   /// Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
+  /// Called after both: the reach, if it is known only then. Null: Prepared::reach_m holds it.
+  double (*reach_m)(const std::any& data) = nullptr;
   /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes are 0 before the
   /// call. Null: all bytes stay 0.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;

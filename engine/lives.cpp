@@ -105,11 +105,7 @@ void World::update_presence(Row row) {
 }
 
 void World::clear(Row row) {
-  for (StateTable& table : tables_) {
-    // A table has a row per body, or per body of one type. If there is only one type, slots equal rows.
-    const std::size_t at = table.rows() == rows() ? row.index() : slot(row);
-    if (at < table.rows() && table.ids()[at] == body(row)) table.clear_row(at);
-  }
+  for_tables_of(row, [this](std::size_t t, std::size_t at) { tables_[t].clear_row(at); });
 }
 
 Vec2 World::origin(Row row) const {

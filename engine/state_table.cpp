@@ -106,10 +106,18 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
   data_.assign(end, std::byte{0});
 }
 
-void StateTable::clear_row(std::size_t row) {
+void StateTable::fill_row(std::size_t row, std::byte value) {
   for (std::size_t f = 0; f < fields_.size(); ++f)
-    std::memset(data_.data() + starts_[f] + row * strides_[f], 0,
+    std::memset(data_.data() + starts_[f] + row * strides_[f], std::to_integer<int>(value),
                 element_size(fields_[f].element) * fields_[f].columns);
+}
+
+void StateTable::copy_row(std::size_t row, const StateTable& from) {
+  for (std::size_t f = 0; f < fields_.size(); ++f) {
+    const std::size_t at = starts_[f] + row * strides_[f];
+    std::memcpy(data_.data() + at, from.data_.data() + at,
+                element_size(fields_[f].element) * fields_[f].columns);
+  }
 }
 
 std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {

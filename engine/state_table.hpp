@@ -154,7 +154,10 @@ class StateTable {
   std::size_t bytes() const { return data_.size(); }  ///< size of all rows, padding included
   /// Sets every byte to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
-  void clear_row(std::size_t row);  ///< sets every byte of a row's fields to 0
+  void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }  ///< fill_row() with 0
+  void fill_row(std::size_t row, std::byte value);                  ///< sets every byte of a row's fields
+  /// Copies a row from a table of the same fields and layout.
+  void copy_row(std::size_t row, const StateTable& from);
 
  private:
   /// Sum of the hashes of the fields that are not sparse.

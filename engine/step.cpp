@@ -154,15 +154,29 @@ void World::for_running(std::span<const Row> rows, const BodyType::Device& devic
   });
 }
 
+/// Calls work(rows): once, or, with hide_beyond_reach(), once per row while what it must not see is hidden.
+template <class Work>
+void World::for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
+                       Work&& work) {
+  if (!blinkers_) return work(rows);
+  for (const Row& row : rows) {
+    hide_from(row, device.prepared.reach_m + type.joint_reach);
+    work(std::span(&row, 1));
+    show_hidden();
+  }
+}
+
 void World::sense() {
   std::atomic<std::uint64_t> beams = 0;
   for_neighbours([&](std::span<const Row> rows, const BodyType& type) {
     for (const BodyType::Device& device : type.devices) {
       if (!device.kind->sense) continue;
-      for_running(rows, device, [&](std::span<const Row> some) {
-        const std::uint64_t cast = call_kind(
-            *this, some, device, [&] { return device.kind->sense(device_batch(some, type, device)); });
-        beams.fetch_add(cast, std::memory_order_relaxed);
+      for_running(rows, device, [&](std::span<const Row> running) {
+        for_seeing(running, type, device, [&](std::span<const Row> some) {
+          const std::uint64_t cast = call_kind(
+              *this, some, device, [&] { return device.kind->sense(device_batch(some, type, device)); });
+          beams.fetch_add(cast, std::memory_order_relaxed);
+        });
       });
     }
   });
@@ -188,8 +202,10 @@ void World::actuate() {
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
     for (const BodyType::Device& device : type.devices)
       if (device.kind->act)
-        for_running(rows, device, [&](std::span<const Row> some) {
-          call_kind(*this, some, device, [&] { device.kind->act(device_batch(some, type, device)); });
+        for_running(rows, device, [&](std::span<const Row> running) {
+          for_seeing(running, type, device, [&](std::span<const Row> some) {
+            call_kind(*this, some, device, [&] { device.kind->act(device_batch(some, type, device)); });
+          });
         });
   };
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {

@@ -44,7 +44,8 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     if (!type.runs()) continue;
     double reach = 0;
     for (const BodyType::Device& sensor : type.devices)
-      if (sensor.active) reach = std::max(reach, sensor.prepared.reach_m);
+      if (sensor.active)
+        reach = std::max(reach, sensor.prepared.cell_hint_m.value_or(sensor.prepared.reach_m));
     const double radius = type.radius + type.joint_reach;
     sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
     widths += 2 * radius;

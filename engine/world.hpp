@@ -120,6 +120,12 @@ class World {
   /// derives it again. Tests call this and check that the run continues with the same bits (the "amnesia"
   /// test, docs/determinism.md).
   void forget();
+  /// For tests of the reach that kinds declare. While set, `sense` and `act` of a device compute one row at a
+  /// time, and the bodies whose circles are beyond its reach do not exist for them: they are not in the
+  /// index, and their poses, outlines and state are junk. The hashes stay the same if no kind reads further
+  /// than it declares (docs/determinism.md). Slow: a call takes time proportional to the number of rows.
+  /// Throws std::invalid_argument unless the world has one thread and the exact ray engine.
+  void hide_beyond_reach(bool on);
   std::uint64_t tick() const { return tick_; }    ///< number of completed ticks
   double tick_s() const { return spec_.tick_s; }  ///< length of a tick, s
   /// World time, s: tick() * tick_s().
@@ -549,6 +555,20 @@ class World {
   void for_due(std::span<const Row> rows, std::uint64_t period, Work&& work);
   template <class Work>
   void for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work);
+  template <class Work>
+  void for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
+                  Work&& work);
+  void hide_from(Row row, double reach);
+  void show_hidden();
+  /// Calls visit(index of a table, its row) for the rows that a body has in the tables of the state.
+  template <class Visit>
+  void for_tables_of(Row row, Visit&& visit) {
+    for (std::size_t t = 0; t < tables_.size(); ++t) {
+      // A table has a row per body, or per body of one type. If there is only one type, slots equal rows.
+      const std::size_t at = tables_[t].rows() == rows() ? row.index() : slot(row);
+      if (at < tables_[t].rows() && tables_[t].ids()[at] == body(row)) visit(t, at);
+    }
+  }
 
   // Every member belongs to one of five groups: constant, state, set by the program, derived, or scratch.
   // Only state is saved, so no member of another group may carry information from one tick to the next.
@@ -589,6 +609,11 @@ class World {
   std::function<void(std::optional<Phase>)> on_phase_;
   OnDecide on_decide_;
   std::function<void()> before_tick_;
+  struct Blinkers;
+  struct BlinkersDeleter {
+    void operator()(Blinkers* blinkers) const;
+  };
+  std::unique_ptr<Blinkers, BlinkersDeleter> blinkers_;  // null: devices see everything
 
   // Derived: computed by derive(), kept up to date by each tick.
   std::vector<Transform> transforms_;

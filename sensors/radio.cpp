@@ -765,8 +765,8 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
   const std::uint32_t bytes = params.payload;
   // The cell size is chosen for the reach of sensors. A radio with a long reach must not make the cells
   // coarse for rangers with a short one.
-  constexpr double k_most_reach = 4;
-  const double reach = std::min(pose_body_radio.position().norm() + radio.hears, k_most_reach);
+  constexpr double k_most_hint = 4;
+  const double reach = pose_body_radio.position().norm() + radio.hears;
   return {
       .data = std::move(radio),
       .percepts = {{"count", Element::u32, 1, "", "messages heard"},
@@ -785,7 +785,8 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
                    {"length", Element::u8, 1, "", "bytes of the message", k_radio_bytes},
                    {"payload", Element::u8, bytes, "", "bytes of the message", k_radio_said}},
       .command_bytes = k_radio_said + bytes,
-      .reach_m = reach};
+      .reach_m = reach,
+      .cell_hint_m = std::min(reach, k_most_hint)};
 }
 
 /// Checks the parameters. A radio must be inside the circle of its body, because radios are found by these

@@ -62,7 +62,8 @@ std::string variant_name(unsigned threads, double tile_size_m) {
 std::vector<Variant> load(const CheckOptions& options, const engine::Registry& registry) {
   std::vector<Variant> variants;
   SimulationOptions simulation = with_environment(options.simulation);
-  const auto add = [&](unsigned threads, double tile_size_m, Memory memory, std::string_view what) {
+  const auto add = [&](unsigned threads, double tile_size_m, Memory memory,
+                       std::string_view what) -> Variant& {
     simulation.tile_size_m = tile_size_m;
     simulation.threads = threads;
     const FilledStorage filled(k_fills[variants.size() % k_fills.size()]);
@@ -70,6 +71,7 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
                         Simulation(options.world, simulation, registry),
                         {threads, tile_size_m},
                         memory});
+    return variants.back();
   };
   for (const double tile_size_m : options.tile_sizes_m)
     for (const unsigned threads : options.threads) add(threads, tile_size_m, Memory::kept, "");
@@ -78,6 +80,12 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
     const unsigned threads = options.threads.front();
     add(threads, tile_size_m, Memory::forgotten, ", caches cleared");
     add(threads, tile_size_m, Memory::remade, ", world rebuilt");
+  }
+  if (options.reach) {
+    Variant& variant = add(1, options.tile_sizes_m.front(), Memory::kept, ", bodies beyond reach hidden");
+    if (variant.world().spec().ranging == engine::RangingEngine::grid)
+      throw InputError("troupe check: error: --reach needs the exact ray engine, but the world has \"grid\"");
+    variant.world().hide_beyond_reach(true);
   }
   return variants;
 }
@@ -166,10 +174,11 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
 }
 
 ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {
-  if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers && !options.amnesia)
+  if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers && !options.amnesia &&
+      !options.reach)
     throw InputError(
         "troupe check: error: only one variant, nothing to compare: give several --threads or --tile-size, "
-        "--amnesia, or --controllers");
+        "--amnesia, --reach, or --controllers");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);

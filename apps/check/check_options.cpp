@@ -18,6 +18,10 @@ robot, field and both values.
 again. In the other, the world is discarded after each tick and rebuilt from its description and state, as in a resumed
 run. They find data that influence a later tick and are not part of the state.
 
+--reach adds a variant in which every device computes one robot at a time, while the bodies beyond the reach that the
+device declares are removed from the world and their state is junk. It finds a device that reads further than it
+declares. Slow, and only for worlds with "ranging": "exact".
+
 --controllers repeats every decision of the first variant twice from the same readings and memory: once in another
 order, on another thread, in storage filled with junk; once with a newly constructed controller. It names a controller
 that calls rand(), keeps a static, reads the clock or leaves a member unset, with the field that differs. The first
@@ -64,6 +68,10 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
   check
       .add_flag("--amnesia", options.amnesia,
                 "Also compare runs that keep only their state from tick to tick")
+      ->disable_flag_override();
+  check
+      .add_flag("--reach", options.reach,
+                "Also compare a run in which devices see only the bodies within their declared reach")
       ->disable_flag_override();
   check.add_flag("--controllers", options.controllers, "Repeat each decision and compare the results")
       ->disable_flag_override();

@@ -12,6 +12,7 @@ struct CheckOptions : WorldOptions {
   /// m; 0: chosen by the world. 1.7 m is below the range of most sensors, so that they read across tiles.
   std::vector<double> tile_sizes_m{0, 1.7};
   bool amnesia = false;
+  bool reach = false;
   bool controllers = false;
 };
 

@@ -24,7 +24,10 @@ struct Brush {
   Vec2 point;  // position of the brush, in the frame of the body or of its joint
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_brush) {
-    return {.data = Brush{sensors::Ground(params), pose_body_brush.position()}, .most_effects = 1};
+    return {.data = Brush{sensors::Ground(params), pose_body_brush.position()},
+            .reach_m = pose_body_brush.position().norm(),
+            .cell_hint_m = 0,
+            .most_effects = 1};
   }
 
   Result<> bind_world(const engine::WorldSpec& world) {

@@ -346,7 +346,8 @@ void Gripper::draw(const engine::DeviceView& view, engine::Frame& frame) const {
 DeviceKind::Prepared Gripper::prepare(const Params& params, const Pose& pose_body_gripper) {
   const Gripper gripper{params, Mount(pose_body_gripper)};
   return {.data = gripper,
-          .reach_m = gripper.size().head<2>().norm(),
+          .reach_m = pose_body_gripper.position().norm() + gripper.size().head<2>().norm(),
+          .cell_hint_m = gripper.size().head<2>().norm(),
           .most_effects = 1,
           .joints = {gripper.left(gripper.starts_closed(), gripper.starts_up()),
                      gripper.right(gripper.starts_closed(), gripper.starts_up())},

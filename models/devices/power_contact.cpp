@@ -41,9 +41,11 @@ struct PowerContact {
   partition::ObstacleShape shape = {};  ///< shape of the part that carries the contact, body frame
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
-    return {.data = PowerContact{params}, .most_effects = params.give > 0 ? k_most_takers : 0};
+    return {
+        .data = PowerContact{params}, .cell_hint_m = 0, .most_effects = params.give > 0 ? k_most_takers : 0};
   }
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
+  double reach_m() const { return shape.radius + k_contact_m; }
   void act(const DeviceBatch& batch) const;
   void apply(World& world, const Effect& effect) const;
 };

@@ -59,7 +59,8 @@ struct Remover {
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_remover) {
     return {.data = Remover{params, Mount(pose_body_remover)},
-            .reach_m = params.radius,
+            .reach_m = pose_body_remover.position().norm() + params.radius,
+            .cell_hint_m = params.radius,
             .most_effects = k_most_removed,
             .ends_lives = true};
   }

@@ -9,7 +9,7 @@ import random
 THREADS = (1, 2, 3, 8)
 TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: automatic
 # Checks that are an option of `troupe check`, with one thread and one tile size.
-OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia"}
+OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia", "reach": "--reach"}
 
 
 def plan(seed, index, ticks, program_only=False, controllers=False):
@@ -31,6 +31,7 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
         if draws.random() < 0.1:
             checks.append(program)
     checks.append({"check": "amnesia"})
+    checks.append({"check": "reach"})
     if controllers:
         checks.append({"check": "controllers"})
     return checks

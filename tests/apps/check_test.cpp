@@ -88,7 +88,7 @@ TEST_F(CheckProgram, BadInputIsExitCode2) {
             "room.world: error: no end time: give --for SECONDS, or set quit_time in the world\n");
   EXPECT_EQ(error_of({"check", "room.world", "--for", "1", "--threads", "2", "--tile-size", "3"}),
             "troupe check: error: only one variant, nothing to compare: give several --threads or "
-            "--tile-size, --amnesia, or --controllers\n");
+            "--tile-size, --amnesia, --reach, or --controllers\n");
 }
 
 /// With kinds of our own, which the program does not have.

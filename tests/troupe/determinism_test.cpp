@@ -99,6 +99,26 @@ TEST_P(SameBits, WithNothingKeptButTheState) {
   }
 }
 
+// What a device reads of other bodies lies within the reach that it declares: nothing changes if all other
+// bodies are hidden from it, one row at a time.
+TEST_P(SameBits, WithBodiesBeyondReachHidden) {
+  const scenes::Run& run = GetParam();
+  if (run.by_grid) GTEST_SKIP() << "the grid ray engine draws all bodies in advance";
+  Simulation whole(run.file(), options_of(run, 1));
+  Simulation blinkered(run.file(), options_of(run, 1));
+  if (blinkered.world().spec().ranging == RangingEngine::grid)
+    GTEST_SKIP() << "a world of the grid ray engine";
+  blinkered.world().hide_beyond_reach(true);
+  const double rows = static_cast<double>(whole.world().rows());
+  // The time of a tick grows with the square of the number of rows.
+  const auto ticks = std::min<std::uint64_t>(run.ticks, 2 + static_cast<std::uint64_t>(2e7 / (rows * rows)));
+  while (whole.tick() < ticks) {
+    whole.step();
+    blinkered.step();
+    ASSERT_EQ(blinkered.hash_log_line(), whole.hash_log_line());
+  }
+}
+
 std::vector<scenes::Run> runs() {
   return scenes::runs_of(test::k_slow_build ? "same_bits_slow" : "same_bits");
 }
