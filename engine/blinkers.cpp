@@ -45,14 +45,17 @@ void World::hide_from(Row row, double reach) {
   for (std::size_t r = 0; r < rows(); ++r) {
     const Row other(r);
     if (same_tree(other, row) || !is_there(other)) continue;
-    if ((transform(other).position - origin).norm() - row_radii_[r] > reach + k_slack_m) b.hidden.push_back(other);
+    if ((transform(other).position - origin).norm() - row_radii_[r] > reach + k_slack_m)
+      b.hidden.push_back(other);
   }
   for (const Row other : b.hidden) {
     const std::size_t r = other.index();
-    b.transforms[r] = std::exchange(transforms_[r], Transform({k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan})));
+    b.transforms[r] =
+        std::exchange(transforms_[r], Transform({k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan})));
     b.radii[r] = std::exchange(row_radii_[r], partition::k_not_there);
     b.shapes[r] = std::exchange(row_shapes_[r], &k_no_shape);
-    for (std::size_t v = outline_begins_[r]; v < outline_begins_[r] + type(other).outline_vertices.size(); ++v)
+    for (std::size_t v = outline_begins_[r]; v < outline_begins_[r] + type(other).outline_vertices.size();
+         ++v)
       b.outlines[v] = std::exchange(outlines_[v], Vec2(k_nan, k_nan));
     for_tables_of(other, [&](std::size_t t, std::size_t at) {
       b.tables[t].copy_row(at, tables_[t]);
@@ -71,7 +74,8 @@ void World::show_hidden() {
     transforms_[r] = b.transforms[r];
     row_radii_[r] = b.radii[r];
     row_shapes_[r] = b.shapes[r];
-    for (std::size_t v = outline_begins_[r]; v < outline_begins_[r] + type(other).outline_vertices.size(); ++v)
+    for (std::size_t v = outline_begins_[r]; v < outline_begins_[r] + type(other).outline_vertices.size();
+         ++v)
       outlines_[v] = b.outlines[v];
     for_tables_of(other, [&](std::size_t t, std::size_t at) { tables_[t].copy_row(at, b.tables[t]); });
   }

@@ -100,7 +100,7 @@ class Planted(unittest.TestCase):
 
     def test_faults_apply_to_the_sources(self):
         names = [name for name, _ in builds.planted_faults()]
-        self.assertEqual(names, ["address_tie", "birth_memory", "float_sum", "libm_sine", "odometry_at_birth", "racing_read"])
+        self.assertEqual(names, ["address_tie", "birth_memory", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read"])
         for name in names:
             with self.subTest(name=name), tempfile.TemporaryDirectory() as folder:
                 patch = builds.PLANTED / f"{name}.patch"

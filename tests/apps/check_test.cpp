@@ -91,6 +91,38 @@ TEST_F(CheckProgram, BadInputIsExitCode2) {
             "--tile-size, --amnesia, --reach, or --controllers\n");
 }
 
+/// A sensor that counts the bodies within 1 m, and declares a reach of its own.
+struct Counter {
+  struct Params {
+    double declared = 0;
+
+    static constexpr void describe(engine::Description<Params>& d) {
+      using namespace engine::facts;
+      d.member<&Params::declared>("declared", engine::Unit::meters, "its declared reach");
+    }
+  };
+  struct State {
+    std::uint32_t count = 0;
+    TROUPE_FIELDS(count)
+  };
+
+  static engine::DeviceKind::Prepared prepare(const Params& params, const Pose&) {
+    return {.data = Counter(), .reach_m = params.declared};
+  }
+  std::uint64_t sense(const engine::DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      const Vec2 here = batch.world.transform(batch.rows[i]).position;
+      std::uint32_t count = 0;
+      batch.world.index().for_each_near(Box::around(here, 1), [&](const partition::BodyCircle& circle) {
+        const Vec2 there = batch.world.transform(Row(circle.row)).position;
+        count += (there - here).norm() < 1;
+      });
+      batch.state.as<State>(batch.slot(i)).count = count;
+    }
+    return 0;
+  }
+};
+
 /// With kinds of our own, which the program does not have.
 class Check : public test::ScratchTest {
  protected:
@@ -99,6 +131,7 @@ class Check : public test::ScratchTest {
       engine::Registry all = make_registry();
       for (engine::ControllerKind& kind : test::rogue_controllers())
         all.controllers.push_back(std::move(kind));
+      all.devices.push_back(engine::make_device_kind<Counter>("counter", "counts the bodies near it"));
       return all;
     }();
     return kinds;
@@ -176,6 +209,32 @@ TEST_F(Check, AmnesiaPassesWhereAllIsState) {
       ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, automatic tiles +5  same bits  .*"),
                   MatchesRegex("2 threads, automatic tiles, caches cleared +5  same bits  .*"),
                   MatchesRegex("2 threads, automatic tiles, world rebuilt +5  same bits  .*")));
+}
+
+TEST_F(Check, ReachFindsADeviceThatReadsFurtherThanItDeclares) {
+  for (const auto& [declared, code] : {std::pair("1.0", 0), std::pair("0.8", 1)}) {
+    CheckOptions blinkered = options("honest");
+    blinkered.world = write("counters.json", R"({
+      "troupe": 1, "types": {"bot": {"size_m": [0.02, 0.02, 0.2], "drive": {"kind": "diff"}, "devices": [
+        {"name": "count", "kind": "counter", "declared_m": )" +
+                                                 std::string(declared) + R"(, "active": true}]}},
+      "populations": [{"name": "r", "type": "bot", "count": 60,
+                       "place": {"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}}]})");
+    blinkered.threads = {2};
+    blinkered.reach = true;
+    const Outcome outcome = check(blinkered);
+    EXPECT_EQ(outcome.code, code) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, ContainsRegex(code == 0 ? "bodies beyond reach hidden +5  same bits"
+                                                     : "bodies beyond reach hidden +1  DIFFERS"));
+  }
+}
+
+TEST_F(CheckProgram, ReachNeedsTheExactRayEngine) {
+  write("room.world", k_room);
+  const Outcome outcome = troupe({"check", "room.world", "--for", "1", "--reach", "--raytracer", "grid"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err,
+            "troupe check: error: --reach needs the exact ray engine, but the world has \"grid\"\n");
 }
 
 struct Rogue {
