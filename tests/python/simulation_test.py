@@ -516,7 +516,7 @@ class Tables(InAFolder):
     def test_of_one_name_are_told_apart_by_their_types(self):
         world = troupe.Simulation(ROOM)
         world.step()
-        with self.assertRaisesRegex(ValueError, "robots of 2 types; give the type: .*bot"):
+        with self.assertRaisesRegex(ValueError, "robots of 2 types have a component .*; give one of the types: .*bot"):
             world.table("ranger/eye")
         eyes = world.table("ranger/eye", "bot")
         self.assertEqual(eyes.type, "bot")
@@ -694,7 +694,7 @@ class Looking(InAFolder):
         with self.assertRaisesRegex(troupe.InputError, "unknown layer"):
             world.snapshot("room.png", layers="scan")
         for size in ((0, 10), (10, -1)):
-            with self.assertRaisesRegex(ValueError, "give 1 or more"):
+            with self.assertRaisesRegex(ValueError, "must be 1 or more"):
                 world.picture(*size)
 
     def test_statistics(self):
