@@ -151,7 +151,7 @@ std::string missed_text(const Heights& there, const ZInterval& looks, std::strin
                         std::string_view what) {
   if (there.empty() || there.extent().contains(looks.min))
     return fmt::format("{} is at its height, {}", nothing, heights_text(looks));
-  return fmt::format("it looks at a height of {}, {} are at {}", heights_text(looks), what,
+  return fmt::format("it is at a height of {}, but {} are at {}", heights_text(looks), what,
                      heights_text(there.extent()));
 }
 
@@ -183,7 +183,7 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
   if (!is_any_marked) {
     diagnostics_.warning(
         sensor.where,
-        called + fmt::format("no other body has a fiducial_return with its key, {}", sought.key));
+        called + fmt::format("no other body has a fiducial_return with the finder's key, {}", sought.key));
     return;
   }
   if (sought.at_any_height || sensor.joint != engine::k_rigid) return;
@@ -207,15 +207,15 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
   const engine::BodyType& body = world_.types()[type];
   const std::string called = called_text(sensor.name, body.name);
   if (ranger->count == 0) {
-    diagnostics_.warning(where, called + "it has no beam");
+    diagnostics_.warning(where, called + "it has no beams");
     return;
   }
   if (stays_inside(*ranger, body.obstacle)) {
     float longest = 0;
     for (const sensors::BeamGroup& group : ranger->groups)
       longest = std::max(longest, *std::ranges::max_element(group.range_max));
-    diagnostics_.warning(where,
-                         called + fmt::format("its beams of {:.4g} m end inside of its own body", longest));
+    diagnostics_.warning(
+        where, called + fmt::format("its beams of at most {:.4g} m end inside its own body", longest));
     return;
   }
   ZInterval looks = k_no_heights;
@@ -235,7 +235,7 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
 
 /// Whether a floor plan can block a robot; the error states why not.
 Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const {
-  if (!plan.returns.obstacle) return Error{"it is no obstacle"};
+  if (!plan.returns.obstacle) return Error{"it is not an obstacle"};
   const double height = body.pose_world_body.z;
   ZInterval robots = k_no_heights;
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
@@ -252,8 +252,8 @@ Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& p
   if (robots == k_no_heights) return Error{"no robot is an obstacle"};
   ZInterval walls = robots;
   if (!plan.solids.empty()) walls = plan.solids.front().z.shifted(height);
-  return Error{fmt::format("it stands from {:.4g} to {:.4g} m, the robots from {:.4g} to {:.4g} m", walls.min,
-                           walls.max, robots.min, robots.max)};
+  return Error{fmt::format("its height is {:.4g} to {:.4g} m, but the robots are at {:.4g} to {:.4g} m",
+                           walls.min, walls.max, robots.min, robots.max)};
 }
 
 void Lint::check_floor_plans() {
@@ -266,7 +266,7 @@ void Lint::check_floor_plans() {
       if (!part.floor_plan) continue;
       const Result<> blocks = can_block(body, part);
       if (blocks) continue;
-      diagnostics_.warning(body.where, fmt::format("floor plan \"{}\" blocks nothing: {}",
+      diagnostics_.warning(body.where, fmt::format("floor plan \"{}\" blocks no robot: {}",
                                                    spec_.name(BodyId(b)), blocks.error().text));
       if (!part.returns.obstacle) open.push_back(BodyId(b));
       break;
@@ -294,12 +294,14 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
     for (const BodyId plan : scene.overlapping(type.obstacle, body.pose_world_body)) {
       if (found++ >= k_most_listed) continue;
       last = body.where;
-      diagnostics_.warning(last, fmt::format("\"{}\" stands in floor plan \"{}\", which does not block it",
-                                             spec_.name(BodyId(b)), spec_.name(plan)));
+      diagnostics_.warning(
+          last, fmt::format("\"{}\" starts inside a wall of floor plan \"{}\", which does not block it",
+                            spec_.name(BodyId(b)), spec_.name(plan)));
     }
   }
   if (found > k_most_listed)
-    diagnostics_.warning(last, fmt::format("{} more robots stand in floor plans", found - k_most_listed));
+    diagnostics_.warning(
+        last, fmt::format("{} more robots start inside walls of floor plans", found - k_most_listed));
 }
 
 }  // namespace

@@ -57,10 +57,10 @@ Result<> check_contents(std::string_view bytes) {
   if (!is_whole(bytes)) return Error{"is truncated"};
   if (mentions(bytes, plugin::k_symbol)) return {};
   if (mentions(bytes, "Init"))
-    return Error{fmt::format(
-        "is a controller of Stage (it has Init, and no {}) and needs Stage itself; docs/controllers.md shows "
-        "how to write one for Troupe",
-        plugin::k_symbol)};
+    return Error{
+        fmt::format("is a controller for Stage (it exports Init, but not {}), which Troupe cannot run; "
+                    "docs/controllers.md shows how to write one for Troupe",
+                    plugin::k_symbol)};
   return Error{fmt::format(
       "is not a Troupe plug-in: it has no symbol {}, which TROUPE_CONTROLLER and TROUPE_DEVICE define",
       plugin::k_symbol)};
@@ -70,19 +70,20 @@ Result<> check_contents(std::string_view bytes) {
 /// two members are read, because their place is the same in every version.
 Result<> check_build(const plugin::Library& library) {
   if (library.interface != plugin::k_interface || std::string_view(library.version) != k_version)
-    return Error{
-        fmt::format("was built for troupe {} (interface {}), this is troupe {} (interface {}): rebuild it",
-                    library.version, library.interface, k_version, plugin::k_interface)};
+    return Error{fmt::format(
+        "was built for troupe {} (interface {}), but this program is troupe {} (interface {}): rebuild it",
+        library.version, library.interface, k_version, plugin::k_interface)};
   if (std::string_view(library.build) != plugin::k_build)
     return Error{
-        fmt::format("was built with {}, Troupe with {}: link it with troupe::plugin, which sets the flags",
+        fmt::format("was built with {}, but Troupe with {}: link it with the CMake target troupe::plugin, "
+                    "which sets the flags",
                     library.build, plugin::k_build)};
   if (library.layout != plugin::layout())
     return Error{fmt::format("was built with other headers of troupe {}: rebuild it", k_version)};
   if (library.contracts())
     return Error{
         "was compiled with fused multiply-add (a * b + c is rounded once), which changes results: link it "
-        "with troupe::plugin, which sets -ffp-contract=off"};
+        "with the CMake target troupe::plugin, which sets -ffp-contract=off"};
   return {};
 }
 
@@ -92,8 +93,9 @@ Error load_error(const fs::path& file) {
   std::string_view reason = said ? said : "the system gives no reason";
   const std::string prefix = file.string() + ": ";
   if (reason.starts_with(prefix)) reason.remove_prefix(prefix.size());
-  return {fmt::format("cannot be loaded: {}{}", reason,
-                      reason.find("N6troupe") == reason.npos ? "" : " (link it with troupe::plugin)")};
+  return {fmt::format(
+      "cannot be loaded: {}{}", reason,
+      reason.find("N6troupe") == reason.npos ? "" : " (link it with the CMake target troupe::plugin)")};
 }
 
 }  // namespace
@@ -188,7 +190,7 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
     return library;
   }
   if (path_.empty()) {
-    library.found = Error{fmt::format("no --plugin-path is given to search for {}", file_name)};
+    library.found = Error{fmt::format("no folder to search for {}: give --plugin-path", file_name)};
     return library;
   }
   std::vector<std::string> folders;
@@ -249,10 +251,11 @@ Result<> Plugins::read_kinds(Loaded& library, List list) const {
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
       if (!kind.prepare) all_right = Error{fmt::format("has a {} \"{}\" without `prepare`", own.what, name)};
       if (std::ranges::find(own.names, name) != own.names.end())
-        all_right = Error{fmt::format("has two of the name \"{}\", each a {}", name, own.what)};
-      if (std::ranges::find(taken, name) != taken.end())
         all_right =
-            Error{fmt::format("has a {} \"{}\", but Troupe has one of that name: rename it", own.what, name)};
+            Error{fmt::format("has two kinds with the name \"{}\", each a {}: rename one", name, own.what)};
+      if (std::ranges::find(taken, name) != taken.end())
+        all_right = Error{
+            fmt::format("has a {} \"{}\", but Troupe ships one with this name: rename it", own.what, name)};
       kind.name = own.names.emplace_back(std::move(name));
     }
     own.kinds = std::move(kinds);

@@ -96,13 +96,13 @@ struct RecordedRun::Impl {
 
   explicit Impl(const std::filesystem::path& file)
       : reader(file), world(worldio::recorded_scene(reader)), window(worldio::recorded_window(reader)) {
-    if (reader.frames() == 0) refuse("the recording has no frame");
+    if (reader.frames() == 0) refuse("the recording has no frames");
     pose = find_pose("pose");
     rows.assign(world.bodies.size(), k_none);
     for (std::size_t row = 0; row < reader.ids().size(); ++row)
       rows[reader.ids()[row]] = static_cast<std::uint32_t>(row);
     if (!pose[0] || !pose[1] || !pose[3])
-      refuse("the recording has no poses: --record-fields chooses what is recorded");
+      refuse("the recording has no poses: record the run with pose in --record-fields");
     stalled = find("stall", "stalled");
     for (const RecordedScene::Type& type : world.types) {
       // Recordings append "~2" to the second type of a name, so use `type_name`, the name in /bodies/type.
@@ -335,7 +335,7 @@ std::size_t RecordedRun::first_within(double history_s) const {
 void RecordedRun::go_to(double time_s) {
   const std::span<const double> times = impl_->reader.times_s();
   if (times.front() > time_s + k_same_s || times.back() < time_s - k_same_s)
-    impl_->refuse(fmt::format("{:g} s is not recorded: the recording has {:g} s to {:g} s", time_s,
+    impl_->refuse(fmt::format("{:g} s is not recorded: the recording contains {:g} s to {:g} s", time_s,
                               times.front(), times.back()));
   const auto later = std::ranges::upper_bound(times, time_s + k_same_s);
   go_to_frame(static_cast<std::size_t>(later - times.begin()) - 1);
@@ -407,14 +407,14 @@ Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
   std::vector<std::string> known;
   for (const Array& array : impl_->reader.arrays())
     known.push_back(fmt::format("{}.{}", array.component, array.field.name));
-  return Error{fmt::format("{}; --record-fields chooses what is recorded",
+  return Error{fmt::format("{}; troupe run --record-fields selects the fields that are recorded",
                            unknown_name("value", name, {known.begin(), known.end()}))};
 }
 
 Result<> RecordedRun::check(const FrameWishes& wishes) const {
   const auto not_recorded = [](std::string_view what, std::string_view field) {
     return Error{
-        fmt::format("the recording has no {}: record them with --record-fields pose,{}", what, field)};
+        fmt::format("the recording has no {}: record the run with --record-fields pose,{}", what, field)};
   };
   const bool has_ranges = std::ranges::any_of(impl_->readings, [](const Array* a) { return a != nullptr; });
   if (wishes.scans && !has_ranges) return not_recorded("ranges", "ranges");
@@ -427,7 +427,8 @@ Result<> RecordedRun::check(const FrameWishes& wishes) const {
   for (const auto& [wished, layer] : {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
                                       std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
     if (wished)
-      return Error{fmt::format("the layer \"{}\" is for worlds and checkpoints, not for recordings", layer)};
+      return Error{fmt::format(
+          "the layer \"{}\" can be drawn for worlds and checkpoints, but not for recordings", layer)};
   return {};
 }
 

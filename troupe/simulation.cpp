@@ -38,8 +38,8 @@ constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest
 /// The part "troupe 0.2.0" of a version line.
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
-/// Refuses a checkpoint of another version unless `across_versions`. Returns a warning if another version or
-/// another build of this version made it, else an empty text.
+/// Throws InputError for a checkpoint of another version unless `across_versions`. Returns a warning if
+/// another version, or another build of this version, wrote the checkpoint; else an empty text.
 std::string check_version(const worldio::Checkpoint& checkpoint, bool across_versions) {
   const std::string made_by = checkpoint.header("version");
   const std::string here = version_line();
@@ -47,20 +47,22 @@ std::string check_version(const worldio::Checkpoint& checkpoint, bool across_ver
   const bool is_other = version_of(made_by) != version_of(here);
   if (is_other && !across_versions)
     throw InputError(
-        fmt::format("{}: error: {} made this checkpoint, this is {}: the results may differ in their bits; "
-                    "--across-versions resumes it",
+        fmt::format("{}: error: {} wrote this checkpoint, but this program is {}: results may differ; give "
+                    "--across-versions to resume it anyway",
                     checkpoint.file().string(), version_of(made_by), version_of(here)));
-  return fmt::format(
-      "{}: warning: made by {}; this is {}{}", checkpoint.file().string(), made_by, here,
-      is_other ? "" : ": the bits are the same for every compiler and processor (tiers T1, T2)");
+  return fmt::format("{}: warning: written by {}; this program is {}{}", checkpoint.file().string(), made_by,
+                     here,
+                     is_other ? ""
+                              : ": results are the same bits for all compilers and processors (tiers T1 and "
+                                "T2, docs/determinism.md)");
 }
 
 constexpr const char* k_spare = "spare";          // key in a header
 constexpr const char* k_holds = "holds";          // key in the memories of a checkpoint
 constexpr std::string_view k_plugin = "plugin ";  // prefix of keys in a header: plugin NAME
 
-/// Loads the plug-ins with which a checkpoint was made. Refuses other builds of them unless `across_plugins`;
-/// then returns a warning for each.
+/// Loads the plug-ins that a checkpoint was written with. If a plug-in is another build, throws InputError,
+/// or, with `across_plugins`, returns a warning for it.
 std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plugins& plugins,
                                       bool across_plugins) {
   std::vector<std::string> warnings;
@@ -74,12 +76,12 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
     const Plugins::Library* library = *loaded;
     if (hex(library->contents) == contents) continue;
     const std::string text =
-        fmt::format("{} is another build of plug-in \"{}\" than the one that the run was saved with",
+        fmt::format("{} is another build of plug-in \"{}\" than the one that the checkpoint was written with",
                     library->file.string(), name);
     if (!across_plugins)
       throw InputError(
-          fmt::format("{}: error: {} (its hash is {}, not {}): the results may differ in their bits; "
-                      "--across-plugins resumes it",
+          fmt::format("{}: error: {} (its hash is {}, that of the other build is {}): results may differ; "
+                      "give --across-plugins to resume it anyway",
                       checkpoint.file().string(), text, hex(library->contents), contents));
     warnings.push_back(fmt::format("{}: warning: {}", checkpoint.file().string(), text));
   }
@@ -102,7 +104,7 @@ const engine::BodyType::Device* device_on(const engine::BodyType& type, std::siz
 std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
   if (!(seconds >= 0 && seconds <= k_longest_run_s))
     throw std::invalid_argument(
-        fmt::format("{}({}): give a time in seconds from 0 to {:g}", call, seconds, k_longest_run_s));
+        fmt::format("{}({}): give a time from 0 to {:g} s", call, seconds, k_longest_run_s));
   return engine::ticks_until(seconds, tick_s);
 }
 
@@ -162,7 +164,8 @@ struct Simulation::Impl {
   Holds holds;
 
   void refuse_in_callbacks(std::string_view what) const {
-    if (in_callbacks) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
+    if (in_callbacks)
+      throw std::logic_error(fmt::format("{} is not allowed in a callback of on_tick()", what));
   }
 
   /// Makes the world of a valid spec.
@@ -200,15 +203,20 @@ struct Model::Place {
   Row row() const {
     world->require_whole();
     const Row row = world->row(body);
-    if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" has no drive and no sensor", name));
+    if (!row.valid())
+      throw std::logic_error(fmt::format("\"{}\" is static: it has no drive and no sensor", name));
     return row;
   }
   /// The row of a whole body, for functions that do not apply to parts.
   Row whole() const {
     if (part > 0)
-      throw std::logic_error(fmt::format("\"{}\" is a part of a model: use the model itself", name));
+      throw std::logic_error(fmt::format("\"{}\" is a part of a body: give the body itself", name));
     const Row row = world->row(body);
-    if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" is static", name));
+    if (!row.valid())
+      throw std::logic_error(
+          fmt::format("\"{}\" is static: only bodies with a drive, a sensor or a controller can be moved, "
+                      "removed or disabled",
+                      name));
     return row;
   }
   const engine::BodyType& type() const {
@@ -245,8 +253,8 @@ struct Model::Place {
   }
   void check_running(const engine::BodyType::Device& device) const {
     if (!world->senses(row(), device))
-      throw std::logic_error(fmt::format("sensor \"{}\" of \"{}\" does not run: subscribe to the robot first",
-                                         device.name, name));
+      throw std::logic_error(fmt::format(
+          "sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step", device.name, name));
   }
   const engine::BodyType::Device& sensor(std::string_view wanted) const {
     const auto is_sensor = [](const engine::BodyType::Device& d) { return d.kind->is_sensor(); };
@@ -272,8 +280,8 @@ Model::Visit::~Visit() { visited_robot = before_; }
 void Model::refuse_in_for_each(const engine::World& world, std::string_view what) {
   if (visited_robot != nullptr && visited_robot->place_->world == &world)
     throw std::logic_error(fmt::format(
-        "{} in a call of for_each() for \"{}\": the calls run in parallel and may change only the commands "
-        "of their own robot; collect such changes and apply them after for_each()",
+        "{} is not allowed in for_each(), here for \"{}\": its calls run in parallel and may change only the "
+        "commands of their own robot; collect such changes and apply them after for_each()",
         what, visited_robot->name()));
 }
 
@@ -425,8 +433,8 @@ std::span<const std::byte> Model::cell(std::string_view field, std::string_view 
                                        engine::Element element) const {
   const Reading found = reading(field, wanted);
   if (const engine::Element own = found.field->element; own != element)
-    throw std::invalid_argument(fmt::format("\"{}\" of \"{}\" of \"{}\" is {}, not {}", field, found.device,
-                                            name(), engine::element_name(own),
+    throw std::invalid_argument(fmt::format("field \"{}\" of device \"{}\" of \"{}\" has the type {}, not {}",
+                                            field, found.device, name(), engine::element_name(own),
                                             engine::element_name(element)));
   return found.bytes;
 }
@@ -444,13 +452,15 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes, std::string_
   const auto* device = place_->find([&](const engine::BodyType::Device& d) {
     return wanted.empty() ? takes_these(d) : takes(d) && d.name == wanted;
   });
-  if (!device) place_->throw_unknown("device that takes such commands", wanted, takes);
+  if (!device) place_->throw_unknown("device that takes this command struct", wanted, takes);
   if (!takes_these(*device)) {
     std::vector<std::string_view> own;
     for (const engine::StateField& field : device->prepared.commands) own.push_back(field.name);
-    throw std::invalid_argument(fmt::format(
-        "\"{}\" of \"{}\" takes commands of kind {}: {}, in {} bytes; not: {}, in {} bytes", device->name,
-        name(), device->kind->name, fmt::join(own, ", "), device->prepared.command_bytes, fields, bytes));
+    throw std::invalid_argument(
+        fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
+                    "struct has {} in {} bytes",
+                    device->name, name(), device->kind->name, fmt::join(own, ", "),
+                    device->prepared.command_bytes, fields, bytes));
   }
   return place_->world->asked_of(*device).row(place_->slot());
 }
@@ -556,7 +566,8 @@ Simulation Simulation::make(engine::WorldSpec spec, const SimulationOptions& opt
                             engine::Registry registry) {
   if (!options.robots.empty() || !options.set.empty() || !options.search_path.empty())
     throw std::invalid_argument(
-        "SimulationOptions: robots, set and search_path are for files; change the WorldSpec itself");
+        "SimulationOptions: robots, set and search_path apply to world files only; change the WorldSpec "
+        "instead");
   restore_fp_environment();
   auto impl = std::make_unique<Impl>();
   impl->file = spec.title.empty() ? "world" : spec.title;
@@ -607,8 +618,8 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   if (const auto holds = impl->memories.find(k_holds);
       holds != impl->memories.end() &&
       !impl->holds.remember(holds->second, impl->world->spec().bodies.size()))
-    throw InputError(
-        fmt::format("{}: error: its holds do not fit its world: the file is damaged", file.string()));
+    throw InputError(fmt::format(
+        "{}: error: it stores held robots that its world does not have: the file is damaged", file.string()));
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
@@ -715,7 +726,9 @@ void Simulation::act(const engine::Act& act) {
 void Simulation::record(const std::filesystem::path& file) { record(file, RecordingOptions{}); }
 
 void Simulation::record(const std::filesystem::path& file, const RecordingOptions& options) {
-  if (impl_->recording) throw std::logic_error(fmt::format("{}: the run is recorded already", file.string()));
+  if (impl_->recording)
+    throw std::logic_error(
+        fmt::format("{}: this run is already being recorded; call stop_recording() first", file.string()));
   impl_->world->require_whole();
   impl_->recording = std::make_unique<Recording>(file, *this, options);
 }
@@ -835,7 +848,7 @@ Model Simulation::find(std::string_view name) {
 
 Model Simulation::model(BodyId id) {
   if (const std::size_t bodies = impl_->world->spec().bodies.size(); !id.valid() || id.index() >= bodies)
-    throw std::out_of_range(fmt::format("no model with id {}: there are {}", id.value, bodies));
+    throw std::out_of_range(fmt::format("no model with id {}: the ids are 0 to {}", id.value, bodies - 1));
   return Model::of(*impl_->world, id);
 }
 
@@ -845,7 +858,7 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
     if (!std::isfinite(value)) throw std::invalid_argument("cast(): the start pose of the ray is not finite");
   if (!(range_max >= 0 && range_max <= k_longest_ray_m))
     throw std::invalid_argument(
-        fmt::format("cast(): range_max {} m: give one from 0 to {:g} m", range_max, k_longest_ray_m));
+        fmt::format("cast(): range_max is {} m; allowed are 0 to {:g} m", range_max, k_longest_ray_m));
   if (without != nullptr && without->place_->world != impl_->world.get())
     throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", without->name()));
   const Rotation rotation(from.heading);
@@ -923,7 +936,7 @@ std::vector<std::string> Simulation::robot_names() const {
 
 void Simulation::subscribe(std::string_view model) {
   Model::refuse_in_for_each(*impl_->world, "subscribe()");
-  if (tick() > 0) throw std::logic_error("subscribe before the first step");
+  if (tick() > 0) throw std::logic_error("subscribe() must be called before the first step");
   const BodyId body = find(model).place_->body;
   // A body without drive, sensor and controller has no row, and no sensor to run.
   if (impl_->world->row(body).valid()) impl_->world->subscribe(body);
@@ -1017,15 +1030,16 @@ void Simulation::snapshot(const std::filesystem::path& png, const PictureOptions
 
 std::vector<std::uint8_t> Simulation::picture(int width, int height) const {
   if (width < 1 || height < 1)
-    throw std::invalid_argument(fmt::format("picture of {} x {} pixels: give 1 or more", width, height));
+    throw std::invalid_argument(
+        fmt::format("picture of {} x {} pixels: width and height must be 1 or more", width, height));
   return picture({.width = width, .height = height});
 }
 
 std::vector<std::uint8_t> Simulation::picture(const PictureOptions& options) const {
   if (options.background == "transparent")
     throw std::invalid_argument(
-        "picture(): RGB cannot hold the background transparent: give paper, white or dark, or draw to "
-        "a file");
+        "picture(): an RGB picture cannot have the background \"transparent\": use paper, white or dark, or "
+        "draw into a file");
   Pictures& pictures = impl_->pictures_of(*this, options);
   const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(*this));
   std::vector<std::uint8_t> rgb(rgba.size() / 4 * 3);

@@ -114,7 +114,7 @@ class Layout {
 Setting::Setting(bool value) : node_(shared(json_node(value))) {}
 Setting::Setting(double value) {
   if (!std::isfinite(value))
-    throw std::invalid_argument(fmt::format("numbers of a world must be finite, found {}", value));
+    throw std::invalid_argument(fmt::format("numbers in a world must be finite, found {}", value));
   node_ = shared(number_node(value));
 }
 Setting::Setting(std::int64_t value) : node_(shared(json_node(value))) {}
@@ -229,7 +229,8 @@ WorldBuilder& WorldBuilder::population(std::string_view name, std::string_view t
 WorldBuilder& WorldBuilder::wall(const Vec2& from, const Vec2& to, double thickness, double height) {
   const Vec2 along = to - from;
   const double length = std::sqrt(along.squaredNorm());
-  if (!(length > 0)) throw std::invalid_argument("wall(): both ends are the same point");
+  if (!(length > 0))
+    throw std::invalid_argument("wall(): the two end points are equal: give different points");
   const std::string name = fmt::format("wall{}", ++walls_);
   type(name).size(length, thickness, height).color("gray40");
   const Vec2 middle = (from + to) / 2;

@@ -195,7 +195,7 @@ TEST_F(Record, AFrameEverySoManySeconds) {
 TEST_F(Record, AnExistingFileStaysWithoutForce) {
   write("run.h5", "precious");
   EXPECT_THAT(error_of({"run", "room.world", "--for", "1", "--record", "run.h5"}),
-              HasSubstr("run.h5: error: exists already; --force replaces it"));
+              HasSubstr("run.h5: error: the file exists; --force replaces it"));
   EXPECT_EQ(read("run.h5"), "precious");
   record("run.h5", {"--force"});
   EXPECT_EQ(recording("run.h5").frames(), 21u);
@@ -236,7 +236,7 @@ TEST_F(Record, AsTheWorldSays) {
       0);
   EXPECT_THAT(recording("mine.h5").ticks(), ElementsAre(0, 10, 20));
   EXPECT_EQ(recording("mine.h5").arrays()[0].component, "velocity");
-  EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}), HasSubstr("world.h5: error: exists already"));
+  EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}), HasSubstr("world.h5: error: the file exists"));
 
   world(R"({"every_s": 0.5})");
   ASSERT_EQ(troupe({"run", "w.json", "--for", "2", "--quiet"}).code, 0);
@@ -276,7 +276,8 @@ TEST_F(Record, ARecordingOfAnotherRunDoesNotGoOn) {
   const Outcome refused = resume("other.h5");
   EXPECT_EQ(refused.code, k_bad_input);
   EXPECT_EQ(refused.err,
-            "other.h5: error: seed is \"7\", here it is \"1\": this is the recording of another run\n");
+            "other.h5: error: seed is \"7\" in the recording, \"1\" in this run: the recording belongs to "
+            "another run\n");
   EXPECT_EQ(read("other.h5"), other);
   EXPECT_THAT(resume("room.world").err, HasSubstr("room.world: error: has no complete HDF5 header"));
 
