@@ -22,18 +22,19 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_replay_footer = R"(
-Writes one self-contained file that plays the recording (troupe run --record) in a browser, offline: pan, zoom and
-orbit, a time bar, playback speeds, trails, colours by any field; a click on a robot shows its id, state and sensors.
-Press ? in the page for the keys.
+Writes one self-contained HTML file that plays a recording (troupe run --record) in a browser, without a network. The
+page has a time bar and playback speeds, can pan, zoom and orbit, and can show trails and colour robots by any recorded
+field. A click on a robot shows its id, state and sensors. Press ? in the page for the keys.
 
-Positions are rounded to 1 mm, headings to 0.2 degrees, other numbers to 1/4000 of their range. A page that would be
-larger than --max-mb holds only every second frame, every third, ...; the page and this command say which.
+Positions are rounded to 1 mm, headings to 0.2 degrees, other numbers to 1/4000 of their range. If the page would be
+larger than --max-mb, it contains only every second frame, or every third, ...; the page and this command report which
+frames it contains.
 
 The page shows poses and all other recorded fields (troupe run --record-fields pose,stall,ranges). --fields selects
-some of them: components (stall), fields (ranges) or both (stall/stalled).
+some of them: by component (stall), by field (ranges) or by both (stall/stalled).
 
-Exit codes: 0 written; 1 writing failed; 2 not a recording, no poses in it, FILE exists, or wrong usage (nothing
-written).
+Exit codes: 0 written; 1 writing failed; 2 nothing written, because RECORDING is not a recording or has no poses, FILE
+exists, or the usage was wrong.
 
 Examples:
   troupe run worlds/hospital.json --for 60 --record run.h5 --record-fields pose,stall
@@ -105,7 +106,8 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
           "RECORDING", [&options](const std::string& text) { options.recording = text; }, "A recording")
       ->option_text(" ")
       ->required();
-  add_value(command, "-o,--output", "FILE.html", "The page (default: the recording's name with .html)",
+  add_value(command, "-o,--output", "FILE.html",
+            "Page to write (default: the name of the recording, ending in .html)",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--output", text, "a file name");
               options.page = text;

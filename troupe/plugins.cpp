@@ -58,7 +58,7 @@ Result<> check_contents(std::string_view bytes) {
   if (mentions(bytes, plugin::k_symbol)) return {};
   if (mentions(bytes, "Init"))
     return Error{
-        fmt::format("is a controller for Stage (it exports Init, but not {}), which Troupe cannot run; "
+        fmt::format("is a controller of Stage (it has Init, but not {}), which Troupe cannot run; "
                     "docs/controllers.md shows how to write one for Troupe",
                     plugin::k_symbol)};
   return Error{fmt::format(

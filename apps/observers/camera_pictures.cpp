@@ -138,7 +138,8 @@ class CameraOutput : public ClonedOutput<CameraOutput> {
                     folder_ = text;
                     if (!folder_.has_filename()) folder_ = folder_.parent_path();
                   });
-    add_value(app, "--camera-every", "S", "Interval in simulated seconds; 0: every tick (default: 1)",
+    add_value(app, "--camera-every", "S",
+              "Interval of camera images in simulated seconds; 0: every tick (default: 1)",
               [this](const std::string& text) { every_s_ = seconds_from_zero("--camera-every", text); })
         ->needs(folder);
   }

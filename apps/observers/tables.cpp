@@ -111,14 +111,14 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* measures =
         add_value(app, "--measures", "FILE.csv",
-                  "Write measures of the robots, one line every second (--measure-every)",
+                  "Write a table of measures, one line per simulated second unless --measure-every is given",
                   [this](const std::string& text) { file_ = file_name("--measures", text); });
     add_values(app, "--measure", "NAME[:OF],...",
                "Measures, optionally of a type or population; repeatable (default: the world's, else all)",
                [this](const std::string& text) { add_names(text); })
         ->needs(measures);
     add_value(app, "--measure-every", "S",
-              "Interval in seconds; 0: every tick (default: the world's, else 1)",
+              "Interval of measures in simulated seconds; 0: every tick (default: the world's, else 1)",
               [this](const std::string& text) { every_s_ = seconds_from_zero("--measure-every", text); })
         ->needs(measures);
   }
@@ -160,7 +160,7 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--events", "FILE.csv",
-              "Write the events of robots (stalls, held at the bounds), one line per event",
+              "Write a table of events (a robot is stalled, is held at the bounds, ...), one line per event",
               [this](const std::string& text) { file_ = file_name("--events", text); });
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }

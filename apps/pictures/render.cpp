@@ -33,15 +33,16 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_render_footer = R"(
-Draws a world at its start, a checkpoint at the time it was saved, a recording at its end. --at draws other times: a
-world is run until then, a checkpoint is resumed, and of a recording the last frame that is not later is drawn. For
-worlds and checkpoints, --for S means --at S, and is the end of their films. A recording needs no other file, but shows
-only recorded fields (troupe run --record-fields): scans need ranges, outlines of stalled robots need stall.
+Draws a world, a checkpoint or a recording. By default, a world is drawn at its start, a checkpoint at the time at which
+it was saved, and a recording at its end. --at draws other times: a world is run and a checkpoint is resumed until then;
+of a recording, the last frame at or before the time is drawn. For worlds and checkpoints, --for S has the effect of
+--at S, and a film ends at S. A recording needs no other file, but its pictures show only recorded fields (troupe run
+--record-fields): scans need ranges, and outlines of stalled robots need stall.
 )";
 
 constexpr const char* k_examples = R"(
-Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM, files
-written until then are complete.
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM; all
+files that were written until then are complete.
 
 Examples:
   troupe render worlds/cave-simple.json -o cave.png --camera perspective
@@ -209,7 +210,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->option_text(" ")
       ->required();
   add_value(command, "-o,--output", "FILE",
-            "Output, a .png, .svg or .pdf; {time} in the name stands for the simulated time",
+            "Picture to write, a .png, .svg or .pdf; {time} in FILE is replaced by the simulated time",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });
   CLI::Option* const at =
       add_value(command, "--at", "T,...", "Simulated times to draw, s",

@@ -46,8 +46,8 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
       ->option_text(" ")
       ->required();
   add_text(command, "--measure", "NAME", "Measure to plot (default: the first)", options.measure);
-  add_text(command, "--by", "NAME,...", "Parameters with a line per value (default: those that differ)",
-           options.by);
+  add_text(command, "--by", "NAME,...",
+           "Parameters with one line per combination of their values (default: those that vary)", options.by);
   add_text(command, "--title", "TEXT", "Title above the plot", options.title);
   add_value(command, "-o,--out", "FILE", "Output, a .png, .svg or .pdf (default: DIR/MEASURE.png)",
             [&options](const std::string& text) { options.out = file_name("--out", text); });

@@ -45,15 +45,16 @@ using worldio::Statistic;
 using worldio::Study;
 
 constexpr const char* k_sweep_footer = R"(
-A study names a world, the parameters that vary between runs (a grid or random samples), seeds and measures
-(docs/sweeps.md). Runs are made in parallel, each on one thread, and saved in DIR when they finish. To continue a sweep
-that was stopped or killed, call it again. When all runs are finished, DIR holds the table with one row per run,
-table.csv and table.h5, and with "series": true the measures over time, series.csv, which troupe plot draws. The tables
-depend neither on the number of parallel runs nor on interruptions.
+A study is a JSON file that names a world, the parameters that vary between runs (a grid or random samples), seeds and
+measures (docs/sweeps.md). Runs are made in parallel, each on one thread. The result of each run is saved in DIR when
+it finishes. To continue a sweep that was stopped or killed, give the same command again. When all runs are finished,
+DIR contains the table with one row per run (table.csv and table.h5). If the study has "series": true, DIR also contains
+the measures over time (series.csv), which troupe plot draws. The tables depend neither on the number of parallel runs
+nor on interruptions.
 
 With --part, several machines share a study, as in a SLURM array of eight jobs:
   sbatch --array=1-8 --wrap 'troupe sweep study.json -o results --part $SLURM_ARRAY_TASK_ID/8'
-The process that finishes last writes the table.
+The process that finishes last writes the tables.
 
 Exit codes: 0 finished (with --part: this part); 1 runs failed, see the messages and the table's column `error`; 2 bad
 study or usage; 3 stopped by Ctrl-C or SIGTERM.
@@ -335,7 +336,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
               if (text.empty() || text.starts_with('-')) refuse("--out", text, "the name of a folder");
               options.folder = text;
             });
-  add_value(command, "--threads", "N", "Parallel runs (default: one per available processor)",
+  add_value(command, "--threads", "N", "Number of parallel runs (default: one per available processor)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
   add_value(command, "--part", "I/N", "Make only every N-th run, beginning with the I-th",
             [&options](const std::string& text) {
