@@ -79,7 +79,7 @@ bool HashLogReader::read_line(std::string& line) {
   }
   ++number_;
   if (stream_.eof())
-    fail("the last line is incomplete: the log was cut off; remove this line to compare the others");
+    fail("the last line is incomplete: the log was cut off; remove this line to compare the other lines");
   return true;
 }
 

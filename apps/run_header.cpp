@@ -77,8 +77,8 @@ class Unlike {
   }
 
  private:
-  static constexpr const char* k_domain = "different determinism domain; --across-domains";
-  static constexpr const char* k_run = "different run; --across-runs";
+  static constexpr const char* k_domain = "the results may differ; --across-domains";
+  static constexpr const char* k_run = "these are different runs; --across-runs";
 
   static std::string value(const RunHeader& header, const std::string& key) {
     const auto entry = header.entries.find(key);

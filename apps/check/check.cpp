@@ -168,8 +168,8 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
 ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {
   if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers && !options.amnesia)
     throw InputError(
-        "troupe check: error: only one variant, nothing to compare: give several --threads or --tile-size, "
-        "--amnesia, or --controllers");
+        "troupe check: error: there is only one variant and nothing to compare: give several numbers to "
+        "--threads or --tile-size, or give --amnesia or --controllers");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);

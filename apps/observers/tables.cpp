@@ -50,11 +50,11 @@ Measures remembering(const fs::path& file, const Simulation& simulation, Measure
   };
   if (const auto saved = simulation.saved_memory(memory_name(measures))) {
     if (!measures.remember(*saved))
-      fail("in the checkpoint, measures with these names have other parameters: rename them");
+      fail("measures with the same names have other parameters in the checkpoint: rename the measures");
   } else if (goes_on(file, simulation) && !measures.memory().empty()) {
     fail(
-        "the table cannot be continued: the checkpoint was saved without these measures and lacks their "
-        "memory; choose another file");
+        "the table cannot be continued: the checkpoint was saved without these measures and has no data of "
+        "their earlier ticks; choose another file");
   }
   return measures;
 }

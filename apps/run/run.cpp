@@ -41,10 +41,10 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
       if (output->empty()) continue;
       const std::string name = with_world(output->string(), world);
       if (options.worlds.size() > 1 && name == output->string())
-        throw InputError(fmt::format(
-            "troupe run: error: several worlds need different outputs: write {} in the name, as in {}-{}; it "
-            "stands for the world's name",
-            k_world_mark, k_world_mark, output->filename().string()));
+        throw InputError(
+            fmt::format("troupe run: error: several worlds need different outputs: write {} in the name, as "
+                        "in {}-{}; it is replaced by the name of the world",
+                        k_world_mark, k_world_mark, output->filename().string()));
       *output = name;
     }
   }

@@ -165,7 +165,7 @@ void WorldRun::print_summary(bool is_one_of_several) const {
     if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
       fmt::print(stderr, "{}\n", warning);
   if (session_ && session_->left() > 0 && !options_.quiet)
-    fmt::print(stderr, "{}: warning: the run ended before the last {} of the session's acts\n",
+    fmt::print(stderr, "{}: warning: the run ended before the last {} acts of the session were applied\n",
                options_.session.string(), session_->left());
   if (options_.json)
     fmt::print("{}", summary_json(report_));

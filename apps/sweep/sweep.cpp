@@ -316,7 +316,7 @@ ExitCode sweep_checked(const SweepOptions& options) {
       fmt::print(": {}{}\n", csv.string(),
                  study.series ? ", " + (options.folder / "series.csv").string() : std::string());
     else
-      fmt::print("; the table is written when all are done\n");
+      fmt::print("; the table is written when all runs are done\n");
   }
   if (stop_requested()) return k_stopped;
   return table.failed.empty() ? k_finished : k_failed;
@@ -346,7 +346,8 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
                   slash == text.npos ? std::nullopt : number<std::size_t>(text.substr(slash + 1));
               if (!part || !parts || *part < 1 || *part > *parts || *parts > worldio::k_most_runs)
                 refuse("--part", text,
-                       fmt::format("a part of several, from 1/N to N/N, N at most {}", worldio::k_most_runs));
+                       fmt::format("a part I/N, with I from 1 to N and N at most {}, as in --part 2/8",
+                                   worldio::k_most_runs));
               options.part = *part;
               options.parts = *parts;
             });

@@ -307,9 +307,9 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   record("a.h5", {"--record-fields", "pose,ranges"});
   record("first.h5", {"--record-fields", "all"});
   record("seed.h5", {"--seed", "7", "--record-fields", "all"});
-  EXPECT_THAT(
-      error_of({"diff", "a.h5", "seed.h5"}),
-      StartsWith("seed.h5: error: seed is \"7\", but in a.h5 \"1\": different run; --across-runs compares"));
+  EXPECT_THAT(error_of({"diff", "a.h5", "seed.h5"}),
+              StartsWith("seed.h5: error: seed is \"7\", but in a.h5 \"1\": these are different runs; "
+                         "--across-runs compares"));
   const Outcome other = troupe({"diff", "first.h5", "seed.h5", "--across-runs"});
   EXPECT_EQ(other.code, 1);
   EXPECT_THAT(other.out,
