@@ -66,7 +66,8 @@ class Filming : public Observer {
   void open();
 
   void observe(const Simulation& simulation) override;
-  /// Adds the frames up to the current time of `source`; the next call is for time `next_s`.
+  /// Adds the frames of the film up to the current time of `source`. next_s: simulated time of the next call,
+  /// s.
   void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
   /// Waits until the film is complete. Throws if drawing or writing failed.
@@ -91,7 +92,7 @@ class Filming : public Observer {
   partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// The output of --snapshot, --film and the options of their look.
+/// The output of --snapshot, --film and the options that set how pictures look.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

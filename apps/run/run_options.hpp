@@ -14,7 +14,8 @@ namespace troupe::apps {
 
 /// Options of `troupe run` and `troupe resume`.
 struct RunOptions : WorldOptions {
-  /// All worlds of the command line, or the checkpoint; `world` is the one of a single WorldRun.
+  /// All worlds of the command line, or the checkpoint. In the options of a single WorldRun, `world` is its
+  /// world.
   std::vector<std::filesystem::path> worlds;
   RunOutputs outputs;
   std::filesystem::path checkpoint;          ///< empty: none
@@ -35,7 +36,8 @@ struct RunOptions : WorldOptions {
   bool quiet = false;
 };
 
-/// Placeholder in the names of outputs for the world's name, without folder and extension.
+/// Placeholder in the names of outputs, which is replaced by the name of the world without folder and
+/// extension.
 inline constexpr std::string_view k_world_mark = "{world}";
 /// The name with the placeholder replaced.
 std::string with_world(std::string name, const std::filesystem::path& world);
