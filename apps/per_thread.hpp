@@ -26,8 +26,8 @@ class PerThread {
 
   /// The object of the calling thread, created at the thread's first call.
   T& own() {
-    thread_local std::pair<std::uint64_t, T*> known{
-        0, nullptr};  // number and object of the set that this thread used last
+    // Number of the set that this thread used last, and the thread's object in it.
+    thread_local std::pair<std::uint64_t, T*> known{0, nullptr};
     if (known.first != number_) {
       const std::lock_guard lock(mutex_);
       known = {number_, &find_or_make(std::this_thread::get_id())};

@@ -22,7 +22,7 @@ constexpr double k_most_speed = 1e6;  // m/s and rad/s: larger commands are mist
 
 [[noreturn]] void refuse_act(const std::string& reason) { throw ActRefused(reason); }
 
-/// The body of this name; refuses the act if it is not in the world.
+/// Returns the body that the act names. Throws ActRefused if it is not in the world.
 Model body_of(Simulation& simulation, const Act& act) {
   const BodyId id = simulation.world().find(act.whom);
   if (!id.valid()) refuse_act(fmt::format("there is no body \"{}\"", act.whom));

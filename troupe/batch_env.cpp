@@ -28,9 +28,10 @@ using Of = BatchPart::Of;
 constexpr std::size_t k_most_copies = 1'000'000;
 constexpr std::size_t k_most_neighbours = 1000;
 constexpr double k_longest_episode_s = 1e12;
-constexpr std::size_t k_drive = 3;  // numbers in a command of the drive
+constexpr std::size_t k_drive = 3;  // a command of a drive has three numbers: forward, left, turn
 
-/// The seed of the world in an episode of a copy.
+/// Returns the seed of an episode: derived from the seed of the copy's first episode and the number of the
+/// episode.
 std::uint64_t episode_seed(std::uint64_t first, std::uint64_t episode) {
   return episode == 0 ? first : mix(first, hash_text("episode"), episode);
 }
@@ -112,7 +113,8 @@ Seen seen_from(const Transform& own, double dx, double dy) {
 }  // namespace
 
 struct BatchEnv::Impl {
-  /// How a part of an array is read; names are resolved once, in plan().
+  /// How the columns of one part of an array are computed. plan() fills it, so that names are looked up only
+  /// once.
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
@@ -128,7 +130,7 @@ struct BatchEnv::Impl {
 
     std::size_t row_bytes() const { return columns * engine::element_size(element); }
   };
-  /// A BatchColumn, resolved.
+  /// A BatchColumn whose names have been looked up: indices instead of names.
   struct Column {
     std::size_t array = 0;
     std::size_t column = 0;
@@ -154,7 +156,7 @@ struct BatchEnv::Impl {
     std::vector<std::uint8_t> terminated;
     std::vector<std::uint8_t> alive;
   };
-  /// A team in one copy.
+  /// The data of a team in one copy of the world.
   struct TeamCopy {
     std::vector<Row> rows;
     std::vector<const std::byte*> readings;    // readings x robots
@@ -317,8 +319,8 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
   });
 }
 
-/// Resolves what the robots of a team have in common. Their types may differ if the observed fields and the
-/// commands agree; bind() checks that.
+/// Determines the columns, actions and rewards of a team from its first robot. The other robots may have
+/// other types if their observed fields and commands are the same; bind() checks this.
 void BatchEnv::Impl::plan(TeamData& team, Copy& first) {
   const BatchTeam& own = *team.spec;
   Simulation& simulation = first.simulation;
@@ -421,7 +423,7 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
   return {static_cast<std::size_t>(&array - team.arrays.data()), column.column, false};
 }
 
-/// Finds the addresses of the team's readings and commands in the state of this copy.
+/// Stores the addresses of the readings and commands of the team's robots in the state of this copy.
 void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) const {
   engine::World& world = copy.simulation.world();
   std::vector<Model> robots;
@@ -637,7 +639,8 @@ void BatchEnv::Impl::read(const TeamCopy& team, const Copy& copy, const ArrayDat
         thread_local std::vector<Near> nearest;
         nearest.clear();
         const double range2 = wanted.range_m * wanted.range_m;
-        for (const Row other : team.groups[part.of_kind]) {  // by id: of equal distances the lower id stays
+        for (const Row other : team.groups[part.of_kind]) {  // in order of ids, so that of two robots at the
+                                                             // same distance the lower id comes first
           if (other == own || !world.is_there(other)) continue;
           const Vec2 way = world.transform(other).position - here.position;
           const double distance2 = way.x() * way.x() + way.y() * way.y();

@@ -51,7 +51,8 @@ bool is_whole(std::string_view bytes) {
   return true;
 }
 
-/// Whether a file may be loaded; loading runs its code.
+/// Whether a file looks like a plug-in. This is checked before loading, because loading runs code of the
+/// file.
 Result<> check_contents(std::string_view bytes) {
   if (!bytes.starts_with("\177ELF")) return Error{"is not a shared library"};
   if (!is_whole(bytes)) return Error{"is truncated"};
@@ -66,8 +67,8 @@ Result<> check_contents(std::string_view bytes) {
       plugin::k_symbol)};
 }
 
-/// Whether a loaded library fits this program. Until interface and version are known to be equal, only those
-/// two members are read, because their place is the same in every version.
+/// Whether a loaded library was built for this program. First only the members `interface` and `version` are
+/// read, because only their offsets are the same in every version.
 Result<> check_build(const plugin::Library& library) {
   if (library.interface != plugin::k_interface || std::string_view(library.version) != k_version)
     return Error{fmt::format(
@@ -108,14 +109,15 @@ struct Plugins::Loaded : Library {
   template <class K>
   struct Kinds {
     using Kind = K;
-    std::string_view what;  ///< the sort, for errors
+    std::string_view what;  ///< "controller" or "sensor or device", for error messages
     std::vector<Kind> kinds;
     std::deque<std::string> names;  ///< names of the kinds; a deque, because the kinds refer to them
     std::vector<std::string_view> known() const { return {names.begin(), names.end()}; }
   };
   Kinds<engine::ControllerKind> controllers{"controller"};
   Kinds<engine::DeviceKind> devices{"sensor or device"};
-  /// The kinds of the other sort, for the error if the requested sort has none.
+  /// Names the kinds that the library has instead, for the error if it has no controllers, or no sensors and
+  /// devices.
   std::string has_else() const {
     return controllers.names.empty()
                ? fmt::format("no controller, but {}", comma_list(devices.known()))
@@ -175,7 +177,7 @@ std::vector<Plugins::Library> Plugins::libraries() const {
   return in_use;
 }
 
-/// The library of this name. The first call searches and opens it.
+/// The library of this name. The first call with this name searches the folders and opens the file.
 Plugins::Loaded& Plugins::loaded(std::string_view name) {
   for (const auto& library : loaded_)
     if (library->name == name) return *library;
@@ -204,7 +206,7 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   return library;
 }
 
-/// Loads a library and reads its kinds.
+/// Loads a library and stores its kinds. The error states why the library cannot be used.
 Result<> Plugins::open(Loaded& library) {
   const std::optional<std::string> bytes = worldio::read_file(library.file);
   if (!bytes) return Error{"cannot be read"};

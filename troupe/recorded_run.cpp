@@ -56,8 +56,8 @@ void convert(Element element, std::span<const std::byte> bytes, std::span<double
   }
 }
 
-/// Whether an array is of the component of this name: `ranger/eye` of the world is `sensors/minibot/eye` in
-/// the recording of minibots.
+/// Whether an array of a recording belongs to the component of this name. Recordings use other names: the
+/// component `ranger/eye` of the type minibot is `sensors/minibot/eye` in a recording.
 bool has_name(const Array& array, std::string_view name) {
   const std::string_view component = array.component;
   if (component == name || component.substr(0, component.find('/')) == name) return true;
@@ -144,7 +144,7 @@ struct RecordedRun::Impl {
     return {find(component, "x"), find(component, "y"), find(component, "z"), find(component, "heading")};
   }
 
-  /// Reads an array at the current frame, row-major, one row per body.
+  /// Reads the values of an array in the current frame, row-major, one row per body.
   std::vector<double> read(const Array& array) const {
     std::vector<std::byte> bytes(array.bodies.size() * array.row_bytes());
     std::vector<double> values(array.bodies.size() * array.field.columns);
@@ -153,7 +153,7 @@ struct RecordedRun::Impl {
     return values;
   }
 
-  /// A component with the fields of a pose, one row per row of the recording.
+  /// The poses that a component stores in the current frame, one per recorded row.
   class Poses {
    public:
     Poses(const Impl& run, const std::array<const Array*, 4>& arrays) {
@@ -185,7 +185,7 @@ struct RecordedRun::Impl {
     return shown;
   }
 
-  /// Sets the colours of bodies with a device that shows a colour.
+  /// Sets the colours of bodies that have a device which shows a colour, such as an LED.
   void color(Frame& shown) const {
     const std::vector<std::uint32_t> places = places_in(shown);
     for (const Array* array : shown_colors) {
@@ -200,8 +200,8 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// How the joints of a type have moved the parts on them, in the body's frame: a list per recorded row;
-  /// empty if not recorded.
+  /// The motions by which the joints of a type have moved the parts on them, in the body frame: a list per
+  /// recorded row; empty if joints were not recorded.
   std::vector<std::vector<engine::Mount>> mounts(std::size_t type) const {
     std::vector<std::vector<engine::Mount>> mounts;
     if (joints[type].empty()) return mounts;
@@ -223,7 +223,8 @@ struct RecordedRun::Impl {
     return mounts;
   }
 
-  /// Gives bodies with moved parts a type of their own, with the shapes where the joints have moved them.
+  /// Replaces the type of each body whose joints have moved by a new type, whose shapes are at the moved
+  /// positions.
   void move_parts(Frame& shown) const {
     for (std::uint32_t type = 0; type < world.types.size(); ++type) {
       const auto moved = mounts(type);
@@ -282,7 +283,7 @@ struct RecordedRun::Impl {
     std::ranges::stable_sort(shown.scans, {}, &engine::FrameScan::body);
   }
 
-  /// One number per body of the frame, from all arrays that have this name.
+  /// One number per body of the frame, from all arrays that have this component and field.
   std::vector<double> values(const Frame& shown, std::string_view component, std::string_view field,
                              std::size_t column) const {
     const std::vector<std::uint32_t> places = places_in(shown);
@@ -301,7 +302,7 @@ struct RecordedRun::Impl {
 
 namespace {
 
-/// Turns errors of HDF5 in a damaged file into InputError.
+/// Calls a function, and converts errors of HDF5 in a damaged file to InputError.
 template <class Work>
 auto checked(Work&& work) {
   try {

@@ -21,7 +21,7 @@ namespace {
 constexpr double k_every_s = 0.1;
 constexpr const char* k_fields = "pose";
 
-/// Interval and fields from the options, or else the world, or else the defaults.
+/// The recording interval and the fields: those of the options, or else of the world, or else the defaults.
 worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
   const engine::WorldSpec& spec = simulation.world().spec();
   const engine::RecordSpec record = spec.record.value_or(engine::RecordSpec{});
@@ -35,7 +35,8 @@ worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOpti
   return head;
 }
 
-/// The components of these fields. The InputError for an unknown field names the place of its definition.
+/// The components that these fields belong to. The InputError for an unknown field states where the field was
+/// requested: in the world file, or in the options.
 std::vector<worldio::RecordedComponent> components_of(const std::filesystem::path& file,
                                                       const Simulation& simulation,
                                                       const std::vector<std::string>& fields,
@@ -52,8 +53,9 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
-/// Throws unless the recording was begun by the simulation's run; equal bodies alone do not suffice. Options
-/// that change no result, or that a resumed run may change for later ticks, are not compared.
+/// Throws if the recording belongs to another run than the simulation. It compares the options of the two
+/// runs, because runs with equal bodies may differ. Options that change no result, or that a resumed run may
+/// change for later ticks, are not compared.
 void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {
   const worldio::RecordingReader recording(file);
   const auto is_free = [](std::string_view key) {
@@ -77,7 +79,8 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
         file.string(), simulation.tick()));
 }
 
-/// Throws if the options give another interval or other fields than those of the recording, which keeps them.
+/// Throws if the options state another interval or other fields than those of the recording, which cannot be
+/// changed.
 void check_same_options(const std::filesystem::path& file, const Simulation& simulation,
                         const RecordingOptions& options) {
   const worldio::RecordingReader recording(file);

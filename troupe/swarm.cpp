@@ -61,7 +61,8 @@ std::vector<std::string> Swarm::types() const {
   return types;
 }
 
-/// Calls one(row, i) for each robot. room: size of the caller's span, which must be size().
+/// Calls one(row, i) for each robot. room: number of elements of the caller's span; throws
+/// std::invalid_argument if it is not size().
 template <class Read>
 void Swarm::read(std::size_t room, Read&& one) const {
   world_->require_whole();
