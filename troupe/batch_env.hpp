@@ -126,6 +126,7 @@ struct BatchSpec {
 ///       policy(batch.array(0, "observation"), batch.actions(0));
 ///       batch.step(batch.over());  // copies that were over begin their next episode
 ///     }
+///
 /// arrays   row-major. The spans stay valid, and their content changes with each step() and reset()
 /// copies   each copy is a Simulation of the world with its own seed, which runs on one thread. Its results
 ///          have the same bits for any number of threads and copies

@@ -26,6 +26,7 @@ namespace troupe {
 ///       steer(ranges, speeds);
 ///       swarm.set_speeds(speeds);
 ///     }
+///
 /// order     robots are in ascending order of their ids, which is the order of the world file. Robot i is the
 ///           same robot in every run, on any number of threads
 /// members   the group never changes: it also contains robots that were removed and robots that are not yet

@@ -36,6 +36,7 @@ struct ProfileLimits {
 /// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read: one track
 /// with the ticks and their phases, one track per worker thread with its tasks (batches of robots), and
 /// counters of memory and robots.
+///
 /// file    valid after each tick: it can be read during the run, and after the program was killed
 /// tasks   the argument of a task is its index in its parallel loop; in the sense phase, tasks are batches of
 ///         neighbouring robots, in the order of the tiles. A phase may run several parallel loops
