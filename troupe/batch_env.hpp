@@ -133,9 +133,8 @@ struct BatchSpec {
 /// robots   the policies drive the robots of teams, which do not run the controllers of the world file. Other
 ///          robots run their controllers. All sensors of robots of teams run
 /// end      a robot is finished when one of the ends of its team holds or when it dies; its death itself
-/// gives
-///          no reward. From then on its drive is commanded to stop and its reward is 0. A program may finish
-///          further robots by writing 1 to terminated() between two steps
+///          gives no reward. From then on its drive is commanded to stop and its reward is 0. A program may
+///          finish further robots by writing 1 to terminated() between two steps
 /// over     a copy is over when all robots of its teams that are in the world are finished, when its episode
 ///          reaches `seconds`, or when a condition of the world's `stop_when` holds, which finishes all
 ///          robots. step() begins the next episode of a copy only if the caller requests it
@@ -192,8 +191,7 @@ class BatchEnv {
   /// Begins an episode in all or some copies.
   /// which  one byte per copy: 0 does not change the copy, another value begins an episode; empty: all copies
   /// seeds  one element per copy: the seed of the episode, from which the seeds of later episodes are
-  /// derived.
-  ///        If the element has no value, or if `seeds` is empty, the copy begins its next episode
+  ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode
   /// Throws std::invalid_argument for spans of other sizes, std::logic_error if a copy that `which` leaves
   /// out has not begun its first episode, and InputError if the placement rules find no place for a robot.
   void reset(std::span<const std::uint8_t> which = {},

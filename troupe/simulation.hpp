@@ -503,7 +503,7 @@ class Simulation {
   /// every recording interval, until stop_recording(), reset() or the destruction of the simulation. Throws
   /// as the constructor of Recording does, and std::logic_error if a recording is already running.
   void record(const std::filesystem::path& file);
-  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< as above, with options
+  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< with options
   /// Closes the recording that record() started; other HDF5 tools can then read the file. Throws
   /// std::runtime_error if the file cannot be written. Does nothing if no recording is running.
   void stop_recording();
