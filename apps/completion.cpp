@@ -17,7 +17,8 @@ namespace {
 
 using Arguments = std::map<std::string, std::vector<std::string>>;
 
-/// Possible values of an option: listed words, or a file. Neither: values that cannot be completed.
+/// The values that a shell can offer for an option: a list of words, or file names. If it has neither,
+/// nothing is offered.
 struct ValueHint {
   std::vector<std::string> words;
   bool file = false;

@@ -133,8 +133,8 @@ std::string fields_text(const FieldTable& table) {
   return text;
 }
 
-/// Typical parameters: the defaults, and a list of one block where a list of blocks is required. Nothing if a
-/// required parameter has no default.
+/// Returns typical parameters of a kind: the defaults, and a list with one block for each required list of
+/// blocks. Returns nothing if another required parameter has no default.
 std::optional<engine::Record> usual(const FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
@@ -212,7 +212,7 @@ std::string model_text(const Registry& registry, const engine::ModelKind& kind) 
          properties_text("properties of each block( ) in it", "block");
 }
 
-/// Indented lines of at most 100 characters.
+/// Wraps a text into indented lines of at most 100 characters.
 std::string wrapped(std::string_view text) {
   constexpr std::size_t k_width = 100;
   std::string out;

@@ -53,7 +53,8 @@ void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   }
 }
 
-/// Removes the lines of later ticks than the simulation's: the part of the run that wrote them is discarded.
+/// Removes the lines after the current tick of the simulation. They belong to the part of the earlier run
+/// after the checkpoint, which the resumed run computes again.
 void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
   HashLogReader log(file);
   check_same_run(log, simulation);

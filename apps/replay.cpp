@@ -55,7 +55,7 @@ std::vector<std::string> names_of(const std::string& text) {
   return names;
 }
 
-/// "2nd", "3rd", "11th".
+/// An ordinal number as text: "2nd", "3rd", "11th".
 std::string ordinal(std::size_t n) {
   const bool teen = n % 100 >= 11 && n % 100 <= 13;
   const char* const ending = teen          ? "th"
@@ -70,7 +70,8 @@ std::string number_of(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
-/// Bytes of a recording for which a page of at most `max_mb` has room: base64 turns 3 bytes into 4.
+/// Number of bytes of recording data that fit into a page of at most `max_mb` megabytes. Base64 encodes 3
+/// bytes as 4.
 std::size_t room(double max_mb) {
   const double left = max_mb * k_bytes_mb - static_cast<double>(k_replay_page.size());
   return left > 0 ? static_cast<std::size_t>(left / 4 * 3) : 0;

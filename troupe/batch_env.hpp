@@ -183,8 +183,8 @@ class BatchEnv {
   /// One per copy: 1 if the copy is over. It is over if it is truncated, or if at least one robot is finished
   /// and no robot in the world is unfinished. Takes into account what the caller has written to terminated().
   std::span<const std::uint8_t> over();
-  std::vector<std::string> measure_columns()
-      const;                                     ///< columns of measures(), named as in Measures::columns()
+  /// Names of the columns of measures(), as in Measures::columns().
+  std::vector<std::string> measure_columns() const;
   std::span<const double> measures() const;      ///< copies x columns
   std::span<const std::uint64_t> seeds() const;  ///< one per copy: seed of its current episode
 

@@ -27,11 +27,12 @@ namespace {
 // Bytes that fill new storage: variants are constructed with them in turn; repeated decisions use the second.
 constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 
-/// Data of a world, other than its state, that survives a tick.
+/// What a variant does after each tick with the data of its world that are not part of the state (caches, the
+/// spatial index, ...).
 enum class Memory : std::uint8_t {
-  kept,       ///< all
-  forgotten,  ///< none: World::forget()
-  remade,     ///< none, and a new world replaces the old one: engine/remade_world.hpp
+  kept,       ///< keeps them
+  forgotten,  ///< discards them: World::forget()
+  remade,     ///< replaces the world by a new one with the same state: engine/remade_world.hpp
 };
 
 /// One way to run the world. All variants must give the same results.
@@ -82,7 +83,7 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
   return variants;
 }
 
-/// Repeats every decision of a variant and compares the results.
+/// Repeats every decision of the controllers of a variant and compares the results (--controllers).
 class Decisions {
  public:
   explicit Decisions(Variant& variant) : world_(variant.simulation.world()) {
@@ -117,7 +118,8 @@ class Decisions {
   bool differ_ = false;
 };
 
-/// The current differences between the variants, as lines of text; marks variants that differ from the first.
+/// Compares the states of all variants with that of the first variant. Returns the differences as lines of
+/// text, and marks the variants that differ.
 std::vector<std::string> compare(std::vector<Variant>& variants) {
   std::vector<std::string> lines;
   engine::World& expected = variants.front().world();
@@ -132,7 +134,8 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
   return lines;
 }
 
-/// Steps the variants to the end or to the first difference. Returns the difference.
+/// Steps the variants to the end of the run, or to the first tick at which they differ. Returns the
+/// difference as text.
 std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* decisions, double end_s) {
   Simulation& first = variants.front().simulation;
   const std::uint64_t ticks = engine::ticks_until(end_s, first.tick_s());

@@ -64,7 +64,7 @@ std::string all_of(const fs::path& file) {
   return text;
 }
 
-/// The first word of a Stage world that is not in a comment.
+/// Returns the first word of a Stage world, skipping comments.
 std::string first_word(std::string_view text) {
   constexpr std::string_view k_letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
   for (;;) {

@@ -117,7 +117,7 @@ void CameraPictures::observe(const Simulation& simulation) {
 
 namespace {
 
-/// Throws InputError if no camera of the world runs: nothing would be written.
+/// Throws InputError if no camera of the world runs, because no image would then be written.
 void check_cameras(const Simulation& simulation, const std::filesystem::path& world) {
   if (!running_cameras(simulation).empty()) return;
   throw InputError(fmt::format(

@@ -15,7 +15,8 @@ namespace {
 // One picture is being drawn, one is ready, and the run takes another.
 constexpr std::size_t k_most_waiting = 2;
 
-/// The look of a film; one that is not in real time shows its speed next to the clock by default.
+/// Options for the pictures of a film. A film that is not in real time shows its speed next to the clock by
+/// default.
 PictureOptions film_look(const PictureFiles& files) {
   PictureOptions look = files.look;
   if (files.film_speed != 1) look.layers = look.layers.empty() ? "speed" : "speed," + look.layers;

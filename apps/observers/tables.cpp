@@ -29,7 +29,8 @@ std::string header_of(const Measures& measures) {
   return header;
 }
 
-/// 12 digits: tick 66 of 0.1 s is at 6.6 s, while the product is 6.6000000000000005 s.
+/// The time of a tick, rounded to 12 digits. Without rounding, tick 66 of 0.1 s would be at
+/// 6.6000000000000005 s.
 std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
 
 /// Whether the run was resumed and its table exists.
@@ -38,12 +39,12 @@ bool goes_on(const fs::path& file, const Simulation& simulation) {
   return simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
 }
 
-/// The key of these measures' memory in a checkpoint; other measures have another key.
+/// The key under which a checkpoint stores the data of these measures; other measures have another key.
 std::string memory_name(const Measures& measures) {
   return fmt::format("measures {}", hex(hash_text(header_of(measures))));
 }
 
-/// The measures with their memory restored from the checkpoint, if any.
+/// Makes the measures. If the run was resumed, restores their data from the checkpoint.
 Measures remembering(const fs::path& file, const Simulation& simulation, Measures measures) {
   const auto fail = [&file](std::string_view reason) {
     throw OutputError(fmt::format("{}: error: {}", file.string(), reason));

@@ -51,8 +51,8 @@ Examples:
   troupe render day.h5 --film day.mp4 --film-speed 60 --layers trails
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
-/// Draws the given times in order, or the current time. If a signal stops the run before a time, that time is
-/// not drawn.
+/// Draws one picture for each of the given times, in order, or one picture of the current time if none is
+/// given. If a signal stops the run, the remaining times are not drawn.
 template <class TakeAt>
 void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
   const std::vector<fs::path> files = snapshot_files(options.pictures);
@@ -64,7 +64,7 @@ void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_a
   }
 }
 
-/// Steps to a time, or until a signal.
+/// Steps to a simulated time, or until a signal arrives.
 void run_until(Simulation& simulation, double time_s, Progress& progress,
                const std::function<void()>& after_each) {
   while (simulation.tick() < engine::ticks_until(time_s, simulation.tick_s()) && !stop_requested()) {
@@ -104,7 +104,7 @@ void film_simulation(const RenderOptions& options, Simulation& simulation) {
   fmt::print("{}\n", film.result());
 }
 
-/// Shows earlier frames to `pictures`, which need them for trails and coverage.
+/// Passes earlier frames of the recording to `pictures`, which need them for the layers trails and coverage.
 void see_history(RecordedRun& run, Pictures& pictures) {
   if (pictures.history_s() == 0) return;
   const std::size_t last = run.frame_index();
@@ -155,8 +155,8 @@ void film_recording(const RenderOptions& options, RecordedRun& run) {
   fmt::print("{}\n", film.result());
 }
 
-/// Throws InputError if an option other than `allowed` was given: a checkpoint or a recording already fixes
-/// it.
+/// Throws InputError if an option other than `allowed` was given, because the checkpoint or recording already
+/// determines its value.
 void refuse_given(const RenderOptions& options, std::span<const std::string_view> allowed,
                   std::string_view what) {
   for (const std::string& option : options.given)

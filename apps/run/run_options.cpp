@@ -88,7 +88,7 @@ Examples:
                      changeable);
 }
 
-/// Adds the options of threads and outputs, which `run` and `resume` share.
+/// Adds the options for threads and outputs, which `run` and `resume` have in common.
 void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
@@ -109,7 +109,7 @@ void add_session_option(CLI::App& app, RunOptions& options) {
             [&options](const std::string& text) { options.session = text; });
 }
 
-/// Adds the options that concern wall time.
+/// Adds the options that relate simulated time to real time (--rate, --clock).
 void add_clock_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--rate", "R|world",
             "Limit to R times real time, or with world to the speedup that the world sets (default: none)",

@@ -38,7 +38,8 @@ Simulation load(const RunOptions& options) {
   return Simulation(options.world, given);
 }
 
-/// As end_of(), but without --for a run ends at the end of its session.
+/// Returns the end of the run as end_of() does; but if a session is repeated and --for is not given, the end
+/// of the session.
 double end_of_run(const RunOptions& options, const Simulation& simulation, const SessionReplay* session) {
   if (!options.for_s && session && session->end_tick())
     return static_cast<double>(*session->end_tick()) * simulation.tick_s();

@@ -72,7 +72,8 @@ SimulationOptions options_of(const Study& study, const Study::Run& run, const Sw
   return simulation;
 }
 
-/// The statistics of each column over the sampled values. Missing values (NaN) count only as the last value.
+/// Statistics of each column over the sampled values. Missing values (NaN) are ignored, except by the
+/// statistic `last`.
 class Statistics {
  public:
   explicit Statistics(std::size_t columns) : columns_(columns) {}
@@ -129,7 +130,7 @@ struct Made {
   std::string series;  ///< its rows of series.csv; empty if the study has no series
 };
 
-/// Makes a run; nothing if a signal stopped it.
+/// Makes one run and returns its results; nothing if a signal stopped the run.
 std::optional<Made> make(const Study& study, std::size_t index, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(index), options));
   Measures measures(simulation, study.measures);
@@ -161,8 +162,8 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
 }
 
 /// Loads the world of the first run, so that errors in the world are reported before any run. Returns a hash
-/// of the study, its world with images, and the version, which does not depend on where the files are; and
-/// the columns of the measures.
+/// of the study, of its world including images, and of the version of the program, and the columns of the
+/// measures. The hash does not depend on the folders of the files.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(0), options));
   const Measures measures(simulation, study.measures);
