@@ -492,7 +492,7 @@ struct Pictures::Impl {};
 
 namespace {
 [[noreturn]] void refuse_to_draw() {
-  throw std::runtime_error("this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
+  throw std::runtime_error("this build cannot draw pictures: configure it with -DTROUPE_RENDER=ON");
 }
 }  // namespace
 

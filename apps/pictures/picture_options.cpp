@@ -235,12 +235,14 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures) {
 
 std::string picture_help() {
   std::string text =
-      "Pictures: --camera top draws a map, fit a map of the area with robots. perspective, follow:all (the "
-      "area with\n"
-      "robots) and follow:NAME (one robot in the centre) draw solids. window is the camera of the world's "
-      "window.\n"
-      "--center, --angle and --across change any of them. A .svg or .pdf holds vector graphics, of maps "
-      "only.\n"
+      "Cameras (--camera): top draws a map of the whole world, and fit a map of the region that contains the "
+      "robots.\n"
+      "perspective, follow:all (the region with robots) and follow:NAME (one robot in the centre) draw "
+      "bodies as solids "
+      "from\n"
+      "an oblique angle. window draws the view of the window in the world file. --center, --angle and "
+      "--across change the\n"
+      "view of any camera. A .svg or .pdf contains vector graphics, and can show maps only.\n"
       "Layers (those in brackets are drawn only if --layers names them; -NAME omits a layer):\n";
   for (const PictureLayer& layer : picture_layers())
     text += fmt::format("  {:<13} {}\n", layer.on ? std::string(layer.name) : fmt::format("[{}]", layer.name),

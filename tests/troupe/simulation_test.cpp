@@ -708,7 +708,7 @@ TEST_F(SimulationTest, ASnapshotThatCannotBeWrittenIsAnError) {
 TEST_F(SimulationTest, WithoutRenderASnapshotIsAnError) {
   const Simulation simulation = json();
   EXPECT_EQ(message_of<std::runtime_error>([&] { simulation.snapshot(folder_ / "room.png"); }),
-            "this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
+            "this build cannot draw pictures: configure it with -DTROUPE_RENDER=ON");
   EXPECT_FALSE(fs::exists(folder_ / "room.png"));
 }
 
