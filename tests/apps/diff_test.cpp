@@ -131,10 +131,9 @@ TEST_F(Diff, OtherRunsAreComparedOnlyWhenToldTo) {
 }
 
 TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
-  EXPECT_EQ(
-      error_of(header() + lines(0, 1) + "2 0123"),
-      "b.log:12: error: the last line is incomplete: the log was cut off; remove this line to compare the "
-      "others\n");
+  EXPECT_EQ(error_of(header() + lines(0, 1) + "2 0123"),
+            "b.log:12: error: the last line is incomplete: the log was cut off; remove this line to compare "
+            "the other lines\n");
   const std::string form =
       " is not a line of a hash log; expected TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex "
       "digits each\n";

@@ -682,7 +682,7 @@ class Looking(InAFolder):
         self.assertFalse(((picture[:, :, 0] > 200) & (picture[:, :, 1] < 60)).any())
         self.assertTrue((world.picture(320, 200) == picture).all())
         self.assertTrue((world.picture(320, 200, background="dark")[0, 0] == (27, 29, 34)).all())
-        with self.assertRaisesRegex(ValueError, "cannot hold the background transparent"):
+        with self.assertRaisesRegex(ValueError, "cannot have the background .transparent."):
             world.picture(320, 200, background="transparent")
         world.snapshot("room.svg", 320, 200, background="transparent")
         self.assertIn("<svg", (self.folder / "room.svg").read_text())

@@ -341,8 +341,9 @@ TEST_F(Checkpoint, OfAnotherVersionIsResumedOnlyWhereThatIsWanted) {
               ::testing::ElementsAre(HasSubstr("run.h5: warning: written by troupe 0.0.1 (")));
 
   made_by(here.substr(0, here.find(" (")) + " (another compiler)");
-  EXPECT_THAT(Simulation::resume(file_).warnings(),
-              ::testing::ElementsAre(HasSubstr("the bits are the same for every compiler and processor")));
+  EXPECT_THAT(
+      Simulation::resume(file_).warnings(),
+      ::testing::ElementsAre(HasSubstr("results are the same bits for all compilers and processors")));
 }
 
 TEST_F(Checkpoint, AStateThatIsNotTheOneThatWasSavedIsNotTakenUp) {
