@@ -64,7 +64,8 @@ Result<> check_layers(const std::string& layers);
 std::span<const std::string_view> picture_backgrounds();
 /// Success if there is a background of this name; else an error that lists the known names.
 Result<> check_background(const std::string& background);
-/// Success if a camera can have this name in some world; else an error that lists the known names.
+/// Success if this is the name of a camera; else an error that lists the known names. Does not check that a
+/// world has the model or the window that the name refers to.
 Result<> check_camera(const std::string& camera);
 
 /// Draws pictures of one simulation:

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-/// Everything that a plug-in must include: a shared library with controllers and sensors
-/// (docs/controllers.md). A controller is a class that is called for each robot in each tick:
+/// A plug-in is a shared library with controllers and sensors (docs/controllers.md); this header is all that
+/// its sources must include. A controller is a class whose objects are called for each robot in each tick:
 ///
 ///     #include <troupe/plugin.hpp>
 ///

@@ -91,9 +91,9 @@ class Settings {
 ///     troupe::Simulation simulation(world);
 ///
 /// The names and values are those of a JSON world file, which docs/world-format.md and `troupe describe`
-/// document; json() returns this file as text. Errors are not reported by the functions of this class: the
-/// constructor of Simulation throws InputError that lists all of them, such as `world.json:7: error:
-/// /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
+/// document; json() returns this file as text. Unknown names and invalid values are reported by the
+/// constructor of Simulation, not by this class: it throws InputError, whose text lists all errors, each as
+/// `world.json:7: error: /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
 class WorldBuilder {
  public:
   /// A type of bodies, made by WorldBuilder::type(), which owns it.
@@ -107,9 +107,10 @@ class WorldBuilder {
     Type(const Type&) = delete;
     Type& operator=(const Type&) = delete;
 
-    Type& size(double x, double y,
-               double z);               ///< the body is a box of this size, m, that stands on the floor
-    Type& color(const Setting& color);  ///< a name, "SteelBlue", or {red, green, blue}, each from 0 to 1
+    /// Makes the body a box of this size, m, that stands on the floor and is centred on the body's origin.
+    Type& size(double x, double y, double z);
+    /// Sets the colour: a name, "SteelBlue", or {red, green, blue}, each from 0 to 1.
+    Type& color(const Setting& color);
     /// Sets the drive. kind: "diff", "omni", "car", ...; parameters: the parameters of this kind of drive.
     Type& drive(std::string_view kind, const Settings& parameters = {});
     /// Adds a sensor. name: its name, unique in the type; kind: "ranger", "bumper", ...; parameters: those of
