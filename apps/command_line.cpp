@@ -54,7 +54,7 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
     // CLI11's message begins with the name: without dashes for a switch that was given a value, with dashes
     // for an option with too many or too few values.
     message = message.starts_with('-')
-                  ? fmt::format("{} takes one value, once", message.substr(0, message.find(':')))
+                  ? fmt::format("{} must be given once, with one value", message.substr(0, message.find(':')))
                   : fmt::format("--{} takes no value", message.substr(0, message.find(' ')));
   } else if (const std::vector<std::string> extras = app.remaining(true); !extras.empty()) {
     const std::string& word = extras.front();

@@ -93,7 +93,8 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>
     if (output->empty()) continue;
     check_output(*output);
     for (const auto& [file, what] : inputs)
-      if (same_file(*output, file)) refuse_output(*output, fmt::format("it is {}", what));
+      if (same_file(*output, file))
+        refuse_output(*output, fmt::format("it is {}, which is read as input", what));
     for (auto other = outputs.begin(); other != output; ++other)
       if (!other->empty() && same_file(*output, *other))
         refuse_output(*output, "another output has the same name");

@@ -178,7 +178,7 @@ void render_checked(const RenderOptions& options) {
   const PictureFiles& wanted = options.pictures;
   std::vector<fs::path> outputs = snapshot_files(wanted);
   outputs.push_back(wanted.film);
-  check_outputs({{options.world, "the input"}}, outputs);
+  check_outputs({{options.world, "the file to draw"}}, outputs);
   check_film(wanted);
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (!is_checkpoint && is_hdf5(options.world)) {

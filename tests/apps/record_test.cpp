@@ -218,7 +218,8 @@ TEST_F(Record, WrongInputIsRefusedBeforeAnythingIsWritten) {
               HasSubstr("need --record FILE.h5 or a world with `record`"));
   EXPECT_THAT(with({"none/run.h5"}),
               HasSubstr("none/run.h5: error: cannot be written: there is no folder none"));
-  EXPECT_THAT(with({"room.world"}), HasSubstr("room.world: error: cannot be written: it is the world"));
+  EXPECT_THAT(with({"room.world"}),
+              HasSubstr("room.world: error: cannot be written: it is the world, which is read as input"));
   EXPECT_THAT(with({"run.h5", "--hash-log", "run.h5"}), HasSubstr("another output has the same name"));
 }
 
