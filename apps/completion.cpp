@@ -105,7 +105,8 @@ complete -o default -F _troupe troupe
                      names_of(commands), fmt::join(option_names(program), " "), values, options, positional);
 }
 
-/// Escapes a text for single quotes; [ ] and : have a meaning in zsh's specifications.
+/// Escapes a text for single quotes in zsh. Also escapes [ ] and :, which have a meaning in zsh's completion
+/// specifications.
 std::string zsh_text(std::string_view text) {
   std::string out;
   for (const char c : text) {

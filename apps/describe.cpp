@@ -97,7 +97,8 @@ std::string key_text(const Field& field) {
   return fmt::format("{}{}{}", field.name, units.front().suffix, others.empty() ? "" : " (" + others + ")");
 }
 
-/// Entries longer than this do not widen their column; they shift the rest of their own line to the right.
+/// Largest width of a column, in characters. A longer entry does not widen the column, but shifts the rest of
+/// its own line to the right.
 constexpr std::size_t k_max_column = 36;
 
 using Line = std::array<std::string, 4>;

@@ -152,8 +152,8 @@ class BatchEnv {
   /// simulation.
   BatchEnv(const Simulation& world, const BatchSpec& spec);
   ~BatchEnv();
-  BatchEnv(BatchEnv&&) noexcept;             ///< the source may only be destroyed or assigned
-  BatchEnv& operator=(BatchEnv&&) noexcept;  ///< the source may only be destroyed or assigned
+  BatchEnv(BatchEnv&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
+  BatchEnv& operator=(BatchEnv&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
   const BatchSpec& spec() const;                           ///< the spec that the batch was made from
   std::size_t copies() const;                              ///< number of copies of the world

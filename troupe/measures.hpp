@@ -31,8 +31,8 @@ class Measures {
   /// that need no parameters. Throws InputError, whose text lists all errors.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
-  Measures(Measures&&) noexcept;             ///< the source may only be destroyed or assigned
-  Measures& operator=(Measures&&) noexcept;  ///< the source may only be destroyed or assigned
+  Measures(Measures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
+  Measures& operator=(Measures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
   /// Updates measures that depend on earlier ticks, such as the covered area. Call it after every step. After
   /// Simulation::reset() they start again.

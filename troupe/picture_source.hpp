@@ -23,14 +23,14 @@ struct ChosenValue {
 
 /// The members of engine::Frame that a caller requests, in addition to the poses of bodies.
 struct FrameWishes {
-  bool scans = false;                ///< Frame::scans and ranges
-  bool sights = false;               ///< Frame::sights
-  bool blobs = false;                ///< Frame::blobs
-  bool grips = false;                ///< Frame::grips
-  bool links = false;                ///< Frame::links
-  bool charges = false;              ///< Frame::charges
-  bool names = false;                ///< Frame::names
-  std::optional<ChosenValue> value;  ///< Frame::values
+  bool scans = false;                ///< scans of rangers: Frame::scans and ranges
+  bool sights = false;               ///< lines to detected fiducials: Frame::sights
+  bool blobs = false;                ///< detected blobs: Frame::blobs
+  bool grips = false;                ///< light beams and held bodies of grippers: Frame::grips
+  bool links = false;                ///< which body carries which: Frame::links
+  bool charges = false;              ///< charges of power packs: Frame::charges
+  bool names = false;                ///< names of bodies: Frame::names
+  std::optional<ChosenValue> value;  ///< a number per body: Frame::values; not given: none
 };
 
 /// A state to draw: the current state of a simulation, or a frame of a recording.

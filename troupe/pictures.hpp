@@ -85,8 +85,8 @@ class Pictures {
   /// not contain.
   Pictures(const PictureSource& source, PictureOptions options);
   ~Pictures();
-  Pictures(Pictures&&) noexcept;             ///< the source may only be destroyed or assigned
-  Pictures& operator=(Pictures&&) noexcept;  ///< the source may only be destroyed or assigned
+  Pictures(Pictures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
+  Pictures& operator=(Pictures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
   /// Width of the pictures, pixels.
   int width() const;

@@ -20,8 +20,11 @@ class RecordedRun : public PictureSource {
   /// version that did not store the static scene.
   explicit RecordedRun(const std::filesystem::path& recording);
   ~RecordedRun() override;
-  RecordedRun(RecordedRun&&) noexcept;             ///< the source may only be destroyed or assigned
-  RecordedRun& operator=(RecordedRun&&) noexcept;  ///< the source may only be destroyed or assigned
+  /// The moved-from object may only be destroyed or assigned to.
+  ///@{
+  RecordedRun(RecordedRun&&) noexcept;
+  RecordedRun& operator=(RecordedRun&&) noexcept;
+  ///@}
 
   /// Makes the last frame at or before this time, s, the current frame. Throws InputError if the time is
   /// before the first frame or after the last one.

@@ -53,8 +53,8 @@ class Recording {
   /// recording of this world, or if `options` differ from it.
   static Recording resume(const std::filesystem::path& file, const Simulation& simulation,
                           const RecordingOptions& options = {});
-  Recording(Recording&&) noexcept;             ///< the source may only be destroyed or assigned
-  Recording& operator=(Recording&&) noexcept;  ///< the source may only be destroyed or assigned
+  Recording(Recording&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
+  Recording& operator=(Recording&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
   /// Closes the file and ignores errors; close() reports them.
   ~Recording();
 

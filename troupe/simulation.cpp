@@ -108,7 +108,8 @@ std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
   return engine::ticks_until(seconds, tick_s);
 }
 
-/// Whether the fields are those that a struct lists with TROUPE_FIELDS.
+/// Whether the names of the fields are those in `names`, which a struct lists with TROUPE_FIELDS, in the same
+/// order.
 bool are_listed(std::span<const engine::StateField> fields, std::string_view names) {
   for (const engine::StateField& field : fields) {
     const std::size_t comma = names.find(',');
@@ -133,14 +134,15 @@ struct Simulation::Impl {
   std::filesystem::path file;       ///< world file
   double tile_size_m = 0;           ///< from SimulationOptions
   worldio::PlaceAgain place_again;  ///< empty if no place depends on the seed
-  /// Changes of --set, pointer and value, with the tick if a run was resumed with them; and `spare`.
+  /// Changes to the world, as pairs of key and value for effective_options(): those of the option `set` (if a
+  /// run was resumed with them, the key contains the tick), and `spare`.
   std::vector<std::pair<std::string, std::string>> changes;
   /// Tick of the checkpoint that the run was resumed from.
   std::optional<std::uint64_t> resumed_at;
-  /// Memories of observers in that checkpoint, and the current observers with a memory.
+  /// Data of observers that the checkpoint contains, and the callbacks of on_save().
   worldio::Memories memories;
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
-  /// Null if the world has no `stop_when`.
+  /// Evaluates the stop conditions; null if the world has no `stop_when`.
   std::unique_ptr<engine::StopConditions> stop;
   /// Started by record().
   std::unique_ptr<Recording> recording;

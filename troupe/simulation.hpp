@@ -345,9 +345,11 @@ class Simulation {
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
                            engine::Registry registry);
   ~Simulation();
-  Simulation(Simulation&&) noexcept;  ///< handles stay valid; the source may only be destroyed or assigned
-  Simulation& operator=(
-      Simulation&&) noexcept;  ///< handles stay valid; the source may only be destroyed or assigned
+  /// Handles stay valid. The moved-from simulation may only be destroyed or assigned to.
+  ///@{
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+  ///@}
 
   /// Warnings about the world file, `file:line: warning: ...`, and about plug-ins, `file: warning: ...`.
   const std::vector<std::string>& warnings() const;

@@ -136,7 +136,8 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   }
 
  private:
-  /// `stalls,displacement:leaders`, or one object as in a JSON world's `measures`.
+  /// Adds the measures that a value of --measure names: `stalls,displacement:leaders`, or one JSON object as
+  /// in the list `measures` of a world file.
   void add_names(const std::string& text) {
     if (text.starts_with('{')) {
       names_.push_back(text);

@@ -20,8 +20,8 @@ struct RunOptions : WorldOptions {
   RunOutputs outputs;
   std::filesystem::path checkpoint;          ///< empty: none
   std::optional<double> checkpoint_every_s;  ///< simulated time; not given: only at the end
-  std::optional<double> wall_limit_s;        ///< wall time
-  std::filesystem::path record;              ///< empty: that of the world, if any
+  std::optional<double> wall_limit_s;        ///< real time after which the run stops
+  std::filesystem::path record;              ///< empty: the one named in the world, if any
   RecordingOptions recording;
   std::filesystem::path session;  ///< session to repeat; empty: none
   bool force = false;             ///< replace existing outputs
@@ -39,7 +39,7 @@ struct RunOptions : WorldOptions {
 /// Placeholder in the names of outputs, which is replaced by the name of the world without folder and
 /// extension.
 inline constexpr std::string_view k_world_mark = "{world}";
-/// The name with the placeholder replaced.
+/// Returns `name` with the placeholder replaced by the name of the world.
 std::string with_world(std::string name, const std::filesystem::path& world);
 
 /// Adds the options of `run`; parsing fills `options`, which must outlive `command`.
