@@ -285,14 +285,17 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
       const Row row = engine.row(id);
       bound.rows.push_back(row);
       if (std::exchange(copy.learns[row.index()], std::uint8_t{1}) != 0)
-        refuse(fmt::format("robot \"{}\" is in two teams: a robot can be in one", engine.spec().name(id)));
+        refuse(fmt::format("robot \"{}\" is in two teams: a robot can be in only one team",
+                           engine.spec().name(id)));
     }
     if (c == 0) {
       TeamData& team = teams[t];
       team.spec = &spec.teams[t];
       team.robots = swarm.size();
       team.names = swarm.names();
-      if (team.robots == 0) refuse(fmt::format("team \"{}\" has no robots", team.spec->name));
+      if (team.robots == 0)
+        refuse(fmt::format("team \"{}\" has no robots: its member robots must name at least one",
+                           team.spec->name));
       plan(team, copy);
     }
     bind(teams[t], copy, bound);
@@ -418,8 +421,8 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
   const ArrayData& array =
       named(team.arrays, fmt::format("array of team \"{}\"", team.spec->name), column.array);
   if (column.column >= array.columns)
-    refuse(fmt::format("{} of team \"{}\": there is no column {} in array \"{}\", which has columns 0 to {}",
-                       what, team.spec->name, column.column, column.array, array.columns - 1));
+    refuse(fmt::format("{} of team \"{}\": there is no column {} in array \"{}\", which has {} columns", what,
+                       team.spec->name, column.column, column.array, array.columns));
   return {static_cast<std::size_t>(&array - team.arrays.data()), column.column, false};
 }
 

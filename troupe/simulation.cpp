@@ -80,7 +80,7 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
                     library->file.string(), name);
     if (!across_plugins)
       throw InputError(
-          fmt::format("{}: error: {} (its hash is {}, that of the other build is {}): results may differ; "
+          fmt::format("{}: error: {} (its hash is {}, the checkpoint has {}): results may differ; "
                       "give --across-plugins to resume it anyway",
                       checkpoint.file().string(), text, hex(library->contents), contents));
     warnings.push_back(fmt::format("{}: warning: {}", checkpoint.file().string(), text));
@@ -850,7 +850,8 @@ Model Simulation::find(std::string_view name) {
 
 Model Simulation::model(BodyId id) {
   if (const std::size_t bodies = impl_->world->spec().bodies.size(); !id.valid() || id.index() >= bodies)
-    throw std::out_of_range(fmt::format("no model with id {}: the ids are 0 to {}", id.value, bodies - 1));
+    throw std::out_of_range(
+        fmt::format("no model with id {}: the world has {} bodies, whose ids begin at 0", id.value, bodies));
   return Model::of(*impl_->world, id);
 }
 

@@ -119,9 +119,9 @@ void see_history(RecordedRun& run, Pictures& pictures) {
 void refuse_speed(const RenderOptions& options) {
   const std::string list = "," + options.pictures.look.layers + ",";
   if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;
-  throw InputError(
-      fmt::format("{}: error: the layer \"speed\" is for worlds and checkpoints, not for recordings",
-                  options.world.string()));
+  throw InputError(fmt::format(
+      "{}: error: the layer \"speed\" can be drawn for worlds and checkpoints, but not for recordings",
+      options.world.string()));
 }
 
 void draw_recording(const RenderOptions& options, RecordedRun& run) {

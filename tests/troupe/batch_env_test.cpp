@@ -363,7 +363,7 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       "unknown array of team \"bots\" \"gold\"");
   is_wrong(
       k_argument, [](auto&, auto& t) { t.rewards[0].of.column = 4; },
-      "there is no column 4 in array \"goal\", which has columns 0 to 3");
+      "there is no column 4 in array \"goal\", which has 4 columns");
   is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "stalls"; }, "unknown measure \"stalls\"");
   is_wrong(

@@ -420,7 +420,7 @@ TEST(Cast, RefusesWhatIsNoRay) {
   EXPECT_THROW(simulation.cast({}, -1), std::invalid_argument);
   EXPECT_THROW(simulation.cast({}, 1, &stranger), std::logic_error);
   EXPECT_EQ(message_of<std::out_of_range>([&] { simulation.model(BodyId(99)); }),
-            "no model with id 99: the ids are 0 to 2");
+            "no model with id 99: the world has 3 bodies, whose ids begin at 0");
 }
 
 // ---- every sensor
