@@ -106,7 +106,7 @@ using Line = std::array<std::string, 4>;
 void add_lines(const FieldTable& table, const std::string& indent, std::vector<Line>& lines) {
   for (const Field& field : table.fields) {
     const bool block = field.type == FieldType::record || field.type == FieldType::records;
-    // A block that is not given has the defaults of its fields, which follow.
+    // A block that the world file omits has the default values of its fields, which the following lines list.
     const bool defaulted_block = field.type == FieldType::record && !field.fallback.given();
     const std::string fallback = field.optional    ? "none"
                                  : defaulted_block ? "below"

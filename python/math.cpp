@@ -43,7 +43,7 @@ void sum_rows(const double* first, std::size_t rows, std::size_t columns, double
   }
 }
 
-/// Sums over the last axis.
+/// Returns the sums over the last axis of an array, added in ascending order of the index.
 py::array_t<double> ordered_sum(const Numbers& values) {
   if (values.ndim() == 0) throw py::value_error("ordered_sum() of a single number: give an array");
   const std::vector<py::ssize_t> shape(values.shape(), values.shape() + values.ndim() - 1);

@@ -30,7 +30,7 @@ std::string json_of(const py::object& value, const py::object& indent = py::none
       .cast<std::string>();
 }
 
-/// JSON pointer -> value.
+/// Converts the option `set`, a dict from JSON pointers to values, to pairs of pointer and JSON text.
 std::vector<std::pair<std::string, std::string>> settings_of(const std::optional<py::dict>& set) {
   std::vector<std::pair<std::string, std::string>> settings;
   if (set)
@@ -39,7 +39,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const std::optional
   return settings;
 }
 
-/// Size of the only population, or name -> size.
+/// The option `robots`: the size of the only population, or a dict from names of populations to sizes.
 using Robots = std::variant<std::monostate, std::size_t, py::dict>;
 
 std::vector<std::pair<std::string, std::size_t>> robots_of(const Robots& robots) {

@@ -32,7 +32,7 @@ struct HeldSwarm {
                                     std::string(py::str(given.attr("shape"))), robots, wanted));
 }
 
-/// One number for all robots, or one per robot.
+/// An argument of a command: one number for all robots, or one number per robot.
 class Column {
  public:
   Column(std::string_view name, const Numbers& numbers, std::size_t robots)

@@ -90,7 +90,8 @@ void command(Model& model, const Act& act) {
     }
     return *found;
   };
-  for (const auto& [name, numbers] : act.values) {  // check all before writing any
+  // All values are checked before any is written, so that an impossible act changes nothing.
+  for (const auto& [name, numbers] : act.values) {
     const StateField& field = field_of(name);
     if (numbers.size() != field.columns)
       refuse_act(fmt::format("command \"{}\" of device \"{}\" takes {} numbers, found {}", name, act.device,

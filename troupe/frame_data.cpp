@@ -33,7 +33,7 @@ std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
   return places;
 }
 
-/// `ranger` for `ranger/ir`.
+/// The kind in the name of a component: `ranger` for `ranger/ir`.
 std::string_view kind_of(std::string_view component) { return component.substr(0, component.find('/')); }
 
 /// Whether the component of a table has this name, or is of the kind with this name.

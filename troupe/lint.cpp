@@ -114,7 +114,7 @@ class Lint {
   const engine::World& world_;
   const engine::WorldSpec& spec_;
   Diagnostics& diagnostics_;
-  std::vector<std::map<double, std::size_t>> levels_;  // per type: z -> number of bodies
+  std::vector<std::map<double, std::size_t>> levels_;  // per type: z of bodies -> number of bodies
 };
 
 void Lint::check_types() {
@@ -145,8 +145,9 @@ std::string heights_text(const ZInterval& z) {
   return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
 }
 
-/// The reason why a sensor at these heights detects none of the solids in `there`. `nothing` and `what` name
-/// the solids in the sentence.
+/// Returns the reason why a sensor at the heights `looks` detects none of the solids whose heights are in
+/// `there`. nothing, what: names of the solids for the sentence, "no other visible body" and "visible
+/// bodies".
 std::string missed_text(const Heights& there, const ZInterval& looks, std::string_view nothing,
                         std::string_view what) {
   if (there.empty() || there.extent().contains(looks.min))
@@ -155,7 +156,8 @@ std::string missed_text(const Heights& there, const ZInterval& looks, std::strin
                      heights_text(there.extent()));
 }
 
-/// The name of a sensor. In worlds of Stage a model may be a sensor only, which has the name of its type.
+/// Begins a message about a sensor with its name. In Stage worlds a model may be only a sensor, which then
+/// has the name of its type.
 std::string called_text(std::string_view sensor, std::string_view type) {
   return sensor.empty() ? fmt::format("sensor \"{}\" sees nothing: ", type)
                         : fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor, type);
@@ -258,7 +260,7 @@ Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& p
 
 void Lint::check_floor_plans() {
   if (world_.robots() == 0) return;
-  std::vector<BodyId> open;  // robots drive through them
+  std::vector<BodyId> open;  // floor plans that robots drive through
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const engine::BodySpec& body = spec_.bodies[b];
     if (world_.row(BodyId(b)).valid()) continue;

@@ -88,7 +88,8 @@ Result<> check_build(const plugin::Library& library) {
   return {};
 }
 
-/// `cannot be loaded: undefined symbol: ...`, without the file name that dlerror() repeats.
+/// The error of dlerror(), `cannot be loaded: undefined symbol: ...`, without the file name, which callers
+/// add.
 Error load_error(const fs::path& file) {
   const char* said = dlerror();
   std::string_view reason = said ? said : "the system gives no reason";

@@ -45,7 +45,7 @@ class RecordedRun : public PictureSource {
   const engine::Record* window() const override;
   engine::FrameScene scene() const override;
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
-  /// Resolves a name among the recorded fields.
+  /// Finds a value by name among the recorded fields.
   Result<ChosenValue> find_value(const std::string& name) const override;
   Result<> check(const FrameWishes& wishes) const override;
   double time_s() const override;

@@ -35,7 +35,7 @@ constexpr double k_longest_run_s =
     1e12;  // longer than the age of the universe; its ticks still fit in 64 bits
 constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest world
 
-/// The part "troupe 0.2.0" of a version line.
+/// Returns the part "troupe 0.2.0" of a line of version_line().
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
 /// Throws InputError for a checkpoint of another version unless `across_versions`. Returns a warning if
@@ -185,7 +185,7 @@ struct Simulation::Impl {
     warnings = diagnostics.warnings();
     append(warnings, plugins->warnings());
   }
-  /// Sets up `stop_when`; the world must exist.
+  /// Sets up the stop conditions (`stop_when`). `world` must already be set.
   void watch_for_the_end(Diagnostics& diagnostics) {
     const std::vector<engine::StopSpec>& conditions = world->spec().experiment.stop_when;
     if (conditions.empty()) return;
@@ -201,7 +201,8 @@ struct Model::Place {
   std::size_t part;
   std::string name;
 
-  /// The row of the body, for functions that read its state or continue it.
+  /// The row of the body in the state tables. Throws std::logic_error if it has none or if the state is
+  /// incomplete.
   Row row() const {
     world->require_whole();
     const Row row = world->row(body);
@@ -209,7 +210,8 @@ struct Model::Place {
       throw std::logic_error(fmt::format("\"{}\" is static: it has no drive and no sensor", name));
     return row;
   }
-  /// The row of a whole body, for functions that do not apply to parts.
+  /// The row of the body in the state tables, for functions that do not apply to parts. Throws
+  /// std::logic_error for a part and for static geometry.
   Row whole() const {
     if (part > 0)
       throw std::logic_error(fmt::format("\"{}\" is a part of a body: give the body itself", name));
@@ -236,7 +238,7 @@ struct Model::Place {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
     return part == 0 || device.name == parts[part].name;
   }
-  /// The first of its devices that satisfies `wanted`; null if there is none.
+  /// The first device of this model that satisfies `wanted`; null if there is none.
   template <class Wanted>
   const engine::BodyType::Device* find(Wanted&& wanted) const {
     for (const engine::BodyType::Device& device : type().devices)
@@ -539,7 +541,7 @@ Simulation::Simulation(const worldio::WorldDocument& world, const std::filesyste
                                                 kinds, how, found);
                })) {}
 
-/// files: the source files of a document, which the places of errors refer to; null: none yet
+/// files: the source files that the document states, for the file names in errors; null: no document
 Simulation Simulation::load(const std::filesystem::path& file, const SimulationOptions& options,
                             engine::Registry registry, std::shared_ptr<SourceFiles> files,
                             const ReadWorld& read) {

@@ -99,7 +99,7 @@ struct ResumeOptions {
   bool across_plugins = false;
 };
 
-/// The phases of a tick, in order: engine/phase.hpp.
+/// The phases of a tick, in the order in which they run (engine/phase.hpp).
 using engine::k_phases;
 using engine::Phase;
 using engine::phase_name;
@@ -251,7 +251,8 @@ class Model {
   /// commands.
   Asked asked(std::string_view device);
 
-  /// Charge of a power pack, and energy that passed through it since tick 0, J (docs/energy.md).
+  /// State of a power pack: its charge, and the energy that it dissipated, received and gave since tick 0, J
+  /// (docs/energy.md).
   using Energy = engine::Energy;
   /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest part
   /// towards the root of the body. Empty if there is no such pack.
@@ -510,7 +511,7 @@ class Simulation {
   /// std::runtime_error if the file cannot be written. Does nothing if no recording is running.
   void stop_recording();
 
-  /// Hash of the whole state (docs/determinism.md).
+  /// A 64-bit hash of the whole state: simulations with equal states have equal hashes (docs/determinism.md).
   std::uint64_t state_hash() const;
   /// The hash of the state, and the hashes of four groups of its components.
   struct Hashes {
@@ -584,7 +585,8 @@ class Simulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Version, compiler, flags, instruction set and assertion state, on one line.
+/// Returns one line with Troupe's version, and the compiler, its flags, the processor architecture and
+/// whether assertions are on.
 std::string version_line();
 
 }  // namespace troupe

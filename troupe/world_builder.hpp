@@ -26,7 +26,7 @@ struct JsonNode;
 /// A value of the world file: a number, a text, a truth value, a list, or named values.
 class Setting {
  public:
-  /// Implicit conversions from C++ values.
+  /// Converts a C++ value. The conversions are implicit, so that values can be written directly in Settings.
   ///@{
   Setting(bool value);
   Setting(double value);  ///< throws std::invalid_argument if it is not finite

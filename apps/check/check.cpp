@@ -24,7 +24,8 @@
 namespace troupe::apps {
 namespace {
 
-// Bytes that fill new storage: variants are constructed with them in turn; repeated decisions use the second.
+// Bytes that fill new storage. The variants are constructed with these bytes in turn; repeated decisions use
+// the second byte.
 constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 
 /// What a variant does after each tick with the data of its world that are not part of the state (caches, the
@@ -146,7 +147,8 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
     if (!lines.empty() || first.tick() >= ticks) return lines;
     for (Variant& variant : variants) {
       variant.step();
-      // Before the other variants step: their decisions would change what a controller keeps in statics.
+      // Must run before the other variants step, because their decisions would change static variables of a
+      // controller.
       if (decisions && &variant == &variants.front()) lines = decisions->repeat();
     }
     progress.update(first.time_s());

@@ -49,7 +49,7 @@ class Snapshots : public Observer {
  private:
   std::vector<std::pair<std::uint64_t, std::filesystem::path>> due_;  // ticks and files, by tick
   std::filesystem::path first_;                                       // the first of all files
-  std::filesystem::path last_;  // picture of the end; empty: times given
+  std::filesystem::path last_;  // picture of the end of the run; empty: times were given instead
   std::optional<RunSpeed> speed_;
   Pictures pictures_;
   partition::JobThread thread_;

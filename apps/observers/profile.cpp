@@ -17,7 +17,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr std::size_t k_tick_track = 0;  // the tracks of workers follow
+constexpr std::size_t k_tick_track = 0;  // the track of ticks; the tracks of workers follow it
 
 double microseconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double, std::micro>(d).count();

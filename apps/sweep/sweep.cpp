@@ -237,7 +237,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       if (!error.empty()) failed.emplace(runs[i], error);
       if (!made) continue;
       try {
-        // Before the journal, so that every run in the journal has its rows.
+        // Written before the entry in the journal, so that the rows of every run in the journal exist.
         if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
         journal.add(made->outcome);
         count.add_one();
