@@ -43,7 +43,7 @@ std::vector<std::string> words_of(const CLI::App& app) {
   return words;
 }
 
-/// One line with the error in the command line and the command that prints help.
+/// Returns one line with the error in the command line and with the command that prints the help.
 std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   const auto commands = app.get_subcommands();
   const bool in_command = !commands.empty() && app.remaining(false).empty();
@@ -54,7 +54,7 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
     // CLI11's message begins with the name: without dashes for a switch that was given a value, with dashes
     // for an option with too many or too few values.
     message = message.starts_with('-')
-                  ? fmt::format("{} takes one value, once", message.substr(0, message.find(':')))
+                  ? fmt::format("{} must be given once, with one value", message.substr(0, message.find(':')))
                   : fmt::format("--{} takes no value", message.substr(0, message.find(' ')));
   } else if (const std::vector<std::string> extras = app.remaining(true); !extras.empty()) {
     const std::string& word = extras.front();
@@ -69,7 +69,7 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}: error: {}; see {} --help\n", name, message, name);
 }
 
-/// What --version prints.
+/// The text that --version prints.
 std::string version_text() {
   std::string usable;
   for (const std::string& name : partition::simd_targets().usable)

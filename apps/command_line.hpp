@@ -8,10 +8,10 @@
 
 namespace troupe::apps {
 
-/// The whole program: parses the arguments (argv[0] is the program's name), runs the command, and prints its
-/// output and errors. Returns the exit code (apps/exit_code.hpp); throws nothing. `limit` is called after
-/// parsing and before running. It receives the command's options (ProgramCommand::options) and may change
-/// them: the fuzz target shortens runs this way.
+/// The whole program: parses the arguments (argv[0] is the name of the program), runs the command, and prints
+/// its output and errors. Returns the exit code (apps/exit_code.hpp); throws nothing. limit: a callback that
+/// is called after parsing and before running the command. It receives the options of the command
+/// (ProgramCommand::options) and may change them; the fuzz target uses this to shorten runs.
 int run_command_line(int argc, const char* const* argv,
                      const std::function<void(std::any& options)>& limit = nullptr);
 

@@ -25,7 +25,7 @@ struct Command {
   std::string footer;                  ///< text below the options in --help
 };
 
-/// The program itself, with its own options, then its commands.
+/// Returns the program itself with its own options as the first element, and then all commands.
 std::vector<Command> command_table(const CLI::App& app);
 
 }  // namespace troupe::apps

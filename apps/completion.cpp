@@ -17,7 +17,8 @@ namespace {
 
 using Arguments = std::map<std::string, std::vector<std::string>>;
 
-/// Possible values of an option: listed words, or a file. Neither: values that cannot be completed.
+/// The values that a shell can offer for an option: a list of words, or file names. If it has neither,
+/// nothing is offered.
 struct ValueHint {
   std::vector<std::string> words;
   bool file = false;
@@ -104,7 +105,8 @@ complete -o default -F _troupe troupe
                      names_of(commands), fmt::join(option_names(program), " "), values, options, positional);
 }
 
-/// Escapes a text for single quotes; [ ] and : have a meaning in zsh's specifications.
+/// Escapes a text for single quotes in zsh. Also escapes [ ] and :, which have a meaning in zsh's completion
+/// specifications.
 std::string zsh_text(std::string_view text) {
   std::string out;
   for (const char c : text) {

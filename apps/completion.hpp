@@ -17,9 +17,9 @@ namespace troupe::apps {
 
 inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"};
 
-/// The script with which a shell completes commands, options, and values that are listed ("exact|grid");
-/// elsewhere it offers files. `arguments` maps a command to the allowed values of its positional argument.
-/// `shell` is one of k_shells.
+/// Returns the script with which a shell completes commands, options, and values that the help lists
+/// ("exact|grid"). For all other arguments the script offers file names. shell: one of k_shells; arguments:
+/// maps the name of a command to the allowed values of its positional argument.
 std::string completion(std::string_view shell, const std::vector<Command>& commands,
                        const std::map<std::string, std::vector<std::string>>& arguments);
 

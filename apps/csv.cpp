@@ -25,13 +25,16 @@ std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std:
   // An incomplete last line does not count.
   const auto next = [&] { return std::getline(stream, line) && !stream.eof(); };
   if (!next() || line != header)
-    refuse_output(file, fmt::format("to continue it, its first line must be {}", header));
+    refuse_output(file,
+                  fmt::format("to continue it after the checkpoint, its first line must be {}", header));
   std::uintmax_t bytes = line.size() + 1;
   while (next()) {
     const auto tick = number<std::uint64_t>(std::string_view(line).substr(0, line.find(',')));
     if (!tick)
-      refuse_output(file,
-                    fmt::format("to continue it, each line must begin with a tick; found \"{}\"", line));
+      refuse_output(
+          file,
+          fmt::format("to continue it after the checkpoint, each line must begin with a tick; found \"{}\"",
+                      line));
     if (*tick >= keep_before) break;
     bytes += line.size() + 1;
   }

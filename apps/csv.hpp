@@ -8,27 +8,28 @@
 
 namespace troupe::apps {
 
-/// A table written during a run: comma-separated values that pandas reads without options. The first line
-/// holds the column names, the first column the tick. Only whole lines are flushed.
+/// A table that is written during a run, as comma-separated values that pandas reads without options. The
+/// first line has the column names, and the first column is the tick. Only whole lines are written to the
+/// file.
 class CsvFile {
  public:
-  /// Creates or overwrites the file and starts it with `header`, the line of column names. Throws
-  /// OutputError.
+  /// Creates or overwrites the file and writes `header`, the line of column names. Throws OutputError if that
+  /// fails.
   CsvFile(const std::filesystem::path& file, std::string_view header);
-  /// Continues the table of an earlier run: keeps the lines whose tick is below `keep_before` and drops the
-  /// rest, an incomplete last line included. Creates the file if there is none. Throws OutputError if the
-  /// file is not such a table, and then leaves it unchanged.
+  /// Continues the table of an earlier run: keeps the lines whose tick is below `keep_before`, and removes
+  /// all later lines and an incomplete last line. Creates the file if it does not exist. Throws OutputError,
+  /// and does not change the file, if it is not a table with this header.
   CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
 
   /// Appends a cell to the current line: the shortest text that reads back as the same number, or `nan`.
   CsvFile& add(double number);
   CsvFile& add(std::uint64_t number);
-  /// Appends a cell, in quotes where it needs them (csv_cell()).
+  /// Appends a cell, in quotes if necessary (csv_cell()).
   CsvFile& add(std::string_view text);
   void end_line();
 
-  /// Writes the finished lines to the file. Throws std::runtime_error with the file's name and the tick if
-  /// that fails.
+  /// Writes the finished lines to the file. Throws std::runtime_error, whose text names the file and `tick`,
+  /// if that fails.
   void flush(std::uint64_t tick);
 
  private:

@@ -97,7 +97,8 @@ std::string key_text(const Field& field) {
   return fmt::format("{}{}{}", field.name, units.front().suffix, others.empty() ? "" : " (" + others + ")");
 }
 
-/// Entries longer than this do not widen their column; they shift the rest of their own line to the right.
+/// Largest width of a column, in characters. A longer entry does not widen the column, but shifts the rest of
+/// its own line to the right.
 constexpr std::size_t k_max_column = 36;
 
 using Line = std::array<std::string, 4>;
@@ -105,7 +106,7 @@ using Line = std::array<std::string, 4>;
 void add_lines(const FieldTable& table, const std::string& indent, std::vector<Line>& lines) {
   for (const Field& field : table.fields) {
     const bool block = field.type == FieldType::record || field.type == FieldType::records;
-    // A block that is not given has the defaults of its fields, which follow.
+    // A block that the world file omits has the default values of its fields, which the following lines list.
     const bool defaulted_block = field.type == FieldType::record && !field.fallback.given();
     const std::string fallback = field.optional    ? "none"
                                  : defaulted_block ? "below"
@@ -133,8 +134,8 @@ std::string fields_text(const FieldTable& table) {
   return text;
 }
 
-/// Typical parameters: the defaults, and a list of one block where a list of blocks is required. Nothing if a
-/// required parameter has no default.
+/// Returns typical parameters of a kind: the defaults, and a list with one block for each required list of
+/// blocks. Returns nothing if another required parameter has no default.
 std::optional<engine::Record> usual(const FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
@@ -212,7 +213,7 @@ std::string model_text(const Registry& registry, const engine::ModelKind& kind) 
          properties_text("properties of each block( ) in it", "block");
 }
 
-/// Indented lines of at most 100 characters.
+/// Wraps a text into indented lines of at most 100 characters.
 std::string wrapped(std::string_view text) {
   constexpr std::size_t k_width = 100;
   std::string out;

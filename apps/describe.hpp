@@ -22,19 +22,20 @@ struct DescribeOptions {
 };
 /// Adds the options of `describe`; parsing fills `options`, which must outlive `command`.
 void add_describe_options(CLI::App& command, DescribeOptions& options);
-/// `troupe describe`: prints the list of kinds, one kind, or the schema. Throws InputError for an unknown
-/// kind.
+/// `troupe describe`: prints the list of all kinds, the description of one kind, or the JSON Schema of
+/// worlds. Throws InputError for an unknown kind.
 ExitCode describe(const DescribeOptions& options);
 
-/// One line for every model, sensor, device, drive, controller, preset, measure, fault and event.
+/// Returns one line with name and text for every kind of model, sensor, device, drive, controller, preset,
+/// measure, fault and event.
 std::string list_kinds(const engine::Registry& registry);
 
 /// The names of all kinds, sorted, without duplicates.
 std::vector<std::string_view> kind_names(const engine::Registry& registry);
 
-/// The parameters of every kind of this name (a model and a sensor may share one): JSON key with its units,
-/// default, range and meaning. Also finds controllers of plug-ins through the registry. Throws InputError
-/// with similar names if there is no such kind.
+/// Returns the parameters of every kind of this name (a model and a sensor may have the same name): JSON key
+/// with its units, default, range and meaning. Also finds the kinds of plug-ins that the registry can load.
+/// Throws InputError, with similar names, if there is no such kind.
 std::string describe_kind(const engine::Registry& registry, std::string_view name);
 
 }  // namespace troupe::apps

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view k_form =
     "TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex digits each";
-constexpr std::size_t k_shown = 120;  // most bytes of a line that an error quotes
+constexpr std::size_t k_shown = 120;  // largest number of bytes of a line that an error quotes
 
 /// 16 lower-case hex digits, and nothing else.
 std::optional<std::uint64_t> hash_of(std::string_view text) {
@@ -79,7 +79,7 @@ bool HashLogReader::read_line(std::string& line) {
   }
   ++number_;
   if (stream_.eof())
-    fail("the last line is incomplete: the log was cut off; remove this line to compare the others");
+    fail("the last line is incomplete: the log was cut off; remove this line to compare the other lines");
   return true;
 }
 

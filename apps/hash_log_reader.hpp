@@ -17,8 +17,8 @@ namespace troupe::apps {
 /// The first line of every hash log.
 inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 
-/// Reads a hash log line by line, since the log of a run of two days takes gigabytes. Every error in the file
-/// is an InputError: `run.log:31: error: ...`.
+/// Reads a hash log line by line, because the log of a run of two days has gigabytes. Throws InputError,
+/// `run.log:31: error: ...`, for every error in the file.
 class HashLogReader {
  public:
   /// Opens the file and reads its header.
@@ -35,8 +35,8 @@ class HashLogReader {
     std::uint64_t state;
     std::array<std::uint64_t, engine::k_hash_groups> groups;
   };
-  /// The line of the next tick, nothing at the end. Guarantees that ticks have no gaps, that each line is
-  /// whole, and that its state hash is the sum of its groups; throws InputError otherwise.
+  /// Returns the line of the next tick, or nothing at the end of the log. Throws InputError if a tick is
+  /// missing, if the line is incomplete, or if its state hash is not the sum of its group hashes.
   std::optional<Line> next();
 
  private:

@@ -4,9 +4,9 @@
 
 namespace troupe::apps {
 
-/// Installs the signal handlers. The first Ctrl-C or SIGTERM ends a run after the current tick, the second
-/// ends the program at once. SIGXFSZ is ignored: a file beyond the size limit is a write error and does not
-/// end the program.
+/// Installs the signal handlers. The first Ctrl-C or SIGTERM ends a run after the current tick; the second
+/// ends the program immediately. SIGXFSZ is ignored, so that a file that exceeds the size limit is reported
+/// as a write error instead of killing the program.
 void stop_on_signals();
 /// Whether Ctrl-C or SIGTERM has arrived.
 bool stop_requested();

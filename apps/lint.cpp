@@ -15,9 +15,9 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_lint_footer = R"(
-Reports bodies that overlap at the start and robots in walls; sensors that can never detect anything; floor plans
-that block nothing; unused types and macros; properties without effect; and all warnings of loading. Each finding is
-one line with file and line number: maze.world:41: warning: ...
+Reports likely mistakes in a world: bodies that overlap at the start, robots in walls, sensors that can never detect
+anything, floor plans that block no robot, unused types and macros, properties without effect, and all warnings of
+loading. Each finding is one line with file and line number: maze.world:41: warning: ...
 
 Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded (errors on standard error).
 

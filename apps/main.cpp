@@ -5,9 +5,9 @@
 
 namespace {
 
-/// Opens standard streams that the caller closed, in the direction in which their use fails. Otherwise the
-/// first file that the program opens for writing would get the descriptor of standard output, and the summary
-/// with it.
+/// Opens standard streams that the caller has closed, in a mode in which using them fails. Otherwise the
+/// first file that the program opens for writing would get the file descriptor of standard output, and the
+/// summary would be written into this file.
 void fill_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0)

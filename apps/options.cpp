@@ -107,7 +107,7 @@ double tile_size_m(std::string_view text) {
   const auto size = finite(text);
   if (!size || *size <= 0)
     refuse("--tile-size", text,
-           "a length in metres, above 0 (tiles are never smaller than the cells they hold)");
+           "a length in metres, above 0 (the smallest tile is one cell of the spatial index)");
   return *size;
 }
 

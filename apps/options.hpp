@@ -19,7 +19,7 @@ class Option;
 /// Command-line options that several commands share.
 namespace troupe::apps {
 
-/// The number that the whole text denotes, or nothing.
+/// Converts a text to a number; nothing if the text as a whole is not a number of type T.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -29,26 +29,27 @@ std::optional<T> number(std::string_view text) {
 }
 std::optional<double> finite(std::string_view text);
 
-/// Throws CLI::ValidationError, here with `expected` = "a number of threads, ...":
-/// `--threads: "many" is not a number of threads, ...`.
+/// Throws CLI::ValidationError. With `expected` = "a number of threads, ..." its text is `--threads: "many"
+/// is not a number of threads, ...`.
 [[noreturn]] void refuse(const char* option, std::string_view text, std::string_view expected);
-/// The name of a file to write. Empty names and names that begin with `-` are refused.
+/// Returns the name of a file to write. Throws as refuse() if the name is empty or begins with `-`.
 std::filesystem::path file_name(const char* option, const std::string& text);
-/// A time in seconds, from 0 to engine::k_most_seconds; others are refused.
+/// Converts a text to a time in seconds, from 0 to engine::k_most_seconds. Throws as refuse() for other
+/// texts.
 double seconds_from_zero(const char* option, const std::string& text);
-/// A time in seconds, above 0 and at most engine::k_most_seconds; others are refused. `what` names it in the
-/// error: "a real time".
+/// Converts a text to a time in seconds, above 0 and at most engine::k_most_seconds. Throws as refuse() for
+/// other texts. what: names the time in the error: "a real time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
-/// Parse --threads and --tile-size, in every command; invalid values are refused.
+/// Convert the values of --threads and --tile-size, in every command. Throw as refuse() for invalid values.
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);
 
-/// Adds an option with one value that `set` parses. CLI11's own conversions would accept hexadecimal numbers,
-/// nan, and texts for numbers.
+/// Adds an option with one value; `set` is called with its text and converts it. CLI11's own conversions are
+/// not used, because they would accept hexadecimal numbers and nan.
 CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
                        const std::function<void(const std::string&)>& set);
-/// Adds an option that may be repeated; `add` is called with each value.
+/// Adds an option that may be repeated; `add` is called with the text of each value.
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
@@ -59,11 +60,11 @@ struct WorldOptions {
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
 };
-/// Adds WORLD and add_run_settings(); `options` must outlive `app`.
+/// Adds the positional argument WORLD and the options of add_run_settings(); `options` must outlive `app`.
 void add_world_options(CLI::App& app, WorldOptions& options);
 /// Adds --for, --seed, --raytracer, --robots, --spare, --set, --plugin-path and --simd.
 void add_run_settings(CLI::App& app, WorldOptions& options);
-/// Add --for and --set, which a resumed run accepts too.
+/// Add --for and --set, which `troupe resume` also has.
 void add_end_option(CLI::App& app, WorldOptions& options);
 void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
 
@@ -76,11 +77,11 @@ void add_simd_option(CLI::App& app);
 void obey_simd_variable();
 /// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
-/// The folders `given`, then those of TROUPE_PLUGIN_PATH, then those of STAGEPATH, where users of Stage keep
-/// their plug-ins.
+/// Returns the folders in `given`, then those in the environment variable TROUPE_PLUGIN_PATH, then those in
+/// STAGEPATH, where users of Stage keep their plug-ins.
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given);
-/// The options with the folders of the environment variables added: STAGEPATH to the search path for worlds,
-/// as in Stage, and plugin_path().
+/// Returns the options with folders from environment variables added: those of STAGEPATH to the search path
+/// for worlds, as in Stage, and those of plugin_path() to the plug-in path.
 SimulationOptions with_environment(SimulationOptions options);
 
 }  // namespace troupe::apps

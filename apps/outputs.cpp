@@ -53,7 +53,8 @@ void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   }
 }
 
-/// Removes the lines of later ticks than the simulation's: the part of the run that wrote them is discarded.
+/// Removes the lines after the current tick of the simulation. They belong to the part of the earlier run
+/// after the checkpoint, which the resumed run computes again.
 void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
   HashLogReader log(file);
   check_same_run(log, simulation);
@@ -92,7 +93,8 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>
     if (output->empty()) continue;
     check_output(*output);
     for (const auto& [file, what] : inputs)
-      if (same_file(*output, file)) refuse_output(*output, fmt::format("it is {}", what));
+      if (same_file(*output, file))
+        refuse_output(*output, fmt::format("it is {}, which is read as input", what));
     for (auto other = outputs.begin(); other != output; ++other)
       if (!other->empty() && same_file(*output, *other))
         refuse_output(*output, "another output has the same name");

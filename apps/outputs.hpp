@@ -16,7 +16,7 @@
 
 namespace troupe::apps {
 
-/// A file that cannot be written. Thrown before anything is written.
+/// Thrown if an output file cannot be written, before anything is written.
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -28,27 +28,28 @@ class OutputError : public std::runtime_error {
 /// A file that a run reads.
 struct Input {
   std::filesystem::path file;
-  std::string_view what;  ///< its name in messages: "the world"
+  std::string_view what;  ///< what the file is, for messages: "the world"
 };
 /// Checks that each of `outputs` (empty paths are skipped) can be written: its folder exists and is writable,
 /// it is not a folder itself, and it is neither an input nor another output. Creates nothing, so that an
 /// invalid world leaves no files. Throws OutputError.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
-/// Checks that files can be written into a folder (an empty path is skipped), which need not exist yet.
-/// Creates nothing. Throws OutputError.
+/// Checks that files can be written into a folder, which may not exist yet. Ignores an empty path. Creates
+/// nothing. Throws OutputError.
 void check_folder(const std::filesystem::path& folder);
 /// Whether two paths name the same file, which need not exist yet.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Writes a hash log; each line is in the file at the end of its tick.
+/// Writes a hash log. Each line is written to the file at the end of its tick.
 class HashLog : public Observer {
  public:
   /// Opens the file and writes the header. If the simulation was resumed from a checkpoint and the file
-  /// exists, the file must be a log with the checkpoint's tick and state: it is cut after that tick and
-  /// continued. Throws OutputError, or InputError if the file is not a hash log.
+  /// exists, the file must contain the tick of the checkpoint with the same state hash; lines after this tick
+  /// are removed, and the log is continued. Throws OutputError, or InputError if the file is not a hash log.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
 
-  /// Writes the line of the simulation's tick. Throws std::runtime_error if writing fails (disk full).
+  /// Writes the line of the current tick. Throws std::runtime_error if writing fails, for example because the
+  /// disk is full.
   void observe(const Simulation& simulation) override;
 
  private:

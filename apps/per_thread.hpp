@@ -12,7 +12,8 @@
 
 namespace troupe::apps {
 
-/// One T per thread that calls own(). all() may be read only while no thread calls own() or uses its T.
+/// A set with one object of type T for each thread that calls own(). all() may be called only while no thread
+/// calls own() or uses its object.
 template <class T>
 class PerThread {
  public:
@@ -23,20 +24,22 @@ class PerThread {
   PerThread(const PerThread&) = delete;
   PerThread& operator=(const PerThread&) = delete;
 
-  /// The T of the calling thread, created at its first call.
+  /// The object of the calling thread, created at the thread's first call.
   T& own() {
-    thread_local std::pair<std::uint64_t, T*> known{0, nullptr};  // of the set this thread used last
+    // Number of the set that this thread used last, and the thread's object in it.
+    thread_local std::pair<std::uint64_t, T*> known{0, nullptr};
     if (known.first != number_) {
       const std::lock_guard lock(mutex_);
       known = {number_, &find_or_make(std::this_thread::get_id())};
     }
     return *known.second;
   }
-  std::deque<T>& all() { return all_; }              ///< in the order of the threads' first calls of own()
-  const std::deque<T>& all() const { return all_; }  ///< in the order of the threads' first calls of own()
+  std::deque<T>& all() { return all_; }              ///< all objects, ordered by first call of own()
+  const std::deque<T>& all() const { return all_; }  ///< all objects, ordered by first call of own()
 
  private:
-  /// Searches first: a thread that uses two sets in turn, as in a run of two worlds, keeps its element.
+  /// Searches before creating: a thread that uses two sets in turn, as in a run of two worlds, must get the
+  /// same object again.
   T& find_or_make(std::thread::id thread) {
     const auto found = std::ranges::find(owners_, thread);
     if (found != owners_.end()) return all_[static_cast<std::size_t>(found - owners_.begin())];

@@ -5,13 +5,13 @@
 
 namespace troupe::apps {
 
-/// The text of a progress bar, without control characters, for work from `begin_s` to `end_s` that has
-/// reached `now_s` > `begin_s`, all in world time; `elapsed_s` is the wall time since its start.
+/// The text of a progress bar, without control characters, for a run from world time `begin_s` to `end_s`
+/// that has reached `now_s` > `begin_s`, s. elapsed_s: wall time since the start, s.
 std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s);
 
-/// A progress bar on standard error, redrawn up to five times a second and erased at the end. Draws nothing
-/// if standard error is not a terminal, since it would clutter a log, or if the work is expected to take less
-/// than two seconds.
+/// A progress bar on standard error, which is redrawn up to five times per second and erased at the end.
+/// Nothing is drawn if standard error is not a terminal, because the bar would clutter a log file, or if the
+/// run is expected to take less than two seconds.
 class Progress {
  public:
   Progress(double begin_s, double end_s, bool wanted);

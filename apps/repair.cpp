@@ -13,10 +13,10 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_repair_footer = R"(
-A recording whose run was killed is marked as being written, and its arrays may differ in length: standard HDF5 tools
-refuse it. This command closes it and cuts it to its complete frames, which are all frames that were flushed. It works
-on a copy in the same folder, which then replaces the file, so the disk must have room for both. A closed recording is
-not changed, and a recording that a run is still writing is refused.
+If a run is killed, its recording is left marked as open for writing, and its arrays may differ in length. Standard HDF5
+tools cannot open such a file. This command closes the recording and cuts it to its complete frames, which are all
+frames that were flushed. It works on a copy in the same folder, which then replaces the file, so the disk must have
+room for both. A closed recording is not changed. A recording that a run is still writing is an error.
 
 Exit codes: 0 readable; 2 not a recording, or it cannot be repaired (it is not changed).
 

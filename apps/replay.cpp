@@ -22,18 +22,19 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_replay_footer = R"(
-Writes one self-contained file that plays the recording (troupe run --record) in a browser, offline: pan, zoom and
-orbit, a time bar, playback speeds, trails, colours by any field; a click on a robot shows its id, state and sensors.
-Press ? in the page for the keys.
+Writes one self-contained HTML file that plays a recording (troupe run --record) in a browser, without a network. The
+page has a time bar and playback speeds, can pan, zoom and orbit, and can show trails and colour robots by any recorded
+field. A click on a robot shows its id, state and sensors. Press ? in the page for the keys.
 
-Positions are rounded to 1 mm, headings to 0.2 degrees, other numbers to 1/4000 of their range. A page that would be
-larger than --max-mb holds only every second frame, every third, ...; the page and this command say which.
+Positions are rounded to 1 mm, headings to 0.2 degrees, other numbers to 1/4000 of their range. If the page would be
+larger than --max-mb, it contains only every second frame, or every third, ...; the page and this command report which
+frames it contains.
 
 The page shows poses and all other recorded fields (troupe run --record-fields pose,stall,ranges). --fields selects
-some of them: components (stall), fields (ranges) or both (stall/stalled).
+some of them: by component (stall), by field (ranges) or by both (stall/stalled).
 
-Exit codes: 0 written; 1 writing failed; 2 not a recording, no poses in it, FILE exists, or wrong usage (nothing
-written).
+Exit codes: 0 written; 1 writing failed; 2 nothing written, because RECORDING is not a recording or has no poses, FILE
+exists, or the usage was wrong.
 
 Examples:
   troupe run worlds/hospital.json --for 60 --record run.h5 --record-fields pose,stall
@@ -54,7 +55,7 @@ std::vector<std::string> names_of(const std::string& text) {
   return names;
 }
 
-/// "2nd", "3rd", "11th".
+/// An ordinal number as text: "2nd", "3rd", "11th".
 std::string ordinal(std::size_t n) {
   const bool teen = n % 100 >= 11 && n % 100 <= 13;
   const char* const ending = teen          ? "th"
@@ -69,7 +70,8 @@ std::string number_of(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
-/// Bytes of a recording for which a page of at most `max_mb` has room: base64 turns 3 bytes into 4.
+/// Number of bytes of recording data that fit into a page of at most `max_mb` megabytes. Base64 encodes 3
+/// bytes as 4.
 std::size_t room(double max_mb) {
   const double left = max_mb * k_bytes_mb - static_cast<double>(k_replay_page.size());
   return left > 0 ? static_cast<std::size_t>(left / 4 * 3) : 0;
@@ -105,7 +107,8 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
           "RECORDING", [&options](const std::string& text) { options.recording = text; }, "A recording")
       ->option_text(" ")
       ->required();
-  add_value(command, "-o,--output", "FILE.html", "The page (default: the recording's name with .html)",
+  add_value(command, "-o,--output", "FILE.html",
+            "Page to write (default: the name of the recording, ending in .html)",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--output", text, "a file name");
               options.page = text;

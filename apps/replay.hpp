@@ -26,7 +26,7 @@ struct ReplayOptions {
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 
 /// `troupe replay RECORDING -o FILE.html`: writes a self-contained page that plays the recording in a
-/// browser. Throws InputError if the recording lacks what the page needs.
+/// browser. Throws InputError if the file is not a recording or does not have the data that the page needs.
 ExitCode replay(const ReplayOptions& options);
 
 }  // namespace troupe::apps

@@ -17,14 +17,15 @@ constexpr std::array k_free = {
     "version",       "threads",        "tile_m", "simd", "kind", "layout", "record_every_ticks",
     "record_fields", "resumed_at_tick"};
 
-/// A part of the version line on which results may depend.
+/// A part of the line that --version prints, on which results may depend.
 struct DomainPart {
   std::string_view name;
   std::string value;
 };
 
-/// The parts of `troupe 0.2.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)` without the last: assertions
-/// change no result. A line of another form is one part.
+/// Splits a version line, `troupe 0.2.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)`, into its parts.
+/// The last part is omitted, because assertions change no result. A line of another form is returned as one
+/// part.
 std::vector<DomainPart> domain_of(const std::string& version_line) {
   constexpr std::array<std::string_view, 3> k_names = {"compiler", "flags", "instruction set"};
   std::vector<DomainPart> parts;
@@ -41,7 +42,8 @@ std::vector<DomainPart> domain_of(const std::string& version_line) {
   return parts;
 }
 
-/// Collects the differences between two headers as errors at the places in the second file.
+/// Collects the differences between two headers as error lines, which begin with the place in the second
+/// file.
 class Unlike {
  public:
   Unlike(const RunHeader& first, const RunHeader& second) : first_(first), second_(second) {}
@@ -77,8 +79,8 @@ class Unlike {
   }
 
  private:
-  static constexpr const char* k_domain = "different determinism domain; --across-domains";
-  static constexpr const char* k_run = "different run; --across-runs";
+  static constexpr const char* k_domain = "the results may differ; --across-domains";
+  static constexpr const char* k_run = "these are different runs; --across-runs";
 
   static std::string value(const RunHeader& header, const std::string& key) {
     const auto entry = header.entries.find(key);

@@ -7,7 +7,8 @@
 
 namespace troupe::apps {
 
-/// The description of a run in its results: the header of a hash log, or /meta of a recording.
+/// The description of a run that its results contain: the header of a hash log, or the group /meta of a
+/// recording.
 struct RunHeader {
   struct Entry {
     std::string value;

@@ -13,8 +13,8 @@
 namespace troupe::python {
 namespace {
 
-/// A batch owned by Python: its arrays keep it alive. It steps without the interpreter's lock, and refuses
-/// calls of other threads meanwhile.
+/// A batch owned by Python. Arrays that refer to its memory keep it alive. It steps without the interpreter's
+/// lock; meanwhile, calls of other threads throw.
 class HeldBatch {
  public:
   explicit HeldBatch(BatchEnv&& batch) : batch_(std::move(batch)) {}
@@ -22,7 +22,7 @@ class HeldBatch {
   BatchEnv& use() {
     if (is_busy_)
       throw std::logic_error(
-          "this batch is being stepped by another thread: one thread at a time may use it");
+          "this batch is being stepped by another thread: only one thread at a time may use a batch");
     return batch_;
   }
   template <class Work>
@@ -45,12 +45,12 @@ class HeldBatch {
 };
 using BatchHolder = std::shared_ptr<HeldBatch>;
 
-/// Reads the members of a dict; a member that was not read is an error.
+/// Reads the members of a dict. finish() throws for a member that no call of read() named.
 class Members {
  public:
   Members(std::string what, const py::handle& given) : what_(std::move(what)) {
     if (!py::isinstance<py::dict>(given))
-      throw py::type_error(fmt::format("{}: give a dict, not {}", what_, std::string(py::repr(given))));
+      throw py::type_error(fmt::format("{}: must be a dict, found {}", what_, std::string(py::repr(given))));
     members_ = py::reinterpret_steal<py::dict>(PyDict_Copy(given.ptr()));
   }
   template <class T>
@@ -61,7 +61,9 @@ class Members {
     try {
       into = value.cast<T>();
     } catch (const py::cast_error&) {
-      throw py::type_error(fmt::format("{}: \"{}\" cannot be {}", what_, name, std::string(py::repr(value))));
+      throw py::type_error(
+          fmt::format("{}: the value {} cannot be converted to the type of the member \"{}\"", what_,
+                      std::string(py::repr(value)), name));
     }
   }
   template <class Visit>
@@ -153,7 +155,8 @@ BatchTeam team_of(const std::string& what, const py::handle& given) {
     of.read("reward", end.reward);
     of.finish();
     if (below.has_value() == above.has_value())
-      throw py::value_error(fmt::format("{}: give \"below\" or \"above\"", at));
+      throw py::value_error(
+          fmt::format("{}: must have exactly one of the members \"below\" and \"above\"", at));
     end.is_above = above.has_value();
     end.below = end.is_above ? *above : *below;
   });
@@ -192,9 +195,9 @@ std::vector<std::uint8_t> marks_of(const std::optional<py::array>& given, const 
   if (!given) return {};
   if (given->dtype().kind() != 'b' || given->ndim() != 1 ||
       static_cast<std::size_t>(given->size()) != batch.copies())
-    throw py::value_error(fmt::format("{}: give one bool for each of {} copies, not {} of shape {}", name,
-                                      batch.copies(), std::string(py::str(given->dtype())),
-                                      std::string(py::str(given->attr("shape")))));
+    throw py::value_error(fmt::format(
+        "{}: give an array of one bool for each of the {} copies, not {} of shape {}", name, batch.copies(),
+        std::string(py::str(given->dtype())), std::string(py::str(given->attr("shape")))));
   const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*given);
   return {marks.data(), marks.data() + marks.size()};
 }
@@ -206,18 +209,20 @@ void bind_batch(py::module_& module) {
   using Seeds = std::vector<std::optional<std::uint64_t>>;
   py::class_<HeldBatch, BatchHolder>(
       module, "BatchEnv",
-      "Many copies of one world that step together, each with its own seed (troupe/batch_env.hpp).\n"
-      "Its arrays refer to memory of the batch: they show new numbers after each step and reset.")
+      "Many copies of one world that step together, each with its own seed: a vectorised environment for "
+      "reinforcement\nlearning. A team is a group of robots that learn one policy; parameters `team` are its "
+      "index.\nIts arrays refer to the memory of the batch: their content changes with each step and reset.")
       .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
-           "world: a Simulation, which is copied. spec: a dict, see docs/learning.md.")
+           "world: a Simulation, which is copied and not changed. spec: a dict that docs/learning.md "
+           "describes.")
       .def_property_readonly("copies", [](const BatchHolder& b) { return b->use().copies(); })
       .def_property_readonly("threads", [](const BatchHolder& b) { return b->use().threads(); })
       .def(
           "robots", [](const BatchHolder& b, std::size_t team) { return b->use().robots(team); },
-          py::arg("team") = 0, "Number of robots per copy.")
+          py::arg("team") = 0, "Number of robots of a team per copy.")
       .def(
           "names", [](const BatchHolder& b, std::size_t team) { return b->use().names(team); },
-          py::arg("team") = 0, "Names of the robots.")
+          py::arg("team") = 0, "Names of the robots of a team, in the order of their ids.")
       .def(
           "array",
           [](const BatchHolder& b, const std::string& name, std::size_t team) {
@@ -227,7 +232,8 @@ void bind_batch(py::module_& module) {
                          {extent(batch.copies()), extent(batch.robots(team)), extent(found.columns)},
                          found.bytes, b, false);
           },
-          py::arg("name"), py::arg("team") = 0, "An array of the team: copies x robots x columns.")
+          py::arg("name"), py::arg("team") = 0,
+          "An array of observations of a team, read-only: copies x robots x columns.")
       .def(
           "actions",
           [](const BatchHolder& b, std::size_t team) {
@@ -239,7 +245,9 @@ void bind_batch(py::module_& module) {
                 {extent(batch.copies()), extent(batch.robots(team)), extent(actions.size() / robots)},
                 actions, b, true);
           },
-          py::arg("team") = 0, "copies x robots x actions, from -1 to 1: written by the caller.")
+          py::arg("team") = 0,
+          "The actions of the next step: copies x robots x actions, numbers from -1 to 1. The caller writes "
+          "them.")
       .def(
           "rewards",
           [](const BatchHolder& b, std::size_t team) {
@@ -247,7 +255,7 @@ void bind_batch(py::module_& module) {
             return shown(py::dtype::of<double>(), {extent(batch.copies()), extent(batch.robots(team))},
                          batch.rewards(team), b, true);
           },
-          py::arg("team") = 0, "copies x robots: rewards of the last step.")
+          py::arg("team") = 0, "The rewards of the last step: copies x robots.")
       .def(
           "terminated",
           [](const BatchHolder& b, std::size_t team) {
@@ -256,7 +264,8 @@ void bind_batch(py::module_& module) {
                          batch.terminated(team), b, true);
           },
           py::arg("team") = 0,
-          "copies x robots: whether the robot is finished; may be set between two steps.")
+          "copies x robots: whether the robot is finished, that is, whether its episode has ended. The "
+          "caller may set\nelements to True between two steps.")
       .def(
           "alive",
           [](const BatchHolder& b, std::size_t team) {
@@ -298,8 +307,9 @@ void bind_batch(py::module_& module) {
             b->work([&](BatchEnv& batch) { batch.reset(marks, seeds); });
           },
           py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
-          "Begins an episode in the copies marked by `which`, with these seeds; None: the next seed of the "
-          "copy.")
+          "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed per "
+          "copy; without\na seed, or with None as seed, the copy begins its next episode with a seed derived "
+          "from its last one.")
       .def(
           "step",
           [](const BatchHolder& b, const Marks& begins) {
@@ -307,7 +317,8 @@ void bind_batch(py::module_& module) {
             b->work([&](BatchEnv& batch) { batch.step(marks); });
           },
           py::arg("begins") = py::none(),
-          "Advances all copies by one step; copies marked by `begins` begin their next episode instead.")
+          "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
+          "episode instead of\nmaking a step. None: no copy does.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
           py::arg("copy") = 0)
@@ -324,7 +335,7 @@ void bind_batch(py::module_& module) {
             return out;
           },
           py::arg("copy") = 0, py::arg("width") = 480, py::arg("height") = 480,
-          "A picture of a copy from above: height x width x 3, uint8.")
+          "A picture of a copy from above: height x width x 3, uint8, RGB, row 0 on top.")
       .def("__repr__",
            [](const BatchHolder& b) { return fmt::format("<BatchEnv of {} copies>", b->use().copies()); });
 }

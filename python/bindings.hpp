@@ -10,19 +10,20 @@
 #include <span>
 #include <string_view>
 
-/// The module `troupe._core`: the C++ API for Python. Conveniences are written in Python, in python/troupe.
+/// The Python module `troupe._core`, which makes the C++ API available in Python. Functions that need no C++
+/// are written in Python, in python/troupe.
 namespace troupe::python {
 
 namespace py = pybind11;
 
-/// Releases the interpreter's lock during its lifetime. After the interpreter has exited, a daemon thread
-/// blocks in the constructor or the destructor until the process ends.
+/// Releases the interpreter's lock (GIL) during the lifetime of the object. After the interpreter has exited,
+/// a daemon thread blocks in the constructor or the destructor until the process ends.
 ///
-/// Python 3.13 and earlier end a daemon thread that requests the lock after the exit with pthread_exit(),
-/// which unwinds its stack: the destructor of pybind11's gil_scoped_release then aborts the process, and any
-/// other frame would release Python objects without the lock. A thread that has not requested the lock yet
-/// would still step or load a world while the process destroys its static objects: therefore the exit waits
-/// until the thread has finished that tick or that world.
+/// Python 3.13 and earlier call pthread_exit() in a daemon thread that requests the lock after the exit. This
+/// unwinds the stack of the thread: the destructor of pybind11's gil_scoped_release then aborts the process,
+/// and other destructors would release Python objects without the lock. A thread that has not requested the
+/// lock yet would step or load a world while the process destroys its static objects. The exit therefore
+/// waits until the thread has finished its tick or loaded its world.
 class Unlocked {
  public:
   Unlocked();
@@ -34,24 +35,25 @@ class Unlocked {
   PyThreadState* state_;
 };
 
-/// Calls function(argument), a function of the program. A daemon thread that the interpreter ends inside of
-/// it blocks for good, as in Unlocked.
+/// Calls the Python function `function` with one argument. If the interpreter exits meanwhile, a daemon
+/// thread blocks in this call until the process ends, as in Unlocked.
 py::object call(py::handle function, py::handle argument);
 
-/// A simulation owned by Python: arrays and handles that refer to it keep it alive.
+/// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
 ///
-/// It steps without the interpreter's lock, so that other Python threads run meanwhile. Only one thread may
-/// use a simulation: while it steps, every other call throws a RuntimeError.
+/// It steps without the interpreter's lock, so that other Python threads can run meanwhile. Only one thread
+/// at a time may use a simulation: calls of other threads during a step raise RuntimeError.
 class Held {
  public:
   explicit Held(Simulation&& simulation) : simulation_(std::move(simulation)) {}
 
   /// The simulation, for a call that holds the interpreter's lock. Throws std::logic_error while it steps.
   Simulation& use();
-  /// Makes ticks, and checks signals regularly, so that Ctrl-C ends it between two ticks. `to_its_end`: stops
-  /// when the run is over.
+  /// Makes `ticks` ticks. Checks for signals regularly, so that Ctrl-C interrupts it between two ticks.
+  /// to_its_end: stops early if a stop condition ends the run.
   void step(std::uint64_t ticks, bool to_its_end = false);
-  /// The simulation, for functions that a callback of on_tick() must not call: throws std::logic_error there.
+  /// The simulation, for functions that a callback of on_tick() must not call. Throws std::logic_error in
+  /// such a callback. what: name of the function, for the error text.
   Simulation& use_outside(std::string_view what);
   /// Marks that callbacks of on_tick() are running.
   class Calling {
@@ -94,7 +96,7 @@ py::array view(std::span<const T> values, const Holder& owner) {
               owner);
 }
 
-/// The elements of a contiguous array, to be written.
+/// The elements of a contiguous array as a writable span.
 template <class T, class Element>
 std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};

@@ -1,7 +1,9 @@
-"""The build backend of `pip install .` (PEP 517): CMake builds and installs the package, and this packs it into a wheel.
+"""The build backend of `pip install .` (PEP 517): CMake builds and installs the package, and this module packs it into
+a wheel.
 
-It needs the packages of the build (scripts/setup) and none from PyPI. It builds in build/pip, where a second build is
-quick; `--config-settings build-dir=build/release` uses another build folder that is already configured.
+It needs the system packages that scripts/setup installs, and no package from PyPI. It builds in the folder build/pip
+and reuses this folder, so that a second build is fast. With `--config-settings build-dir=build/release` it builds in
+the given folder, which must already be configured.
 """
 
 import base64
@@ -87,4 +89,4 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    raise RuntimeError("there is no source distribution: use the repository (git archive)")
+    raise RuntimeError("Troupe has no source distribution: use an archive of the repository (git archive)")

@@ -25,7 +25,8 @@ py::tuple sincos_of(const Numbers& angles) {
   return py::make_tuple(sines, cosines);
 }
 
-/// Sums of rows of equal length, eight rows at a time: within one row each addition must wait for the last.
+/// Sums of rows of equal length. Eight rows are summed at a time, because within one row each addition must
+/// wait for the previous one.
 void sum_rows(const double* first, std::size_t rows, std::size_t columns, double* sums) {
   constexpr std::size_t k_some = 8;
   std::size_t row = 0;
@@ -42,9 +43,9 @@ void sum_rows(const double* first, std::size_t rows, std::size_t columns, double
   }
 }
 
-/// Sums over the last axis.
+/// Returns the sums over the last axis of an array, added in ascending order of the index.
 py::array_t<double> ordered_sum(const Numbers& values) {
-  if (values.ndim() == 0) throw py::value_error("ordered_sum of a single number: give an array");
+  if (values.ndim() == 0) throw py::value_error("ordered_sum() of a single number: give an array");
   const std::vector<py::ssize_t> shape(values.shape(), values.shape() + values.ndim() - 1);
   py::array_t<double> sums(shape);
   sum_rows(values.data(), static_cast<std::size_t>(sums.size()),

@@ -22,17 +22,19 @@ py::array readings(HeldModel& m, const std::string& field, const std::string& de
               reading.bytes.data(), m.held);
 }
 
-/// A value as an array with the element type of a field of a command. Throws if the field cannot hold it.
+/// Converts a value to an array with the element type of a field of a command. Throws ValueError if the value
+/// has another number of elements, or if a field of integers cannot represent it.
 py::array elements_of(const engine::StateField& field, const py::handle& value) {
   const py::module_ numpy = py::module_::import("numpy");
   const py::array given = numpy.attr("asarray")(value);
   py::array made =
       numpy.attr("ascontiguousarray")(given.attr("reshape")(-1).attr("astype")(dtype_of(field.element)));
   if (made.size() != static_cast<py::ssize_t>(field.columns))
-    throw py::value_error(fmt::format("{} takes {} numbers, not {}", field.name, field.columns, made.size()));
+    throw py::value_error(
+        fmt::format("\"{}\" takes {} numbers, found {}", field.name, field.columns, made.size()));
   const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
   if (is_whole && !numpy.attr("array_equal")(made, given.attr("reshape")(-1)).cast<bool>())
-    throw py::value_error(fmt::format("{} is {}, which cannot be {}", field.name,
+    throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
                                       engine::element_name(field.element), std::string(py::str(value))));
   return made;
 }
@@ -65,19 +67,22 @@ py::dict command(HeldModel& m, const std::string& device, const py::kwargs& valu
 }
 
 void bind_random(py::module_& module) {
-  py::class_<Random>(module, "Random", "A stream of random numbers.")
+  py::class_<Random>(module, "Random", "A stream of random numbers, from Model.random().")
       .def(
           "uniform", [](Random& random, double low, double high) { return random.uniform(low, high); },
-          py::arg("low") = 0.0, py::arg("high") = 1.0, "Uniform in [low, high).")
-      .def("normal", &Random::normal, "Normal, with mean 0 and standard deviation 1.")
-      .def("exponential", &Random::exponential, "Exponential, with mean 1.")
+          py::arg("low") = 0.0, py::arg("high") = 1.0,
+          "Returns a number that is uniformly distributed in [low, high).")
+      .def("normal", &Random::normal,
+           "Returns a normally distributed number with mean 0 and standard deviation 1.")
+      .def("exponential", &Random::exponential, "Returns an exponentially distributed number with mean 1.")
       .def(
           "below",
           [](Random& random, std::uint32_t n) {
-            if (n == 0) throw py::value_error("below(0): give 1 or more");
+            if (n == 0) throw py::value_error("below(0): n must be 1 or more");
             return random.below(n);
           },
-          py::arg("n"), "A uniform integer from 0 to n - 1.");
+          py::arg("n"),
+          "Returns a uniformly distributed integer from 0 to n - 1. Raises ValueError if n is 0.");
 }
 
 }  // namespace
@@ -92,93 +97,120 @@ py::dict dict_of(const Model::Energy& energy) {
 
 void bind_models(py::module_& module) {
   bind_random(module);
-  py::class_<HeldModel>(module, "Model", "A model of a simulation: a body, or a part of one.")
+  py::class_<HeldModel>(module, "Model",
+                        "A model of a simulation: a body, or a part that is mounted on a body, such as a "
+                        "sensor. Poses are in m and rad.")
       .def_property_readonly("name", [](const HeldModel& m) { return m.model.name(); })
       .def_property_readonly("id", [](const HeldModel& m) { return m.model.id().value; })
       .def("__repr__", [](const HeldModel& m) { return fmt::format("<Model {}>", m.model.name()); })
       .def(
-          "pose", [](HeldModel& m) { return m.use().pose(); }, "Global pose, m and rad.")
+          "pose", [](HeldModel& m) { return m.use().pose(); }, "Pose in the world frame, m and rad.")
       .def(
           "size",
           [](HeldModel& m) {
             const Eigen::Vector3d size = m.use().size();
             return py::make_tuple(size.x(), size.y(), size.z());
           },
-          "Size as declared in the world, m.")
+          "(x, y, z): size as declared in the world file, m.")
       .def(
           "set_speed",
           [](HeldModel& m, double forward, double turn, double left) {
             m.use().set_speed(forward, left, turn);
           },
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
-          "Commands speeds, m/s and rad/s, from the next tick on until replaced; a controller overrides "
-          "them.")
+          "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
+          "steering angle,\nrad).\nThey apply from the next tick on, until another command replaces them. If "
+          "the robot has a controller, the\ncontroller overrides them. Raises RuntimeError if the model has "
+          "no drive or is not in the world.")
       .def(
           "accelerate",
           [](HeldModel& m, double forward, double turn, double left) {
             m.use().accelerate(forward, left, turn);
           },
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
-          "Commands accelerations, m/s^2 and rad/s^2.")
+          "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car "
+          "drive: the\nsteering angle, rad). They apply and are replaced as in set_speed().")
       .def(
           "go_to", [](HeldModel& m, const Pose& goal) { m.use().go_to(goal); }, py::arg("goal"),
-          "Commands a pose in the frame of estimate(): the robot drives there and stays.")
+          "Commands a goal pose in the frame of estimate(), m and rad: the robot drives there and stays "
+          "until another\ncommand replaces this one.")
       .def(
-          "speed", [](HeldModel& m) { return m.use().speed(); }, "Velocity of the last tick, body frame.")
+          "speed", [](HeldModel& m) { return m.use().speed(); },
+          "Velocity during the last tick, in the body frame.")
       .def(
-          "is_alive", [](HeldModel& m) { return m.use().is_alive(); }, "Whether it is in the world.")
+          "is_alive", [](HeldModel& m) { return m.use().is_alive(); },
+          "Whether the body is in the world: spawned or present from the start, and not removed.")
       .def(
-          "stalled", [](HeldModel& m) { return m.use().stalled(); }, "Whether its last motion was blocked.")
+          "stalled", [](HeldModel& m) { return m.use().stalled(); },
+          "Whether an obstacle blocked the robot's motion in the last tick.")
       .def(
           "estimate", [](HeldModel& m) { return m.use().estimate(); },
-          "Estimated pose: the true one with gps, else the odometry estimate.")
+          "Estimated pose, m and rad: with the localization `gps` the true pose in the world frame, with "
+          "`odom` the\nodometry estimate, in the frame that `localization_origin` in the world file defines.")
       .def(
           "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"),
-          "Overwrites the odometry estimate.")
+          "Overwrites the odometry estimate, m and rad, in the frame of estimate(). Raises RuntimeError if "
+          "the\nlocalization of the robot is not `odom`.")
       .def(
           "set_pose", [](HeldModel& m, const Pose& pose) { m.use().set_pose(pose); }, py::arg("pose"),
-          "Moves it to a pose in the world's frame, between two steps; the place need not be free.")
+          "Places the body at a pose in the world frame, m and rad, between two steps. The place may overlap "
+          "other bodies;\nsee is_free(). Raises ValueError if the pose is not finite or is outside the "
+          "bounds of the world, or if another\nbody carries this one.")
       .def(
           "is_free", [](HeldModel& m, const Pose& pose) { return m.use().is_free(pose); }, py::arg("pose"),
-          "Whether it would fit at this pose.")
+          "Whether the body would fit at this pose in the world frame: inside the bounds of the world, and "
+          "without\ntouching a wall or another body.")
       .def(
-          "sensors", [](HeldModel& m) { return m.use().sensors(); }, "Names of its sensors.")
+          "sensors", [](HeldModel& m) { return m.use().sensors(); },
+          "Names of the sensors of this model, in the order of the world file.")
       .def(
           "ranges",
           [](HeldModel& m, const std::string& sensor) { return view(m.use().ranges(sensor), m.held); },
           py::arg("sensor") = "",
-          "Readings of a ranger, m, one per beam. Not copied: the array shows new readings after each step.")
+          "Ranges that the ranger named `sensor` measured, m, float32, one per beam; an empty name means the "
+          "first sensor.\nThe array refers to the memory of the simulation: its content changes with each "
+          "step. Raises LookupError if\nthere is no such sensor, and RuntimeError if it does not run (see "
+          "Simulation.subscribe()).")
       .def(
           "intensities",
           [](HeldModel& m, const std::string& sensor) { return view(m.use().intensities(sensor), m.held); },
-          py::arg("sensor") = "", "Intensities, one per value of ranges().")
+          py::arg("sensor") = "",
+          "Intensities that the ranger named `sensor` measured, one per value of ranges(); empty unless the "
+          "parameter\n`intensity` of the ranger is true.")
       .def("readings", &readings, py::arg("field"), py::arg("device") = "",
-           "A field of a sensor or another device. Not copied: the array shows new values after each step.\n"
-           "Without `device`: of the first device that has this field.")
+           "The values of a field of a sensor or another device; an empty `device` means the first device "
+           "that has this\nfield.\nThe array refers to the memory of the simulation: its content changes "
+           "with each step. Raises LookupError, with\nthe known names, for an unknown field or device.")
       .def(
           "fields",
           [](HeldModel& m, const std::string& device) {
             const auto fields = m.use().fields(device);
             return std::vector<engine::StateField>(fields.begin(), fields.end());
           },
-          py::arg("device"), "The fields that readings() can return of a device.")
+          py::arg("device"),
+          "The fields of a device that readings() can return, with names, types, units and texts.")
       .def("command", &command, py::arg("device"),
-           "Sets fields of a device's command by name: robot.command(\"lamp\", shows=1, red=1). They take\n"
-           "effect from the next step on. Returns the whole command as a dict.")
+           "Sets fields of the command of a device by name: robot.command(\"lamp\", shows=1, red=1). Other "
+           "fields of the\ncommand keep their values. The command applies from the next step on. Returns the "
+           "whole command as a dict.\nRaises LookupError for an unknown device or field, and ValueError for "
+           "a value that the field cannot represent.")
       .def(
           "random", [](HeldModel& m, const std::string& name) { return m.use().random(name); },
           py::arg("name"),
-          "The random stream of this robot, name and tick; a function of these and the seed alone.")
+          "Returns a random number stream that depends only on the seed of the simulation, `name`, the robot "
+          "and the\ncurrent tick. A second call in the same tick returns the same numbers: use one name per "
+          "purpose.")
       .def(
           "energy",
           [](HeldModel& m) -> py::object {
             if (const auto energy = m.use().energy()) return dict_of(*energy);
             return py::none();
           },
-          "Energy of the power pack that supplies it, J; None if there is none.")
+          "Energy of the power pack that supplies this model, J, as a dict: stored_j, capacity_j, "
+          "dissipated_j,\nreceived_j, given_j, infinite, charging. None if there is no such pack.")
       .def(
           "flag_count", [](HeldModel& m) { return m.use().flag_count(); },
-          "Number of flags that it holds itself.");
+          "Number of flags (small objects that grippers carry) that this part itself holds.");
 }
 
 }  // namespace troupe::python

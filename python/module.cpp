@@ -33,7 +33,8 @@ void raise_input_error(const InputError& error) {
   PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 
-/// Selects the instruction set of the kernels that TROUPE_SIMD names, if it is set.
+/// Selects the instruction set of the computation kernels that the environment variable TROUPE_SIMD names, if
+/// it is set.
 void obey_simd_variable() {
   const char* name = std::getenv("TROUPE_SIMD");
   if (name == nullptr || *name == '\0') return;
@@ -112,12 +113,12 @@ void bind_exit() {
 Simulation& Held::use() {
   if (stepping_)
     throw std::logic_error(
-        "this simulation is being stepped by another thread: one thread at a time may use it");
+        "this simulation is being stepped by another thread: only one thread at a time may use a simulation");
   return simulation_;
 }
 
 Simulation& Held::use_outside(std::string_view what) {
-  if (calling_) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
+  if (calling_) throw std::logic_error(fmt::format("{} is not allowed in a callback of on_tick()", what));
   return use();
 }
 
@@ -157,12 +158,12 @@ py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vecto
 void bind_errors(py::module_& module) {
   input_error = new_exception(module, "InputError", PyExc_ValueError);
   input_error.attr("__doc__") =
-      "Invalid input: a world, a checkpoint, options. `findings` lists the errors, each as\n"
-      "`maze.world:41: error: ...`.";
+      "Raised for invalid input: a world, a checkpoint or options. `findings` is the list of the errors, "
+      "each a text\nsuch as `maze.world:41: error: ...`.";
   step_error = new_exception(module, "StepError", PyExc_RuntimeError);
   step_error.attr("__doc__") =
-      "A step failed: a value was not finite, or a controller or a device threw. The text names tick and "
-      "robot.\nThe state cannot be used until reset().";
+      "Raised when a step fails: a commanded speed was not finite, or a controller or a device threw an "
+      "exception. The\ntext names tick and robot. The simulation cannot be used until reset().";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));

@@ -24,7 +24,7 @@ struct HeldMeasures {
   }
 };
 
-/// Names are kept; dicts become JSON text.
+/// Converts wanted measures for the constructor of Measures: dicts become JSON text, names are not changed.
 std::vector<std::string> texts_of(const std::vector<std::variant<std::string, py::dict>>& wanted) {
   const py::object dumps = py::module_::import("json").attr("dumps");
   std::vector<std::string> texts;
@@ -69,27 +69,33 @@ struct HeldRecording {
 void bind_observers(py::module_& module) {
   py::class_<HeldMeasures>(
       module, "Measures",
-      "Measures of a simulation (docs/measures.md): names, `name:of`, or dicts with parameters.\n"
-      "Without any: those of the world, or else all that need no parameters.")
+      "Numbers that are computed from the state of a simulation, such as the covered area "
+      "(docs/measures.md). wanted: a\nlist of names of measures (\"stalls\"), names with the type, "
+      "population or robot that they are computed for\n(\"stalls:leaders\"), or dicts with a kind and "
+      "parameters ({\"kind\": \"coverage\", \"cell_m\": 0.5}).\nAn empty list means the measures of the "
+      "world file, or, if it has none, all that need no parameters.")
       .def(py::init([](const Holder& held, const std::vector<std::variant<std::string, py::dict>>& wanted) {
              return HeldMeasures{held, Measures(held->use(), texts_of(wanted))};
            }),
            py::arg("simulation").none(false), py::arg("wanted") = py::tuple())
       .def(
-          "see", [](HeldMeasures& m) { m.use().see(); }, "Updates the measures. Call it after every step.")
+          "see", [](HeldMeasures& m) { m.use().see(); },
+          "Updates measures that depend on earlier ticks. Call it after every step.")
       .def_property_readonly("columns",
                              [](const HeldMeasures& m) {
                                return std::vector<std::string>(m.measures.columns().begin(),
                                                                m.measures.columns().end());
                              })
       .def(
-          "values", [](HeldMeasures& m) { return m.use().values(); }, "One number per column.")
+          "values", [](HeldMeasures& m) { return m.use().values(); },
+          "One number per column for the current state; NaN if a measure has no value.")
       .def(
           "__getitem__", [](HeldMeasures& m, const std::string& name) { return m.use().value(name); },
-          py::arg("name"), "The value of one column, named with or without its unit.");
+          py::arg("name"), "The value of one column, whose name may omit the unit.");
 
   py::class_<Event>(module, "Event",
-                    "An event of a robot in a tick: type, robot, id, and the other body or None.")
+                    "An event of a robot in a tick. type: what happened (docs/measures.md); robot and id: "
+                    "name and id of the robot;\nother: name of the other body that took part, or None.")
       .def_readonly("type", &Event::type)
       .def_readonly("robot", &Event::robot)
       .def_readonly("id", &Event::id)
@@ -98,16 +104,20 @@ void bind_observers(py::module_& module) {
         return "<Event " + event.type + " of " + event.robot + (event.other ? ", " + *event.other : "") + ">";
       });
 
-  py::class_<HeldEvents>(module, "Events", "Detects events of robots (docs/measures.md).")
+  py::class_<HeldEvents>(module, "Events",
+                         "Detects events of robots, such as stalls, by comparing ticks (docs/measures.md).")
       .def(py::init([](const Holder& held) {
              return HeldEvents{held, engine::EventWatch(held->use().world())};
            }),
            py::arg("simulation").none(false))
-      .def("see", &HeldEvents::see, "The events of the last tick. Call it after every step.");
+      .def("see", &HeldEvents::see, "Returns the list of events of the last tick. Call it after every step.");
 
-  py::class_<HeldRecording>(module, "Recording",
-                            "A recording: an HDF5 file (docs/recordings.md). Use it as `with Recording(...) "
-                            "as recording`, or call close().")
+  py::class_<HeldRecording>(
+      module, "Recording",
+      "A recording of a simulation: an HDF5 file (docs/recordings.md). fields: names of components or sensor "
+      "fields;\nevery_s: simulated time between two frames, s; both default to those of the world. replace: "
+      "whether an existing\nfile is replaced.\nUse it as `with Recording(...) as recording`, or call close() "
+      "at the end.")
       .def(py::init([](const std::filesystem::path& file, const Holder& held,
                        const std::vector<std::string>& fields, double every_s, bool replace) {
              return HeldRecording{held, Recording(file, held->use(), {fields, every_s, replace})};
@@ -119,14 +129,19 @@ void bind_observers(py::module_& module) {
           [](const std::filesystem::path& file, const Holder& held) {
             return HeldRecording{held, Recording::resume(file, held->use())};
           },
-          py::arg("file"), py::arg("simulation").none(false), "Continues a recording, for a resumed run.")
+          py::arg("file"), py::arg("simulation").none(false),
+          "Continues the recording of a run that was resumed from a checkpoint, from the current tick on. "
+          "Frames after the\ncurrent tick are removed.")
       .def(
           "observe", [](HeldRecording& r) { r.recording.observe(r.held->use()); },
-          "Adds a frame if one is due. Call it after each step.")
+          "Records the current state if its tick is a multiple of the recording interval. Call it after each "
+          "step.")
       .def(
-          "flush", [](HeldRecording& r) { r.recording.flush(); }, "Writes the frames that are in memory.")
+          "flush", [](HeldRecording& r) { r.recording.flush(); },
+          "Writes the frames that are still in memory to the file, so that other programs can read them.")
       .def(
-          "close", [](HeldRecording& r) { r.recording.close(); }, "Flushes and closes the file.")
+          "close", [](HeldRecording& r) { r.recording.close(); },
+          "Writes the remaining frames and closes the file.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](HeldRecording& r, const py::args&) { r.recording.close(); });
 }

@@ -30,7 +30,7 @@ std::string json_of(const py::object& value, const py::object& indent = py::none
       .cast<std::string>();
 }
 
-/// JSON pointer -> value.
+/// Converts the option `set`, a dict from JSON pointers to values, to pairs of pointer and JSON text.
 std::vector<std::pair<std::string, std::string>> settings_of(const std::optional<py::dict>& set) {
   std::vector<std::pair<std::string, std::string>> settings;
   if (set)
@@ -39,7 +39,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const std::optional
   return settings;
 }
 
-/// Size of the only population, or name -> size.
+/// The option `robots`: the size of the only population, or a dict from names of populations to sizes.
 using Robots = std::variant<std::monostate, std::size_t, py::dict>;
 
 std::vector<std::pair<std::string, std::size_t>> robots_of(const Robots& robots) {
@@ -126,8 +126,8 @@ void step_and_call(const py::object& self, const Holder& held, const py::list& c
   for (const py::handle callback : callbacks) call(callback, self);
 }
 
-/// Makes ticks, and calls after each the callbacks of on_tick() and `after`. to_its_end: stops when the run
-/// is over.
+/// Makes ticks. After each tick, calls the callbacks of on_tick() and then `after`. to_its_end: stops early
+/// if a stop condition ends the run.
 void advance(const py::object& self, std::uint64_t ticks, bool to_its_end,
              const std::optional<py::function>& after = {}) {
   const Holder held = self.cast<Holder>();
@@ -192,8 +192,9 @@ py::tuple cast_many(const Holder& held,
                     const py::array_t<double, py::array::c_style | py::array::forcecast>& starts,
                     double range_max, HeldModel* without) {
   if (starts.ndim() != 2 || starts.shape(1) != 4)
-    throw py::value_error(fmt::format("starts has shape {}; give x, y, z, heading for each ray",
-                                      std::string(py::str(starts.attr("shape")))));
+    throw py::value_error(
+        fmt::format("starts has shape {}; give an array of n x 4: x, y, z, heading for each ray",
+                    std::string(py::str(starts.attr("shape")))));
   Simulation& simulation = held->use();
   const Model* passes = without != nullptr ? &without->use() : nullptr;
   py::array_t<double> ranges(starts.shape(0));
@@ -232,7 +233,8 @@ PictureOptions picture_options(int width, int height, const std::string& camera,
                                const std::optional<double>& across_m, const std::string& color_by,
                                const Two& color_range, const std::string& background) {
   if (width < 1 || height < 1)
-    throw std::invalid_argument(fmt::format("picture of {} x {} pixels: give 1 or more", width, height));
+    throw std::invalid_argument(
+        fmt::format("picture of {} x {} pixels: width and height must be 1 or more", width, height));
   return {width, height, camera, center_m, angle_rad, across_m, layers, color_by, color_range, background};
 }
 
@@ -263,15 +265,16 @@ std::optional<HeldModel> spawn(const Holder& held, const std::string& population
 
 void bind_values(py::module_& module) {
   py::class_<Pose>(module, "Pose",
-                   "A pose, m and rad: +x forward, +y left, headings counter-clockwise. Functions also take "
-                   "(x, y, heading).")
+                   "A pose, m and rad: +x is forward, +y is left, headings are counter-clockwise. Functions "
+                   "that take a Pose also\ntake a tuple (x, y, heading).")
       .def(py::init([](double x, double y, double heading, double z) {
              return Pose{x, y, z, heading};
            }),
            py::arg("x") = 0.0, py::arg("y") = 0.0, py::arg("heading") = 0.0, py::arg("z") = 0.0)
       .def(py::init([](const py::tuple& three) {
              if (three.size() != 3)
-               throw py::value_error(fmt::format("a pose of {} numbers: give (x, y, heading)", three.size()));
+               throw py::value_error(fmt::format(
+                   "a pose cannot be made from a tuple of {} numbers: give (x, y, heading)", three.size()));
              return Pose{three[0].cast<double>(), three[1].cast<double>(), 0, three[2].cast<double>()};
            }),
            py::arg("x_y_heading"))
@@ -287,9 +290,9 @@ void bind_values(py::module_& module) {
       });
   py::implicitly_convertible<py::tuple, Pose>();
 
-  py::class_<Model::Speed>(
-      module, "Speed",
-      "Velocity in the body frame: forward and left in m/s, turn in rad/s. Unpacks to these three.")
+  py::class_<Model::Speed>(module, "Speed",
+                           "A velocity in the body frame: forward and left in m/s, turn in rad/s. It can be "
+                           "unpacked: forward, left, turn =\nspeed.")
       .def_readonly("forward", &Model::Speed::forward)
       .def_readonly("left", &Model::Speed::left)
       .def_readonly("turn", &Model::Speed::turn)
@@ -305,10 +308,10 @@ void bind_values(py::module_& module) {
 SimulationClass bind_simulation(py::module_& module) {
   bind_values(module);
   bind_models(module);
-  py::class_<Hit>(
-      module, "Hit",
-      "The first surface on a ray: distance range_m, id of the body (None: nothing), index of the "
-      "part.")
+  py::class_<Hit>(module, "Hit",
+                  "The first surface that a ray meets. range_m: distance to the surface, m; the length of "
+                  "the ray if it met\nnothing. body: id of the body, or None if the ray met nothing. part: "
+                  "index of the part of the body.")
       .def_readonly("range_m", &Hit::range_m)
       .def_readonly("body", &Hit::body)
       .def_readonly("part", &Hit::part)
@@ -317,27 +320,35 @@ SimulationClass bind_simulation(py::module_& module) {
         return hit.body ? fmt::format("<Hit of body {} after {:g} m>", *hit.body, hit.range_m)
                         : std::string("<Hit of nothing>");
       });
-  SimulationClass simulation(module, "Simulation", "A world and its state. One thread at a time may use it.",
+  SimulationClass simulation(module, "Simulation",
+                             "A world and its state. Only one thread at a time may use a simulation.",
                              py::dynamic_attr());
   simulation
       .def(py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
            py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
            py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
            py::arg("plugin_path") = py::tuple(), py::arg("tile_size_m") = 0.0,
-           "Loads a world: a file (Stage .world or JSON), or a dict with the content of a JSON world, whose "
-           "relative\n"
-           "paths are resolved from the folder of `name`. Raises InputError.")
-      .def_static("from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
-                  py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
-                  py::arg("ranging") = py::none(), py::arg("set") = py::none(),
-                  py::arg("search_path") = py::tuple(), py::arg("plugin_path") = py::tuple(),
-                  py::arg("tile_size_m") = 0.0,
-                  "Loads a world from its text; the ending of `name`, .world or .json, selects the syntax.")
+           "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
+           "world file, whose\nrelative paths are resolved from the folder of `name`.\nrobots: size of the "
+           "only population, or a dict of population names and sizes. threads: number of worker threads;\n0: "
+           "one per processor that the process may use. seed and ranging replace those of the world. set: a "
+           "dict of JSON\npointers and the values to put there. Raises InputError if the world is invalid.")
+      .def_static(
+          "from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
+          py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
+          py::arg("ranging") = py::none(), py::arg("set") = py::none(), py::arg("search_path") = py::tuple(),
+          py::arg("plugin_path") = py::tuple(), py::arg("tile_size_m") = 0.0,
+          "Loads a world from the text of a world file. `name` is used in place of a file name: its ending, "
+          ".world or\n.json, selects the syntax, and relative paths are resolved from its folder. The other "
+          "parameters are those of\nSimulation(). Raises InputError if the world is invalid.")
       .def_static("resume", &resume, py::arg("checkpoint"), py::kw_only(), py::arg("threads") = 0,
                   py::arg("set") = py::none(), py::arg("across_versions") = false,
                   py::arg("plugin_path") = py::tuple(), py::arg("across_plugins") = false,
                   py::arg("tile_size_m") = 0.0,
-                  "Resumes a run from a checkpoint, with the same bits as if it had not stopped.")
+                  "Resumes a run from a checkpoint of save(), with the same bits as if it had never stopped. "
+                  "across_versions and\nacross_plugins: whether checkpoints of another version of Troupe, or "
+                  "of other builds of plug-ins, are accepted.\nRaises InputError if the file is not a usable "
+                  "checkpoint.")
       .def("__repr__",
            [](const Holder& held) {
              Simulation& s = held->use();
@@ -362,22 +373,22 @@ SimulationClass bind_simulation(py::module_& module) {
       .def_property_readonly("stopped", [](const Holder& held) { return held->use().stopped(); })
       .def_property_readonly("resumed_at_tick",
                              [](const Holder& held) { return held->use().resumed_at_tick(); })
-      .def("step", &step, py::arg("ticks") = 1, "Makes this many ticks, without the interpreter's lock.")
+      .def("step", &step, py::arg("ticks") = 1,
+           "Advances the simulation by this many ticks. Other Python threads can run meanwhile, because the "
+           "interpreter's\nlock is released. Raises StepError if a tick fails.")
       .def("run_for", &run_for, py::arg("seconds"), py::arg("on_tick") = py::none(),
-           "Steps until `seconds` of world time have passed or the run is over; calls on_tick(simulation) "
-           "after each\n"
-           "tick.")
+           "Steps until `seconds` more of world time have passed, or until a condition of `stop_when` in the "
+           "world file ends\nthe run. If the callback on_tick is given, it is called as on_tick(simulation) "
+           "after each tick.")
       .def("run_until", &run_until, py::arg("done"), py::arg("at_most_s"),
-           "Steps until done(simulation), called after each step, is true. False if `at_most_s` seconds of "
-           "world time\n"
-           "pass, or the run is over, first.")
-      .def(
-          "on_tick", &on_tick, py::arg("callback").none(true),
-          "Calls callback(simulation) at the end of every step, after record() has written; None removes all "
-          "callbacks.\n"
-          "A callback may do what a program may do between two steps, but not step or reset. Returns the "
-          "callback, so\n"
-          "that it can be a decorator: @simulation.on_tick.")
+           "Steps until the callback done(simulation), which is called after each step, returns true. "
+           "Returns True then.\nReturns False if, before that, `at_most_s` seconds of world time have passed "
+           "or a condition of `stop_when` in\nthe world file ended the run.")
+      .def("on_tick", &on_tick, py::arg("callback").none(true),
+           "Adds a callback: callback(simulation) is called at the end of every step, after the recording of "
+           "record() has\nreceived the tick. None removes all callbacks.\nA callback may do everything that "
+           "a program may do between two steps, except step or reset the simulation.\non_tick() returns the "
+           "callback, so it can be used as a decorator: @simulation.on_tick.")
       .def(
           "reset",
           [](const Holder& held, const Seed& seed) {
@@ -388,36 +399,44 @@ SimulationClass bind_simulation(py::module_& module) {
               used.reset();
           },
           py::arg("seed") = py::none(),
-          "Returns to tick 0, bit for bit; with a seed to the state after loading with that seed.")
+          "Returns to the state after loading, bit for bit: tick 0. With a seed: to the state after loading "
+          "with that seed.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
-          py::arg("checkpoint"), "Saves the run in an HDF5 file for resume().")
+          py::arg("checkpoint"),
+          "Saves the whole state in a checkpoint, an HDF5 file, from which resume() continues the run.")
       .def("state_hash", [](const Holder& held) { return held->use().state_hash(); })
-      .def("hashes", &hashes_of, "Hash of the state, and hashes by group: pose, velocity, sensor, memory.")
+      .def("hashes", &hashes_of,
+           "Returns a dict with the hash of the whole state (\"state\") and the hashes of four groups of it: "
+           "\"pose\",\n\"velocity\", \"sensor\" and \"memory\" (docs/determinism.md).")
       .def("statistics", &statistics_of)
       .def(
           "find",
           [](const Holder& held, const std::string& name) {
             return HeldModel{held, held->use().find(name)};
           },
-          py::arg("name"), "The model of this name. Raises LookupError with similar names.")
+          py::arg("name"),
+          "Returns the model of this name: a body (\"r0\") or a part of one (\"r0.ranger:1\"). Raises "
+          "LookupError, with\nsimilar names, if there is none.")
       .def(
           "model",
           [](const Holder& held, std::uint32_t id) {
             return HeldModel{held, held->use().model(BodyId(id))};
           },
-          py::arg("id"), "The model with this id, as sensors and rays report it.")
+          py::arg("id"),
+          "Returns the body with this id. Sensors and cast() report such ids. Raises LookupError if there is "
+          "none.")
       .def("cast", &cast_one, py::arg("start"), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
-           "The first surface along a ray, by exact geometry: from a pose, m and rad, up to range_max, m, at "
-           "the height\n"
-           "start.z. The ray ignores the model `without`.")
-      .def(
-          "cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
-          py::arg("without") = py::none(),
-          "Casts n rays. starts: n x 4, as Swarm.poses(). Returns the distance of each, m, and the id of the "
-          "body that\n"
-          "it meets, -1 for none.")
+           "Casts a ray and returns the first surface that it meets, computed by exact intersection. start: "
+           "start and\ndirection of the ray, m and rad, in the world frame; the ray stays at the height "
+           "start.z. range_max: length of\nthe ray, m. without: a model that the ray ignores, with the "
+           "bodies that it carries.")
+      .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
+           py::arg("without") = py::none(),
+           "Casts n rays. starts: n x 4, x, y, z (m) and heading (rad) of each ray in the world frame; "
+           "range_max and without\nare as in cast(). Returns two arrays: for each ray the distance, m, and "
+           "the id of the body that it meets, or -1\nif it meets nothing.")
       .def(
           "set_poses",
           [](const Holder& held, const std::vector<std::pair<HeldModel, Pose>>& poses) {
@@ -426,7 +445,8 @@ SimulationClass bind_simulation(py::module_& module) {
             held->use().set_poses(placed);
           },
           py::arg("poses"),
-          "Moves many models at once: pairs (model, pose). If one pose is invalid, no model is moved.")
+          "Places many models at once. poses: pairs (model, pose in the world frame). If one pose is "
+          "invalid, it raises\nValueError and moves no model.")
       .def(
           "record",
           [](const Holder& held, const fs::path& file, const std::vector<std::string>& fields, double every_s,
@@ -435,35 +455,43 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("file"), py::kw_only(), py::arg("fields") = py::tuple(), py::arg("every_s") = 0.0,
           py::arg("replace") = false,
-          "Records the run from now on, until stop_recording(), reset() or its end (docs/recordings.md).")
+          "Starts to record the run in an HDF5 file (docs/recordings.md), until stop_recording(), reset() or "
+          "the end of the\nsimulation. fields: names of components or sensor fields; every_s: simulated time "
+          "between two frames, s; both\ndefault to those of the world. replace: whether an existing file is "
+          "replaced.")
       .def("stop_recording", [](const Holder& held) { held->use().stop_recording(); })
       .def("hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); })
       .def("hash_log_line", [](const Holder& held) { return held->use().hash_log_line(); })
       .def_property_readonly("robot_names", [](const Holder& held) { return held->use().robot_names(); })
       .def(
           "subscribe", [](const Holder& held, const std::string& model) { held->use().subscribe(model); },
-          py::arg("model"), "Runs every sensor of a robot. Call it before the first step.")
-      .def(
-          "spawn", &spawn, py::arg("population"), py::arg("pose"),
-          "Spawns the next body of a population's reserve. None if the place is taken or the reserve is used "
-          "up.")
+          py::arg("model"), "Makes all sensors of a robot run. Call it before the first step.")
+      .def("spawn", &spawn, py::arg("population"), py::arg("pose"),
+           "Spawns a robot: places the next unborn body of a population's reserve at a pose in the world "
+           "frame, m and rad.\nReturns its Model, or None if the place is occupied or outside the bounds of "
+           "the world, or if the reserve is\nused up.")
       .def(
           "unborn", [](const Holder& held, const std::string& p) { return held->use().unborn(p); },
-          py::arg("population"), "Number of bodies of a population's reserve that are not yet born.")
+          py::arg("population"),
+          "Number of bodies in the reserve of a population that spawn() can still add.")
       .def(
           "remove", [](const Holder& held, const HeldModel& model) { held->use().remove(model.model); },
-          py::arg("model"), "Removes a body for good.")
+          py::arg("model"),
+          "Removes a body from the world for good. Raises RuntimeError if the world has neither a reserve "
+          "nor \"mortal\":\ntrue.")
       .def("energy", [](const Holder& held) { return dict_of(held->use().energy()); })
       .def("snapshot", &snapshot, py::arg("file"), py::arg("width") = 1280, py::arg("height") = 720,
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into a .png, or from above into a .svg or .pdf (docs/pictures.md).")
+           "Draws the world into a .png, .svg or .pdf file; the latter two only from above. width and height "
+           "are in pixels;\ndocs/pictures.md describes the other options.")
       .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
            py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into an array: height x width x 3, uint8.");
+           "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. docs/pictures.md "
+           "describes the\noptions.");
   return simulation;
 }
 

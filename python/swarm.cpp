@@ -32,7 +32,7 @@ struct HeldSwarm {
                                     std::string(py::str(given.attr("shape"))), robots, wanted));
 }
 
-/// One number for all robots, or one per robot.
+/// An argument of a command: one number for all robots, or one number per robot.
 class Column {
  public:
   Column(std::string_view name, const Numbers& numbers, std::size_t robots)
@@ -47,7 +47,7 @@ class Column {
   std::size_t step_;
 };
 
-/// The robots that a command is for; empty: all.
+/// The robots that a command applies to, one byte per robot (0: skip); empty: all robots.
 std::vector<std::uint8_t> mask_of(const std::optional<py::array>& where, std::size_t robots) {
   if (!where) return {};
   if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)
@@ -108,12 +108,12 @@ void set_poses(HeldSwarm& held, const Numbers& poses, const Where& where) {
 
 void bind_swarm(py::module_& module, SimulationClass& simulation) {
   static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
-  py::class_<HeldSwarm>(
-      module, "Swarm",
-      "A group of robots of one simulation, in the order of their ids: the functions of Model for all of "
-      "them.\n"
-      "Results are new arrays. In commands `where` is one bool per robot; robots that are not in the world\n"
-      "are skipped.")
+  py::class_<HeldSwarm>(module, "Swarm",
+                        "A group of robots of one simulation, in ascending order of their ids. Its functions "
+                        "are those of Model, for all\nrobots in one call. They return new arrays, with one "
+                        "row per robot (n rows).\nCommands take one number for all robots or one number per "
+                        "robot. Their parameter `where` selects robots by one\nbool per robot; None selects "
+                        "all. Commands skip robots that are not in the world.")
       .def("__len__", [](const HeldSwarm& s) { return s.swarm.size(); })
       .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
       .def_property_readonly("ids",
@@ -130,16 +130,17 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "One bool per robot: whether it is in the world.")
       .def(
           "stalled", [](HeldSwarm& s) { return flags_of(s, &Swarm::stalled); },
-          "One bool per robot: whether its last motion was blocked.")
+          "One bool per robot: whether its motion was blocked in the last tick.")
       .def(
           "poses", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::poses); },
-          "n x 4: x, y, z (m), heading (rad), world frame.")
+          "Poses in the world frame, n x 4: x, y, z (m), heading (rad).")
       .def(
           "estimates", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::estimates); },
-          "Estimated poses, n x 4, as poses(): the true ones with gps, else odometry estimates.")
+          "Estimated poses, n x 4: x, y, z (m), heading (rad). With the localization `gps` they are the true "
+          "poses, with\n`odom` the odometry estimates.")
       .def(
           "speeds", [](HeldSwarm& s) { return rows_of(s, 3, &Swarm::speeds); },
-          "Velocities of the last tick, body frame, n x 3: forward, left (m/s), turn (rad/s).")
+          "Velocities during the last tick in the body frame, n x 3: forward, left (m/s), turn (rad/s).")
       .def(
           "ranges",
           [](HeldSwarm& s, const std::string& sensor) {
@@ -149,7 +150,10 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
             return out;
           },
           py::arg("sensor") = "",
-          "Readings, n x beams, m, float32, of the ranger of this name, or else the first of each robot.")
+          "Ranges that the ranger named `sensor` of each robot measured, m: n x beams, float32. An empty "
+          "name means the\nfirst ranger of each robot. Raises LookupError if a robot has no such ranger, "
+          "ValueError if the numbers of beams\ndiffer between robots, and RuntimeError if a ranger does not "
+          "run; call subscribe() before the first step.")
       .def(
           "bearings",
           [](HeldSwarm& s, const std::string& sensor) {
@@ -157,26 +161,29 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
             return py::array_t<double>(static_cast<py::ssize_t>(bearings.size()), bearings.data());
           },
           py::arg("sensor") = "",
-          "Headings of the beams of the first robot's ranger, rad, in the sensor's frame.")
+          "Headings of the beams of the ranger of the first robot, rad, in the frame of the sensor.")
       .def(
           "range_bound", [](HeldSwarm& s, const std::string& sensor) { return s.use().range_bound(sensor); },
-          py::arg("sensor") = "", "Upper bound of all readings of the first robot's ranger, m.")
+          py::arg("sensor") = "", "Largest range that the ranger of the first robot can report, m.")
       .def(
           "subscribe", [](HeldSwarm& s) { s.use().subscribe(); },
-          "Runs every sensor of all robots. Call it before the first step.")
+          "Makes all sensors of all robots run. Call it before the first step.")
       .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
            py::arg("where") = py::none(),
-           "Commands speeds, m/s and rad/s, one number or one per robot, until they are replaced.")
+           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s. They apply from the "
+           "next tick on,\nuntil another command replaces them.")
       .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
-           py::arg("where") = py::none(), "Commands accelerations, m/s^2 and rad/s^2.")
+           py::arg("where") = py::none(),
+           "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2.")
       .def("go_to", &go_to, py::arg("x").none(false), py::arg("y").none(false),
            py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
-           "Commands poses in the frame of estimates(), m and rad.")
+           "Commands goal poses in the frame of estimates(), m and rad: the robots drive there and stay.")
       .def("set_poses", &set_poses, py::arg("poses").none(false), py::kw_only(),
            py::arg("where") = py::none(),
-           "Moves the robots to poses, n x 4, as poses(). If one pose is invalid, no robot is moved.");
+           "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If one pose is "
+           "invalid, it\nraises ValueError and moves no robot.");
 
   simulation.def(
       "swarm",
@@ -184,7 +191,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
         return HeldSwarm{held, held->use().swarm(of)};
       },
       py::arg("of") = "",
-      "The robots of a type or a population, or one robot; all robots for an empty name.");
+      "Returns a group of robots. `of` names a type, a population or one robot; an empty name means all "
+      "robots. Raises\nLookupError, with the known names, for an unknown name.");
 }
 
 }  // namespace troupe::python

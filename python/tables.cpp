@@ -18,7 +18,7 @@ using engine::Element;
 using engine::StateField;
 using engine::StateTable;
 
-/// A state table. Tables keep their addresses as long as the world lives.
+/// A state table. It refers to a table of the world, whose address does not change while the world lives.
 struct Table {
   Holder held;
   const StateTable* table;
@@ -83,8 +83,9 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
   }
   std::vector<std::string_view> types;
   for (const Table& table : found) types.push_back(table.type);
-  throw std::invalid_argument(fmt::format("{} is a component of robots of {} types; give the type: {}",
-                                          component, types.size(), comma_list(types)));
+  throw std::invalid_argument(
+      fmt::format("robots of {1} types have a component {0}; give one of the types: {2}", component,
+                  types.size(), comma_list(types)));
 }
 
 }  // namespace
@@ -103,7 +104,9 @@ py::dtype dtype_of(Element element) {
 }
 
 void bind_tables(py::module_& module, SimulationClass& simulation) {
-  py::class_<StateField>(module, "Field", "A field of a component of the state.")
+  py::class_<StateField>(module, "Field",
+                         "A field of a component of the state: name, number of columns, unit, text (a "
+                         "description) and dtype (NumPy type).")
       .def_readonly("name", &StateField::name)
       .def_readonly("columns", &StateField::columns)
       .def_readonly("unit", &StateField::unit)
@@ -114,12 +117,11 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
                            field.columns, field.unit.empty() ? "" : ", ", field.unit);
       });
 
-  py::class_<Table>(module, "Table",
-                    "A component of the state. table[\"ranges\"] is a field, one row per body: a read-only "
-                    "array that is not\n"
-                    "copied and shows new values after every step. Rows are in the order of storage; `ids` "
-                    "has the body of\n"
-                    "each row.")
+  py::class_<Table>(
+      module, "Table",
+      "A component of the state, with one row per body. table[\"ranges\"] is one field of it: a read-only "
+      "array that\nrefers to the memory of the simulation, so that its content changes with each step. Rows "
+      "are in the order of\nstorage, not of ids; ids[i] is the id of the body in row i.")
       .def_property_readonly("component", [](const Table& t) { return t.table->component(); })
       .def_property_readonly("type", [](const Table& t) { return t.type; })
       .def_property_readonly("fields",
@@ -140,9 +142,13 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
         return fmt::format("<Table {}: {} rows>", t.table->component(), t.table->rows());
       });
 
-  simulation.def("tables", &tables_of, "All components of the state that have rows.")
+  simulation
+      .def("tables", &tables_of,
+           "All tables of the state that have rows, one per component and type of robot.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
-           "One component, \"pose\" or \"ranger/ir\"; if several types of robots have it, that of `type`.");
+           "The table of one component, such as \"pose\" or \"ranger/ir\". If several types of robots have "
+           "this component,\n`type` must name one of them. Raises LookupError, with the known names, for an "
+           "unknown component.");
 }
 
 }  // namespace troupe::python

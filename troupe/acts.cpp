@@ -22,7 +22,7 @@ constexpr double k_most_speed = 1e6;  // m/s and rad/s: larger commands are mist
 
 [[noreturn]] void refuse_act(const std::string& reason) { throw ActRefused(reason); }
 
-/// The body of this name; refuses the act if it is not in the world.
+/// Returns the body that the act names. Throws ActRefused if it is not in the world.
 Model body_of(Simulation& simulation, const Act& act) {
   const BodyId id = simulation.world().find(act.whom);
   if (!id.valid()) refuse_act(fmt::format("there is no body \"{}\"", act.whom));
@@ -52,7 +52,7 @@ void store(std::byte* to, double x) {
   std::memcpy(to, &value, sizeof value);
 }
 
-/// Whether an element can hold a number without loss; floats round.
+/// Whether an element type can represent a number: integers exactly, floating-point numbers after rounding.
 bool holds(Element element, double x) {
   const auto within = [&](double least, double end) { return x >= least && x < end && std::trunc(x) == x; };
   switch (element) {
@@ -86,19 +86,21 @@ void command(Model& model, const Act& act) {
     if (found == asked.fields.end()) {
       std::string known;
       for (const StateField& field : asked.fields) known += (known.empty() ? "" : ", ") + field.name;
-      refuse_act(fmt::format("\"{}\" takes no command \"{}\"; known: {}", act.device, name, known));
+      refuse_act(fmt::format("device \"{}\" takes no command \"{}\"; known: {}", act.device, name, known));
     }
     return *found;
   };
-  for (const auto& [name, numbers] : act.values) {  // check all before writing any
+  // All values are checked before any is written, so that an impossible act changes nothing.
+  for (const auto& [name, numbers] : act.values) {
     const StateField& field = field_of(name);
     if (numbers.size() != field.columns)
-      refuse_act(fmt::format("\"{}\" of \"{}\" takes {} numbers, not {}", name, act.device, field.columns,
-                             numbers.size()));
+      refuse_act(fmt::format("command \"{}\" of device \"{}\" takes {} numbers, found {}", name, act.device,
+                             field.columns, numbers.size()));
     for (const double x : numbers)
       if (!std::isfinite(x) || !holds(field.element, x))
-        refuse_act(fmt::format("\"{}\" of \"{}\" is {}, which cannot be {:.17g}", name, act.device,
-                               engine::element_name(field.element), x));
+        refuse_act(
+            fmt::format("command \"{}\" of device \"{}\" has the type {}, which cannot represent {:.17g}",
+                        name, act.device, engine::element_name(field.element), x));
   }
   for (const auto& [name, numbers] : act.values) {
     const StateField& field = field_of(name);
@@ -111,8 +113,8 @@ void command(Model& model, const Act& act) {
 void check_speed(const Act& act) {
   for (const double x : act.speed)
     if (!(std::abs(x) <= k_most_speed))
-      refuse_act(
-          fmt::format("speed {} m/s or rad/s: give one from -{:g} to {:g}", x, k_most_speed, k_most_speed));
+      refuse_act(fmt::format("speed {}: give speeds from -{:g} to {:g} (m/s, turn in rad/s)", x, k_most_speed,
+                             k_most_speed));
 }
 
 void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
@@ -141,7 +143,7 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
     case Kind::command: return command(model, act);
     case Kind::remove: return simulation.remove(model);
     case Kind::disable:
-      if (!simulation.disable(model)) refuse_act(fmt::format("\"{}\" is disabled already", act.whom));
+      if (!simulation.disable(model)) refuse_act(fmt::format("\"{}\" is already disabled", act.whom));
       return;
     case Kind::enable:
       if (!simulation.enable(model)) refuse_act(fmt::format("\"{}\" is not disabled", act.whom));

@@ -16,37 +16,43 @@ namespace troupe {
 
 class Simulation;
 
-/// A change that a user or a program makes to a running world: Simulation::act().
+/// A change that a user or a program makes to a running world through Simulation::act(), such as moving or
+/// removing a robot.
 using engine::Act;
 
-/// An impossible act. The text states why; the simulation is unchanged.
+/// Thrown for an act that is impossible. The text states the reason; the simulation is unchanged.
 class ActRefused : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// Robots whose speeds are commanded from outside before every tick.
+/// The robots that are currently held: an act sets their speeds before every tick, until another act releases
+/// them.
 class Holds {
  public:
-  /// Holds a robot from the next tick on. The body must exist and have a drive.
+  /// Holds a robot from the next tick on. speed: forward and left in m/s, turn in rad/s. The body must exist
+  /// and have a drive.
   void set(std::uint32_t body, const std::array<double, 3>& speed) { speeds_[body] = speed; }
-  /// Releases a robot. False if it was not held.
+  /// Releases a robot. Returns false if it was not held.
   bool release(std::uint32_t body) { return speeds_.erase(body) > 0; }
   void clear() { speeds_.clear(); }               ///< releases all robots
   bool empty() const { return speeds_.empty(); }  ///< whether no robot is held
-  /// Commands all held robots, in the order of their ids. Holds of robots that left the world end.
+  /// Commands the speeds of all held robots, in the order of their ids. Robots that have left the world are
+  /// released.
   void apply(Simulation& simulation);
 
-  /// The holds as bytes, for a checkpoint.
+  /// The held robots and their speeds as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
-  /// Restores memory(); bodies: number of bodies of the world. False, with no holds left, for invalid bytes.
+  /// Restores the bytes of memory(). bodies: number of bodies in the world. Returns false, and then holds no
+  /// robot, if the bytes are invalid.
   bool remember(std::span<const std::byte> memory, std::size_t bodies);
 
  private:
   std::map<std::uint32_t, std::array<double, 3>> speeds_;  // by BodyId
 };
 
-/// Applies one act. Throws ActRefused. `holds` are those of the simulation.
+/// Applies one act to a simulation. holds: the held robots of this simulation. Throws ActRefused if the act
+/// is impossible.
 void carry_out(Simulation& simulation, const Act& act, Holds& holds);
 
 }  // namespace troupe

@@ -28,9 +28,10 @@ using Of = BatchPart::Of;
 constexpr std::size_t k_most_copies = 1'000'000;
 constexpr std::size_t k_most_neighbours = 1000;
 constexpr double k_longest_episode_s = 1e12;
-constexpr std::size_t k_drive = 3;  // numbers in a command of the drive
+constexpr std::size_t k_drive = 3;  // a command of a drive has three numbers: forward, left, turn
 
-/// The seed of the world in an episode of a copy.
+/// Returns the seed of an episode: derived from the seed of the copy's first episode and the number of the
+/// episode.
 std::uint64_t episode_seed(std::uint64_t first, std::uint64_t episode) {
   return episode == 0 ? first : mix(first, hash_text("episode"), episode);
 }
@@ -94,7 +95,8 @@ template <class Named>
 void check_names(const std::vector<Named>& all, std::string_view what) {
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (all[i].name == all[j].name) refuse(fmt::format("{} \"{}\" is given twice", what, all[i].name));
+      if (all[i].name == all[j].name)
+        refuse(fmt::format("{} \"{}\" occurs twice: names must be unique", what, all[i].name));
 }
 
 /// Position of a body in the frame of a robot, m.
@@ -111,7 +113,8 @@ Seen seen_from(const Transform& own, double dx, double dy) {
 }  // namespace
 
 struct BatchEnv::Impl {
-  /// How a part of an array is read; names are resolved once, in plan().
+  /// How the columns of one part of an array are computed. plan() fills it, so that names are looked up only
+  /// once.
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
@@ -127,7 +130,7 @@ struct BatchEnv::Impl {
 
     std::size_t row_bytes() const { return columns * engine::element_size(element); }
   };
-  /// A BatchColumn, resolved.
+  /// A BatchColumn whose names have been looked up: indices instead of names.
   struct Column {
     std::size_t array = 0;
     std::size_t column = 0;
@@ -153,7 +156,7 @@ struct BatchEnv::Impl {
     std::vector<std::uint8_t> terminated;
     std::vector<std::uint8_t> alive;
   };
-  /// A team in one copy.
+  /// The data of a team in one copy of the world.
   struct TeamCopy {
     std::vector<Row> rows;
     std::vector<const std::byte*> readings;    // readings x robots
@@ -225,37 +228,40 @@ BatchEnv::Impl::Impl(const Simulation& world, const BatchSpec& wanted)
 
 void BatchEnv::Impl::check_spec() const {
   if (spec.copies < 1 || spec.copies > k_most_copies)
-    refuse(fmt::format("{} copies: give 1 to {}", spec.copies, k_most_copies));
-  if (spec.ticks < 1) refuse("0 ticks a step: give 1 or more");
+    refuse(fmt::format("{} copies of the world: give 1 to {}", spec.copies, k_most_copies));
+  if (spec.ticks < 1) refuse("0 ticks per step: give 1 or more");
   if (!(spec.seconds > 0 && spec.seconds <= k_longest_episode_s))
-    refuse(
-        fmt::format("episodes of {} s: give more than 0, at most {:g}", spec.seconds, k_longest_episode_s));
-  if (spec.teams.empty()) refuse("a batch has no teams: give 1 or more");
+    refuse(fmt::format("episodes of {} s: give a length above 0 s, at most {:g} s", spec.seconds,
+                       k_longest_episode_s));
+  if (spec.teams.empty()) refuse("the batch has no teams: give one or more");
   check_names(spec.teams, "team");
   for (const BatchTeam& team : spec.teams) {
     check_names(team.arrays, fmt::format("array of team \"{}\"", team.name));
     for (const BatchArraySpec& array : team.arrays) {
       if (array.parts.empty())
-        refuse(fmt::format("array \"{}\" of team \"{}\" has no parts", array.name, team.name));
+        refuse(
+            fmt::format("array \"{}\" of team \"{}\" has no parts: give one or more", array.name, team.name));
       if (array.raw && (array.parts.size() != 1 || array.parts.front().of != Of::reading))
-        refuse(fmt::format("array \"{}\" of team \"{}\": raw needs exactly one part, a reading", array.name,
-                           team.name));
+        refuse(
+            fmt::format("array \"{}\" of team \"{}\": an array with \"raw\" must have exactly one part, of "
+                        "the kind reading",
+                        array.name, team.name));
       for (const BatchPart& part : array.parts) {
         if (part.of == Of::nearest && (part.count < 1 || part.count > k_most_neighbours))
-          refuse(fmt::format("array \"{}\" of team \"{}\": the {} nearest robots: give 1 to {}", array.name,
-                             team.name, part.count, k_most_neighbours));
+          refuse(fmt::format("array \"{}\" of team \"{}\": count is {} nearest robots: give 1 to {}",
+                             array.name, team.name, part.count, k_most_neighbours));
         if (!(part.range_m > 0))
-          refuse(fmt::format("array \"{}\" of team \"{}\": range_m {}: give more than 0", array.name,
-                             team.name, part.range_m));
+          refuse(fmt::format("array \"{}\" of team \"{}\": range_m is {}: give a distance above 0",
+                             array.name, team.name, part.range_m));
         if (!std::isfinite(part.scale))
-          refuse(fmt::format("array \"{}\" of team \"{}\": scale {} is not finite", array.name, team.name,
-                             part.scale));
+          refuse(fmt::format("array \"{}\" of team \"{}\": scale is {}: give a finite number", array.name,
+                             team.name, part.scale));
       }
     }
     for (const BatchAction& action : team.actions)
       if (!std::isfinite(action.low) || !std::isfinite(action.high))
-        refuse(fmt::format("action \"{}\" of team \"{}\": from {} to {}: give finite numbers", action.command,
-                           team.name, action.low, action.high));
+        refuse(fmt::format("action \"{}\" of team \"{}\": low is {}, high is {}: give finite numbers",
+                           action.command, team.name, action.low, action.high));
   }
 }
 
@@ -279,14 +285,17 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
       const Row row = engine.row(id);
       bound.rows.push_back(row);
       if (std::exchange(copy.learns[row.index()], std::uint8_t{1}) != 0)
-        refuse(fmt::format("\"{}\" is in two teams", engine.spec().name(id)));
+        refuse(fmt::format("robot \"{}\" is in two teams: a robot can be in only one team",
+                           engine.spec().name(id)));
     }
     if (c == 0) {
       TeamData& team = teams[t];
       team.spec = &spec.teams[t];
       team.robots = swarm.size();
       team.names = swarm.names();
-      if (team.robots == 0) refuse(fmt::format("team \"{}\" has no robots", team.spec->name));
+      if (team.robots == 0)
+        refuse(fmt::format("team \"{}\" has no robots: its member robots must name at least one",
+                           team.spec->name));
       plan(team, copy);
     }
     bind(teams[t], copy, bound);
@@ -313,8 +322,8 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
   });
 }
 
-/// Resolves what the robots of a team have in common. Their types may differ if the observed fields and the
-/// commands agree; bind() checks that.
+/// Determines the columns, actions and rewards of a team from its first robot. The other robots may have
+/// other types if their observed fields and commands are the same; bind() checks this.
 void BatchEnv::Impl::plan(TeamData& team, Copy& first) {
   const BatchTeam& own = *team.spec;
   Simulation& simulation = first.simulation;
@@ -388,8 +397,8 @@ void BatchEnv::Impl::plan_actions(TeamData& team, Simulation& simulation, BodyId
             unknown_name(fmt::format("command of \"{}\"", action.device), action.command, std::move(known)));
       }
       if (field->columns != 1)
-        refuse(fmt::format("command \"{}\" of \"{}\" has {} numbers: an action is one", action.command,
-                           action.device, field->columns));
+        refuse(fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one",
+                           action.command, action.device, field->columns));
       out.command = of_devices++;
       out.element = field->element;
     }
@@ -412,12 +421,12 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
   const ArrayData& array =
       named(team.arrays, fmt::format("array of team \"{}\"", team.spec->name), column.array);
   if (column.column >= array.columns)
-    refuse(fmt::format("{} of team \"{}\": column {} of array \"{}\", which has {}", what, team.spec->name,
-                       column.column, column.array, array.columns));
+    refuse(fmt::format("{} of team \"{}\": there is no column {} in array \"{}\", which has {} columns", what,
+                       team.spec->name, column.column, column.array, array.columns));
   return {static_cast<std::size_t>(&array - team.arrays.data()), column.column, false};
 }
 
-/// Finds the addresses of the team's readings and commands in the state of this copy.
+/// Stores the addresses of the readings and commands of the team's robots in the state of this copy.
 void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) const {
   engine::World& world = copy.simulation.world();
   std::vector<Model> robots;
@@ -430,8 +439,8 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
           const Model::Reading reading = robot.reading(wanted.field, wanted.device);
           if (reading.field->columns != part.columns || reading.field->element != part.element)
             refuse(
-                fmt::format("robots of team \"{}\" differ in \"{}\": {} {} of \"{}\", {} {} of \"{}\"; make "
-                            "two teams",
+                fmt::format("robots of team \"{0}\" differ in field \"{1}\": \"{4}\" has {2} values of type "
+                            "{3}, \"{7}\" has {5} of type {6}; make two teams",
                             team.spec->name, wanted.field, part.columns, engine::element_name(part.element),
                             team.names.front(), reading.field->columns,
                             engine::element_name(reading.field->element), robot.name()));
@@ -455,7 +464,8 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
           const BodyId own = digits < name.size() ? world.find(target) : BodyId();
           if (!own.valid())
             throw std::out_of_range(
-                fmt::format("team \"{}\": there is no model \"{}\", and no \"{}\" for \"{}\"",
+                fmt::format("team \"{}\": the target \"{}\" is no model, and there is no model \"{}\" as the "
+                            "target of \"{}\"",
                             team.spec->name, wanted.name, target, name));
           targets.push_back(own);
         }
@@ -468,7 +478,7 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
       const Model::Asked asked = robot.asked(action.device);
       const auto field = std::ranges::find(asked.fields, action.command, &engine::StateField::name);
       if (field == asked.fields.end() || field->element != team.actions_plan[a].element)
-        refuse(fmt::format("robots of team \"{}\" differ in command \"{}\" of \"{}\"; make two teams",
+        refuse(fmt::format("robots of team \"{}\" differ in command \"{}\" of device \"{}\"; make two teams",
                            team.spec->name, action.command, action.device));
       bound.commands.push_back(asked.bytes.data() + field->offset);
     }
@@ -632,7 +642,8 @@ void BatchEnv::Impl::read(const TeamCopy& team, const Copy& copy, const ArrayDat
         thread_local std::vector<Near> nearest;
         nearest.clear();
         const double range2 = wanted.range_m * wanted.range_m;
-        for (const Row other : team.groups[part.of_kind]) {  // by id: of equal distances the lower id stays
+        for (const Row other : team.groups[part.of_kind]) {  // in order of ids, so that of two robots at the
+                                                             // same distance the lower id comes first
           if (other == own || !world.is_there(other)) continue;
           const Vec2 way = world.transform(other).position - here.position;
           const double distance2 = way.x() * way.x() + way.y() * way.y();
@@ -759,7 +770,8 @@ BatchEnv::Array BatchEnv::array(std::size_t team, std::string_view name) const {
 std::span<const float> BatchEnv::floats(std::size_t team, std::string_view name) const {
   const Array found = array(team, name);
   if (found.element != engine::Element::f32)
-    refuse(fmt::format("array \"{}\" is {}, not float32", name, engine::element_name(found.element)));
+    refuse(fmt::format("array \"{}\" has the type {}, not float32: use array()", name,
+                       engine::element_name(found.element)));
   return {reinterpret_cast<const float*>(found.bytes.data()), found.bytes.size() / sizeof(float)};
 }
 
@@ -790,13 +802,14 @@ std::span<const std::uint64_t> BatchEnv::seeds() const { return impl_->seeds; }
 void BatchEnv::reset(std::span<const std::uint8_t> which,
                      std::span<const std::optional<std::uint64_t>> seeds) {
   if (!which.empty() && which.size() != copies())
-    refuse(fmt::format("reset(): `which` has {} values: give {}, one per copy", which.size(), copies()));
+    refuse(fmt::format("reset(): `which` has {} elements: give {}, one per copy", which.size(), copies()));
   if (!seeds.empty() && seeds.size() != copies())
-    refuse(fmt::format("reset(): `seeds` has {} values: give {}, one per copy", seeds.size(), copies()));
+    refuse(fmt::format("reset(): `seeds` has {} elements: give {}, one per copy", seeds.size(), copies()));
   const auto is_meant = [&](std::size_t c) { return which.empty() || which[c] != 0; };
   for (std::size_t c = 0; c < copies(); ++c)
     if (!is_meant(c) && !impl_->copies[c]->has_begun)
-      throw std::logic_error(fmt::format("reset(): copy {} has no episode yet: begin all copies first", c));
+      throw std::logic_error(
+          fmt::format("reset(): copy {} has not begun an episode: reset all copies first", c));
   for (std::size_t c = 0; c < copies() && !seeds.empty(); ++c)
     if (is_meant(c) && seeds[c]) {
       Impl::Copy& copy = *impl_->copies[c];
@@ -813,7 +826,7 @@ void BatchEnv::reset(std::span<const std::uint8_t> which,
 void BatchEnv::step(std::span<const std::uint8_t> begins) {
   if (!impl_->was_reset) throw std::logic_error("step(): call reset() before the first step");
   if (!begins.empty() && begins.size() != copies())
-    refuse(fmt::format("step(): `begins` has {} values: give {}, one per copy", begins.size(), copies()));
+    refuse(fmt::format("step(): `begins` has {} elements: give {}, one per copy", begins.size(), copies()));
   const auto does_begin = [&](std::size_t c) { return !begins.empty() && begins[c] != 0; };
   for (const Impl::TeamData& team : impl_->teams) {
     const std::size_t row = team.actions_plan.size();

@@ -16,94 +16,105 @@
 
 namespace troupe {
 
-/// Columns of an observed array, for one robot.
+/// A group of columns of an observed array (BatchArraySpec): the numbers that one source provides for one
+/// robot.
 struct BatchPart {
   /// The source of the columns.
   enum class Of : std::uint8_t {
-    reading,    ///< all columns of a field of a device (Model::readings)
-    pose,       ///< x, y (m), cosine and sine of the heading: world frame
+    reading,    ///< all values of a field of a device (Model::readings)
+    pose,       ///< x, y (m), cosine and sine of the heading, in the world frame
     estimate,   ///< estimated pose: x, y (m), cosine and sine of the heading (Model::estimate)
     speed,      ///< forward, left (m/s), turn (rad/s) of the last tick
-    stalled,    ///< 1 if the last motion was blocked, else 0
-    nearest,    ///< k_neighbour columns for each of the `count` nearest robots, nearest first
-    target,     ///< x, y (m, in the robot's frame) and the distance (m) of a body
+    stalled,    ///< 1 if the motion of the last tick was blocked, else 0
+    nearest,    ///< the `count` nearest robots, nearest first: see `name`
+    target,     ///< x, y (m, in the robot's frame) and distance (m) of a body: see `name`
     time_left,  ///< remaining fraction of the episode, from 1 to 0
   };
-  static constexpr std::size_t k_neighbour = 5;  ///< columns of one neighbour, see `nearest`
+  static constexpr std::size_t k_neighbour = 5;  ///< number of columns per nearest robot
 
   Of of = Of::reading;  ///< source of the columns
-  std::string device;   ///< reading: name of the device; empty: the first that has this field
+  std::string device;   ///< reading: name of the device; empty: the first device that has this field
   std::string field;    ///< reading: name of the field
-  /// nearest: a type or a population of robots, or one robot; empty: all robots. A neighbour has the columns
-  /// x, y (m, in the robot's frame), the cosine and the sine of its heading relative to the robot's, and 1.
-  /// Columns without a neighbour are 0. Of two robots at one distance, the lower id comes first.
-  /// target: a model, or a population: then the target of each robot is the body with the robot's number, for
-  /// "r3" and "goal" the body "goal3". The columns are 0 while that body is not in the world.
+  /// With `nearest`: the robots among which the nearest ones are searched, by the name of a type, of a
+  /// population or of one robot; empty: all robots. Each robot that is found has k_neighbour columns: x, y
+  /// (m, in the observing robot's frame), cosine and sine of its heading relative to the observing robot's
+  /// heading, and 1. If fewer than `count` robots are found, the remaining columns are 0. Of two robots at
+  /// the same distance, the one with the lower id comes first.
+  /// With `target`: the name of a model, which is then the target of all robots, or of a population. With a
+  /// population, the target of each robot is the body with the number of the robot: for the robot "r3" and
+  /// the population "goal" the body "goal3". The columns are 0 while the target is not in the world.
   std::string name;
-  std::size_t count = 1;                                     ///< nearest: number of neighbours
-  double range_m = std::numeric_limits<double>::infinity();  ///< nearest: largest distance of a neighbour, m
-  /// Factor for lengths, speeds and readings; cosines, sines and flags are not scaled.
+  std::size_t count = 1;                                     ///< nearest: number of robots
+  double range_m = std::numeric_limits<double>::infinity();  ///< nearest: largest distance, m
+  /// Factor by which lengths, speeds and readings are multiplied; cosines, sines and columns that are 0 or 1
+  /// are not scaled.
   double scale = 1;
 };
 
-/// An array of a batch: copies x robots x columns, row-major.
+/// An array of observations: copies x robots x columns, row-major.
 struct BatchArraySpec {
-  std::string name;              ///< unique in its team
-  std::vector<BatchPart> parts;  ///< concatenated to one row, in float32
-  /// Keeps the element type of the field, without `scale`: for images. The array must have one part, a
-  /// reading.
+  std::string name;              ///< unique among the arrays of its team
+  std::vector<BatchPart> parts;  ///< the columns of a robot: its parts, one after the other, in float32
+  /// Whether the array has the element type of the field instead of float32, without `scale`; useful for
+  /// images. Such an array must have exactly one part, of the source `reading`.
   bool raw = false;
 };
 
-/// One action of a policy per robot and step, from -1 (`low`) to 1 (`high`), linear in between. Values beyond
-/// are clipped.
+/// An action: one number that the policy sets for each robot in each step, and the command that it controls.
+/// The number -1 commands `low`, 1 commands `high`, and numbers in between are interpolated linearly. Numbers
+/// outside this range are clipped to it.
 struct BatchAction {
-  std::string device;   ///< device that takes commands (Model::asked); empty: the robot's drive
-  std::string command;  ///< drive: "forward", "left" (m/s) or "turn" (rad/s); device: a field of its command
-  double low = -1;      ///< in the command's unit; integer fields are rounded to the nearest
-  double high = 1;      ///< in the command's unit
+  std::string device;  ///< name of a device that takes commands (Model::asked); empty: the drive
+  /// Of a drive: "forward", "left" (m/s) or "turn" (rad/s). Of a device: the name of a field of its command.
+  std::string command;
+  /// Value for -1, in the unit of the command. Values of integer fields are rounded to the nearest integer.
+  double low = -1;
+  double high = 1;  ///< value for 1, in the unit of the command
 };
 
-/// A column of an array of a robot, or a measure of its copy.
+/// A number that a reward or an end uses: a column of an array, which each robot has, or a measure, which
+/// each copy of the world has.
 struct BatchColumn {
-  std::string array;       ///< name of an array of the team; empty: a measure
-  std::size_t column = 0;  ///< column of the array
-  std::string measure;     ///< column of the measures, with or without its unit
+  std::string array;       ///< name of an array of the team; empty: `measure` is used
+  std::size_t column = 0;  ///< index of the column in the array
+  std::string measure;     ///< name of a column of Measures, with or without its unit
 };
 
-/// A term of the reward of each robot that is not finished.
+/// A term of the reward. The reward of a robot in a step is the sum of all terms; it is 0 for finished
+/// robots.
 struct BatchReward {
-  BatchColumn of;       ///< the rewarded column
-  double weight = 1;    ///< factor
-  bool change = false;  ///< whether its change in this step is rewarded, instead of its value
+  BatchColumn of;       ///< the number that is rewarded
+  double weight = 1;    ///< factor by which the number is multiplied
+  bool change = false;  ///< whether the change of the number in this step is rewarded instead of the number
 };
 
-/// A condition that finishes a robot; a condition on a measure finishes all robots of the copy.
+/// A condition that ends the episode of a robot: the robot is then finished. If the condition tests a
+/// measure, it finishes all robots of the copy.
 struct BatchEnd {
-  BatchColumn of;         ///< the tested column
-  double below = 0;       ///< the condition holds if the column is less than this
-  bool is_above = false;  ///< the condition holds if the column is more than `below`, instead
-  double reward = 0;      ///< added to the reward of the step in which it holds
+  BatchColumn of;         ///< the number that is tested
+  double below = 0;       ///< threshold; the condition holds if the number is less than this
+  bool is_above = false;  ///< whether the condition holds instead if the number is more than `below`
+  double reward = 0;      ///< added to the reward of the step in which the condition holds
 };
 
-/// Robots that learn one policy, with one list of arrays, actions and rewards.
+/// A group of robots that learn one policy. They have the same observations, actions and rewards.
 struct BatchTeam {
   std::string name;                    ///< unique
   std::string robots;                  ///< a type, a population or one robot, as in Simulation::swarm()
-  std::vector<BatchArraySpec> arrays;  ///< observations, and the columns of rewards and ends
+  std::vector<BatchArraySpec> arrays;  ///< observations, and arrays that only rewards and ends use
   std::vector<BatchAction> actions;    ///< actions of one robot
-  std::vector<BatchReward> rewards;    ///< summed in this order
-  std::vector<BatchEnd> ends;          ///< tested in each step
+  std::vector<BatchReward> rewards;    ///< terms of the reward, summed in this order
+  std::vector<BatchEnd> ends;          ///< conditions that finish a robot, tested in each step
 };
 
 /// The options of a BatchEnv.
 struct BatchSpec {
   std::size_t copies = 1;             ///< number of copies of the world
-  unsigned threads = 0;               ///< as in SimulationOptions; changes no result
+  unsigned threads = 0;               ///< number of threads, as in SimulationOptions; changes no result
   std::size_t ticks = 1;              ///< ticks of the world per step
-  double seconds = 60;                ///< length of an episode in world time, s; it is then truncated
+  double seconds = 60;                ///< longest episode, world time, s; longer episodes are truncated
   std::vector<BatchTeam> teams;       ///< no robot may be in two teams
-  std::vector<std::string> measures;  ///< of each copy, as Measures takes them
+  std::vector<std::string> measures;  ///< computed for each copy; names as for the constructor of Measures
 };
 
 /// Many copies of one world that step together, each with its own seed: a vectorised environment for
@@ -116,74 +127,80 @@ struct BatchSpec {
 ///       batch.step(batch.over());  // copies that were over begin their next episode
 ///     }
 ///
-/// arrays   row-major; the spans stay valid and show new numbers after each step() and reset()
-/// result   the same bits for any number of threads and copies. A copy is a Simulation of the world with its
-///          own seed; it runs on one thread
-/// robots   of teams do not run the controllers of the world, others do. All sensors of teams run
-/// end      a robot is finished if one of its ends holds, or if it dies, which itself gives no reward. From
-///          then on its drive is commanded to stop and its reward is 0. A program may finish more robots by
-///          writing to terminated() between two steps
-/// over     a copy is over if all robots of its teams that are in the world are finished, if its episode
-///          reaches `seconds`, or if the world's `stop_when` holds, which finishes all robots. step() does
-///          not begin the next episode by itself
-/// begin    an episode begins with one tick without commands, so that sensors have readings
-/// seeds    the first episode of a copy has the seed given to reset(), or else the world's seed plus the
-///          index of the copy; seeds of later episodes are derived from it
-/// threads  call it from one thread
+/// arrays   row-major. The spans stay valid, and their content changes with each step() and reset()
+/// copies   each copy is a Simulation of the world with its own seed, which runs on one thread. Its results
+///          have the same bits for any number of threads and copies
+/// robots   the policies drive the robots of teams, which do not run the controllers of the world file. Other
+///          robots run their controllers. All sensors of robots of teams run
+/// end      a robot is finished when one of the ends of its team holds or when it dies; its death itself
+///          gives no reward. From then on its drive is commanded to stop and its reward is 0. A program may
+///          finish further robots by writing 1 to terminated() between two steps
+/// over     a copy is over when all robots of its teams that are in the world are finished, when its episode
+///          reaches `seconds`, or when a condition of the world's `stop_when` holds, which finishes all
+///          robots. step() begins the next episode of a copy only if the caller requests it
+/// begin    each episode begins with one tick without commands, so that sensors have readings
+/// seeds    the first episode of a copy has the seed given to reset(), or else the seed of the world plus the
+///          index of the copy. Seeds of later episodes are derived from it
+/// threads  call all functions from one thread
 class BatchEnv {
  public:
-  /// Throws InputError as Simulation does, std::out_of_range for unknown names, and std::invalid_argument for
-  /// an inconsistent spec. options.threads is ignored.
+  /// Loads a world file and makes the copies. Throws InputError as the constructor of Simulation does,
+  /// std::out_of_range for unknown names in the spec, and std::invalid_argument for an inconsistent spec.
+  /// options.threads is ignored.
   BatchEnv(const std::filesystem::path& world, const BatchSpec& spec, const SimulationOptions& options = {});
-  /// Makes a batch of copies of a loaded world (Simulation::another()). A simulation may have several
-  /// batches.
+  /// Makes copies of a loaded world, as Simulation::another() does. Several batches may be made from one
+  /// simulation.
   BatchEnv(const Simulation& world, const BatchSpec& spec);
   ~BatchEnv();
-  BatchEnv(BatchEnv&&) noexcept;             ///< the source may only be destroyed or assigned
-  BatchEnv& operator=(BatchEnv&&) noexcept;  ///< the source may only be destroyed or assigned
+  BatchEnv(BatchEnv&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
+  BatchEnv& operator=(BatchEnv&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
   const BatchSpec& spec() const;                           ///< the spec that the batch was made from
   std::size_t copies() const;                              ///< number of copies of the world
-  std::size_t robots(std::size_t team) const;              ///< robots per copy, in the world or not
-  std::vector<std::string> names(std::size_t team) const;  ///< names of the robots, in the order of their ids
-  const Simulation& simulation(std::size_t copy) const;    ///< the simulation of a copy, to read
+  std::size_t robots(std::size_t team) const;              ///< robots of a team per copy, in the world or not
+  std::vector<std::string> names(std::size_t team) const;  ///< names of a team's robots, in order of ids
+  const Simulation& simulation(std::size_t copy) const;    ///< the simulation of a copy, read-only
   unsigned threads() const;                                ///< number of threads that step the copies
 
   /// An array of a team.
   struct Array {
     engine::Element element = engine::Element::f32;  ///< element type of `bytes`
-    std::size_t columns = 0;                         ///< elements per robot
+    std::size_t columns = 0;                         ///< number of elements per robot
     std::span<std::byte> bytes;                      ///< copies x robots x columns elements
   };
-  /// The array of this name. Throws std::out_of_range, with the arrays of the team, if there is none.
+  /// The array of this name. Throws std::out_of_range, with the names of the arrays of the team, if there is
+  /// no such array.
   Array array(std::size_t team, std::string_view name) const;
-  /// An array of float32, as array(). Throws std::invalid_argument for other element types.
+  /// The array of this name as float32. Throws as array() does, and std::invalid_argument if it has another
+  /// element type.
   std::span<const float> floats(std::size_t team, std::string_view name) const;
-  std::span<double> actions(std::size_t team);           ///< copies x robots x actions: written by the caller
-  std::span<double> rewards(std::size_t team);           ///< copies x robots: rewards of the last step
+  std::span<double> actions(std::size_t team);  ///< copies x robots x actions; the caller writes them
+  std::span<double> rewards(std::size_t team);  ///< copies x robots: reward of the last step
   std::span<std::uint8_t> terminated(std::size_t team);  ///< copies x robots: 1 if the robot is finished
   std::span<const std::uint8_t> alive(
       std::size_t team) const;                      ///< copies x robots: 1 if the robot is in the world
-  std::span<const std::uint8_t> truncated() const;  ///< one per copy: 1 after `seconds`
-  /// One per copy: 1 if all robots that are in the world are finished, and at least one is, or if the copy is
-  /// truncated. Reads terminated() at the time of the call.
+  std::span<const std::uint8_t> truncated() const;  ///< one per copy: 1 if the episode reached `seconds`
+  /// One per copy: 1 if the copy is over. It is over if it is truncated, or if at least one robot is finished
+  /// and no robot in the world is unfinished. Takes into account what the caller has written to terminated().
   std::span<const std::uint8_t> over();
-  std::vector<std::string> measure_columns() const;  ///< names as in Measures::columns()
-  std::span<const double> measures() const;          ///< copies x columns
-  std::span<const std::uint64_t> seeds() const;      ///< one per copy: seed of its current episode
+  /// Names of the columns of measures(), as in Measures::columns().
+  std::vector<std::string> measure_columns() const;
+  std::span<const double> measures() const;      ///< copies x columns
+  std::span<const std::uint64_t> seeds() const;  ///< one per copy: seed of its current episode
 
-  /// Begins an episode in some copies.
-  /// which  one per copy: 0 leaves the copy as it is; empty: all
-  /// seeds  one per copy: the seed of its first episode from now on; without a seed, or empty: begins the
-  ///        next episode
-  /// Throws std::invalid_argument for spans of other sizes, std::logic_error if a copy that is left out has
-  /// not begun yet, and InputError if robots find no place.
+  /// Begins an episode in all or some copies.
+  /// which  one byte per copy: 0 does not change the copy, another value begins an episode; empty: all copies
+  /// seeds  one element per copy: the seed of the episode, from which the seeds of later episodes are
+  ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode
+  /// Throws std::invalid_argument for spans of other sizes, std::logic_error if a copy that `which` leaves
+  /// out has not begun its first episode, and InputError if the placement rules find no place for a robot.
   void reset(std::span<const std::uint8_t> which = {},
              std::span<const std::optional<std::uint64_t>> seeds = {});
-  /// Advances all copies by one step. begins: one per copy; if not 0, the copy begins its next episode
-  /// instead of a step, with a reward of 0; empty: none. Throws std::logic_error before the first reset();
-  /// std::invalid_argument, without a step, if an action is not finite; engine::StepError if the step of a
-  /// copy throws: the other copies are complete, and that copy can only be reset.
+  /// Advances all copies by one step. begins: one byte per copy; if it is not 0, the copy begins its next
+  /// episode instead of making a step, and its rewards are 0; empty: no copy does. Throws std::logic_error
+  /// before the first reset(), and std::invalid_argument, without a step, if an action is not finite. Throws
+  /// engine::StepError if the step of a copy throws: the other copies have then made their step, and the
+  /// failed copy must be reset before it can step again.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

@@ -33,10 +33,10 @@ std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
   return places;
 }
 
-/// `ranger` for `ranger/ir`.
+/// The kind in the name of a component: `ranger` for `ranger/ir`.
 std::string_view kind_of(std::string_view component) { return component.substr(0, component.find('/')); }
 
-/// Whether a table's component has this name, or is of the kind of this name.
+/// Whether the component of a table has this name, or is of the kind with this name.
 bool has_name(const StateTable& table, std::string_view name) {
   return table.component() == name || kind_of(table.component()) == name;
 }
@@ -81,7 +81,7 @@ void for_each_device(const World& world, const Frame& frame, Visit&& visit) {
   }
 }
 
-/// The spec that a device was made from.
+/// The DeviceSpec from which a device was made.
 const engine::DeviceSpec& spec_of(const World& world, BodyId body, const BodyType::Device& device) {
   const std::uint32_t type = world.spec().bodies[body.index()].type.value;
   const auto d = static_cast<std::size_t>(&device - world.types()[type].devices.data());
@@ -97,7 +97,7 @@ std::vector<FrameTransducer> transducers_of(const engine::DeviceSpec& spec, cons
   return transducers;
 }
 
-/// A device that has transducers.
+/// A device with transducers: a ranger.
 struct Ranger {
   std::uint32_t type = 0;
   std::size_t device = 0;
@@ -119,7 +119,7 @@ std::vector<Ranger> rangers_of(const World& world) {
   return rangers;
 }
 
-/// How the joint of a device has moved it from its pose at rest, in the body's frame.
+/// The motion by which a joint has moved a device from its rest pose, in the body frame.
 Pose moved_by_joints(const World& world, Row row, const BodyType::Device& device) {
   if (device.joint == engine::k_rigid) return {};
   return compose(inverse(engine::Mount(world.poses()[row.index()])), world.mount(row, device.joint)).pose();

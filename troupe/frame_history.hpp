@@ -10,14 +10,15 @@
 
 namespace troupe {
 
-/// Positions of bodies in the last seconds. Frames must be passed in the order of their ticks; an earlier
-/// tick clears the history.
+/// Positions of bodies during the last k_seconds seconds, for the picture layer `trails`. Pass frames in the
+/// order of their ticks; a frame with an earlier tick than the last one clears the history.
 class Trails {
  public:
   static constexpr double k_seconds = 20;
 
   explicit Trails(double tick_s);
-  /// Whether see() would keep a frame of this tick; it ignores all others.
+  /// Whether see() keeps a frame of this tick. It ignores frames of other ticks, to limit the number of
+  /// points.
   bool wants(std::uint64_t tick) const;
   void see(const engine::Frame& frame);
   /// Fills Frame::trails.
@@ -33,8 +34,9 @@ class Trails {
   std::deque<Seen> seen_;
 };
 
-/// Squares of the floor that robots have visited, as the measure `coverage` counts them: a square is visited
-/// if the origin of a robot is in it at the end of a seen tick.
+/// Squares of the floor that robots have visited, for the picture layer `coverage`. A square is visited if
+/// the origin of a robot was in it at the end of a tick that was passed to see(), as in the measure
+/// `coverage`.
 class Covered {
  public:
   static constexpr double k_square_m = 1;

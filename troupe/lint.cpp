@@ -114,7 +114,7 @@ class Lint {
   const engine::World& world_;
   const engine::WorldSpec& spec_;
   Diagnostics& diagnostics_;
-  std::vector<std::map<double, std::size_t>> levels_;  // per type: z -> number of bodies
+  std::vector<std::map<double, std::size_t>> levels_;  // per type: z of bodies -> number of bodies
 };
 
 void Lint::check_types() {
@@ -145,17 +145,19 @@ std::string heights_text(const ZInterval& z) {
   return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
 }
 
-/// The reason why a sensor at these heights detects none of the solids in `there`. `nothing` and `what` name
-/// the solids in the sentence.
+/// Returns the reason why a sensor at the heights `looks` detects none of the solids whose heights are in
+/// `there`. nothing, what: names of the solids for the sentence, "no other visible body" and "visible
+/// bodies".
 std::string missed_text(const Heights& there, const ZInterval& looks, std::string_view nothing,
                         std::string_view what) {
   if (there.empty() || there.extent().contains(looks.min))
     return fmt::format("{} is at its height, {}", nothing, heights_text(looks));
-  return fmt::format("it looks at a height of {}, {} are at {}", heights_text(looks), what,
+  return fmt::format("it is at a height of {}, but {} are at {}", heights_text(looks), what,
                      heights_text(there.extent()));
 }
 
-/// The name of a sensor. In worlds of Stage a model may be a sensor only, which has the name of its type.
+/// Begins a message about a sensor with its name. In Stage worlds a model may be only a sensor, which then
+/// has the name of its type.
 std::string called_text(std::string_view sensor, std::string_view type) {
   return sensor.empty() ? fmt::format("sensor \"{}\" sees nothing: ", type)
                         : fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor, type);
@@ -183,7 +185,7 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
   if (!is_any_marked) {
     diagnostics_.warning(
         sensor.where,
-        called + fmt::format("no other body has a fiducial_return with its key, {}", sought.key));
+        called + fmt::format("no other body has a fiducial_return with the finder's key, {}", sought.key));
     return;
   }
   if (sought.at_any_height || sensor.joint != engine::k_rigid) return;
@@ -207,15 +209,15 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
   const engine::BodyType& body = world_.types()[type];
   const std::string called = called_text(sensor.name, body.name);
   if (ranger->count == 0) {
-    diagnostics_.warning(where, called + "it has no beam");
+    diagnostics_.warning(where, called + "it has no beams");
     return;
   }
   if (stays_inside(*ranger, body.obstacle)) {
     float longest = 0;
     for (const sensors::BeamGroup& group : ranger->groups)
       longest = std::max(longest, *std::ranges::max_element(group.range_max));
-    diagnostics_.warning(where,
-                         called + fmt::format("its beams of {:.4g} m end inside of its own body", longest));
+    diagnostics_.warning(
+        where, called + fmt::format("its beams of at most {:.4g} m end inside its own body", longest));
     return;
   }
   ZInterval looks = k_no_heights;
@@ -235,7 +237,7 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
 
 /// Whether a floor plan can block a robot; the error states why not.
 Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const {
-  if (!plan.returns.obstacle) return Error{"it is no obstacle"};
+  if (!plan.returns.obstacle) return Error{"it is not an obstacle"};
   const double height = body.pose_world_body.z;
   ZInterval robots = k_no_heights;
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
@@ -252,13 +254,13 @@ Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& p
   if (robots == k_no_heights) return Error{"no robot is an obstacle"};
   ZInterval walls = robots;
   if (!plan.solids.empty()) walls = plan.solids.front().z.shifted(height);
-  return Error{fmt::format("it stands from {:.4g} to {:.4g} m, the robots from {:.4g} to {:.4g} m", walls.min,
-                           walls.max, robots.min, robots.max)};
+  return Error{fmt::format("its height is {:.4g} to {:.4g} m, but the robots are at {:.4g} to {:.4g} m",
+                           walls.min, walls.max, robots.min, robots.max)};
 }
 
 void Lint::check_floor_plans() {
   if (world_.robots() == 0) return;
-  std::vector<BodyId> open;  // robots drive through them
+  std::vector<BodyId> open;  // floor plans that robots drive through
   for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
     const engine::BodySpec& body = spec_.bodies[b];
     if (world_.row(BodyId(b)).valid()) continue;
@@ -266,7 +268,7 @@ void Lint::check_floor_plans() {
       if (!part.floor_plan) continue;
       const Result<> blocks = can_block(body, part);
       if (blocks) continue;
-      diagnostics_.warning(body.where, fmt::format("floor plan \"{}\" blocks nothing: {}",
+      diagnostics_.warning(body.where, fmt::format("floor plan \"{}\" blocks no robot: {}",
                                                    spec_.name(BodyId(b)), blocks.error().text));
       if (!part.returns.obstacle) open.push_back(BodyId(b));
       break;
@@ -294,12 +296,14 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
     for (const BodyId plan : scene.overlapping(type.obstacle, body.pose_world_body)) {
       if (found++ >= k_most_listed) continue;
       last = body.where;
-      diagnostics_.warning(last, fmt::format("\"{}\" stands in floor plan \"{}\", which does not block it",
-                                             spec_.name(BodyId(b)), spec_.name(plan)));
+      diagnostics_.warning(
+          last, fmt::format("\"{}\" starts inside a wall of floor plan \"{}\", which does not block it",
+                            spec_.name(BodyId(b)), spec_.name(plan)));
     }
   }
   if (found > k_most_listed)
-    diagnostics_.warning(last, fmt::format("{} more robots stand in floor plans", found - k_most_listed));
+    diagnostics_.warning(
+        last, fmt::format("{} more robots start inside walls of floor plans", found - k_most_listed));
 }
 
 }  // namespace

@@ -8,13 +8,13 @@
 
 namespace troupe {
 
-/// Finds probable mistakes in a world that can be loaded: all warnings of loading it, at every place, and
+/// Finds probable mistakes in a world that can be loaded. The findings are all warnings of loading it, and
 ///   - bodies that overlap at the start, robots that start in walls;
 ///   - sensors that can never detect anything, floor plans that block no robot;
 ///   - unused definitions, properties without effect.
-/// Each finding is a line `file:line: warning: ...`, in the order of files and lines. At most a hundred
-/// overlaps are listed, the others are counted. Empty: nothing was found. Throws InputError if the world
-/// cannot be loaded.
+/// Returns one line per finding, `file:line: warning: ...`, in the order of files and lines; an empty list if
+/// nothing was found. At most 100 overlaps are listed, and one more line counts the remaining ones. Throws
+/// InputError if the world cannot be loaded.
 std::vector<std::string> lint(const std::filesystem::path& world, const SimulationOptions& options = {});
 
 }  // namespace troupe

@@ -33,7 +33,7 @@ std::vector<engine::MeasureSpec> specs_of(const Simulation& simulation,
 
 struct Measures::Impl {
   engine::MeasureSet set;
-  std::vector<std::string> names;  // of the columns, without their units
+  std::vector<std::string> names;  // names of the columns without their units
 };
 
 Measures::Measures(Simulation& simulation, const std::vector<std::string>& wanted) {

@@ -11,7 +11,8 @@ namespace troupe {
 
 class Simulation;
 
-/// Measures of a simulation (docs/measures.md), as `troupe run --measure` writes them:
+/// Numbers that are computed from the state of a simulation, such as the covered area or the number of
+/// stalled robots (docs/measures.md). `troupe run --measure` writes the same measures.
 ///
 ///   troupe::Measures measures(simulation, {"coverage", "stalls", "displacement:leaders"});
 ///   while (simulation.time_s() < 60) {
@@ -20,33 +21,35 @@ class Simulation;
 ///   }
 ///   std::cout << measures.value("coverage") << '\n';
 ///
-/// They change no state. Not thread-safe. They run on the simulation's workers; the simulation must outlive
-/// them.
+/// Measures do not change the state. They are computed on the worker threads of the simulation, which must
+/// outlive them. Not thread-safe.
 class Measures {
  public:
-  /// wanted: names, for a type, population or robot `name:of`, or objects as in a JSON world
-  /// (`{"kind": "coverage", "cell_m": 0.5}`). If empty: the measures of the world, or, if it has none, all
-  /// that need no parameters. Throws InputError that lists all errors.
+  /// wanted: one text per measure: the name of a measure ("stalls"); a name and the type, population or robot
+  /// that it is computed for ("stalls:leaders"); or a JSON object as in a world file (`{"kind": "coverage",
+  /// "cell_m": 0.5}`). An empty list means the measures of the world file, or, if it has none, all measures
+  /// that need no parameters. Throws InputError, whose text lists all errors.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
-  Measures(Measures&&) noexcept;             ///< the source may only be destroyed or assigned
-  Measures& operator=(Measures&&) noexcept;  ///< the source may only be destroyed or assigned
+  Measures(Measures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
+  Measures& operator=(Measures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
-  /// Updates measures that remember where robots have been. Call it after every step. After a reset they
-  /// start again.
+  /// Updates measures that depend on earlier ticks, such as the covered area. Call it after every step. After
+  /// Simulation::reset() they start again.
   void see();
-  /// Names with their units appended: `displacement_m`, `stalls:leaders`.
+  /// Names of the values, with their units appended: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const;
-  /// One number per column, for the current state, after see(); NaN if a column has no value.
+  /// One number per column, for the current state; NaN if a measure has no value. Call see() first.
   std::vector<double> values();
-  /// The value of one column, named with or without its unit. Throws std::out_of_range, with the known
-  /// columns, if there is none.
+  /// The value of one column, whose name may omit the unit. Throws std::out_of_range, with the known columns,
+  /// if there is no such column.
   double value(std::string_view name);
 
-  /// The remembered history, to be stored in a checkpoint.
+  /// The data from earlier ticks that the measures keep, as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
-  /// Restores memory() into equal measures of a simulation in the saved state. False, without a change, if
-  /// the size is not that of these measures.
+  /// Restores the bytes of memory(). The measures must be the same as those that returned the bytes, and the
+  /// simulation must be in the state of that time. Returns false, and changes nothing, if the number of bytes
+  /// does not match these measures.
   bool remember(std::span<const std::byte> memory);
 
  private:

@@ -12,52 +12,56 @@
 
 namespace troupe {
 
-/// One number per body from its state: a column of a field of a component.
+/// A number that bodies have in their state: one column of a field of a component (troupe's state is stored
+/// in components, each with named fields of one or more columns).
 struct ChosenValue {
-  std::string component;   ///< "velocity", "wander/0": StateTable::component()
+  std::string component;   ///< as StateTable::component(): "velocity", "wander/0"
   std::string field;       ///< field of the component
-  std::size_t column = 0;  ///< column of the field
+  std::size_t column = 0;  ///< index of the column in the field
   std::string text;        ///< label with unit: "velocity.x (m/s)"
 };
 
-/// The parts of a frame that are requested in addition to bodies.
+/// The members of engine::Frame that a caller requests, in addition to the poses of bodies.
 struct FrameWishes {
-  bool scans = false;                ///< Frame::scans and ranges
-  bool sights = false;               ///< Frame::sights
-  bool blobs = false;                ///< Frame::blobs
-  bool grips = false;                ///< Frame::grips
-  bool links = false;                ///< Frame::links
-  bool charges = false;              ///< Frame::charges
-  bool names = false;                ///< Frame::names
-  std::optional<ChosenValue> value;  ///< Frame::values
+  bool scans = false;                ///< scans of rangers: Frame::scans and ranges
+  bool sights = false;               ///< lines to detected fiducials: Frame::sights
+  bool blobs = false;                ///< detected blobs: Frame::blobs
+  bool grips = false;                ///< light beams and held bodies of grippers: Frame::grips
+  bool links = false;                ///< which body carries which: Frame::links
+  bool charges = false;              ///< charges of power packs: Frame::charges
+  bool names = false;                ///< names of bodies: Frame::names
+  std::optional<ChosenValue> value;  ///< a number per body: Frame::values; not given: none
 };
 
-/// A state to draw: the current one of a simulation, or one of a recording.
+/// A state to draw: the current state of a simulation, or a frame of a recording.
 class PictureSource {
  public:
   virtual ~PictureSource() = default;
 
-  /// The file name in errors.
+  /// Name of the file, for error messages.
   virtual std::string file() const = 0;
-  /// The file of the world, for labels.
+  /// Name of the world file, for labels in pictures.
   virtual std::string world() const { return file(); }
   virtual std::uint64_t seed() const = 0;  ///< seed of the world
   virtual double tick_s() const = 0;       ///< length of a tick, s
-  /// The `window` of the world; null if it has none.
+  /// The entry `window` of the world file; null if it has none.
   virtual const engine::Record* window() const = 0;
   virtual engine::FrameScene scene() const = 0;  ///< the static scene
-  /// The id of the body of this name; empty if there is none.
+  /// The id of the body of this name; empty if there is no such body.
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 
-  /// Resolves a name of a value for FrameWishes. The error names the unknown part and lists the known ones.
+  /// Finds the value of this name (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN), for FrameWishes. The error
+  /// states which part of the name is unknown, and lists the known ones.
   virtual Result<ChosenValue> find_value(const std::string& name) const = 0;
-  /// Whether this source has all requested parts; else an error that names a missing one, and why.
+  /// Success if this source has everything that is requested; else an error that states what is missing, and
+  /// why.
   virtual Result<> check(const FrameWishes& wishes) const = 0;
 
   // The current state.
   virtual double time_s() const = 0;             ///< world time, s
-  virtual std::uint64_t state_hash() const = 0;  ///< docs/determinism.md
-  /// The mobile bodies, and the requested parts, without entries for bodies that lack them.
+  virtual std::uint64_t state_hash() const = 0;  ///< hash of the whole state (docs/determinism.md)
+  /// The mobile bodies, and what `wishes` request. Bodies that do not have a requested item have no entry for
+  /// it.
   virtual engine::Frame frame(const FrameWishes& wishes) const = 0;
 };
 

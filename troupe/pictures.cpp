@@ -28,37 +28,38 @@ namespace {
 
 constexpr std::string_view k_follow = "follow:";
 constexpr std::string_view k_follow_all = "follow:all";
-// In the order of render::Background.
+// Names of the backgrounds, in the order of the enumeration render::Background.
 constexpr std::array<std::string_view, 4> k_backgrounds = {"paper", "white", "dark", "transparent"};
 
 constexpr std::array<PictureLayer, 24> k_layers = {{
-    {"grid", true, "lines on the floor"},
+    {"grid", true, "grid lines on the floor"},
     {"shadows", true, "shadows of bodies on the floor"},
     {"headings", true, "a mark at the front of each robot"},
-    {"stalls", true, "a red outline with a white rim around robots that are blocked"},
-    {"scale", true, "a bar of a round length, or the distance of the grid lines"},
+    {"stalls", true, "a red outline with a white rim around robots whose motion is blocked"},
+    {"scale", true, "a scale bar; in perspective the distance between grid lines"},
     {"clock", true, "the simulated time"},
-    {"speed", false, "multiples of real time, next to the clock: of the film, else of the run"},
+    {"speed", false,
+     "speed as a multiple of real time: that of the film, or in single pictures that of the run"},
     {"legend", true, "the colour scale of --color-by, with the unit"},
     {"bounds", true, "the outline of the world's bounds, if it has them"},
-    {"types", false, "a legend of the types of robots: colour, name and number"},
-    {"scans", false, "areas that rangers scan, filled and transparent"},
+    {"types", false, "a legend of the types of robots: colour, name and number of robots"},
+    {"scans", false, "areas that rangers scan, as transparent surfaces"},
     {"beams", false, "scans of rangers, one line per beam"},
     {"sights", false, "lines from fiducial finders to the bodies they detect"},
-    {"blobs", false, "blobs of blob finders, in their colours"},
-    {"grips", false, "light beams of grippers, red if broken, and the bodies they hold"},
-    {"links", false, "lines from carriers to the bodies they carry"},
+    {"blobs", false, "blobs that blob finders detect, in their colours"},
+    {"grips", false, "light beams of grippers (red if interrupted), and lines to the bodies that they hold"},
+    {"links", false, "lines from bodies to the bodies that they carry"},
     {"trails", false, "paths of robots in the last 20 s, older parts paler"},
     {"names", false, "names of robots"},
     {"energy", false, "bars with the charges of power packs"},
     {"footprints", false, "outlines of bodies on the floor"},
-    {"coverage", false, "squares of 1 m that robots have visited, older visits paler"},
+    {"coverage", false, "squares of 1 m x 1 m that robots have visited, older visits paler"},
     {"density", false, "number of robots per square of the floor"},
-    {"tiles", false, "number of robots per tile, the unit of parallel work"},
-    {"cells", false, "cells of the index that contain robots"},
+    {"tiles", false, "number of robots per tile; tiles divide the world for parallel work"},
+    {"cells", false, "cells of the spatial index that contain robots"},
 }};
 
-/// A layer that a list adds (`on`) or removes.
+/// An entry of a list of layers (PictureOptions::layers): a layer to show (`on`) or to hide.
 struct LayerSwitch {
   std::string_view name;
   bool on = true;
@@ -129,7 +130,7 @@ bool* switch_of(render::Layers& layers, std::string_view name) {
   return found == all.end() ? nullptr : found->second;
 }
 
-/// Reads the fields of a world's window by their names.
+/// Reads members of the entry `window` of a world by their names.
 class Window {
  public:
   explicit Window(const engine::Record& record) : record_(record) {}
@@ -143,8 +144,8 @@ class Window {
   const engine::Record& record_;
 };
 
-/// Sets the view of a world's window. In both of its cameras yaw turns counter-clockwise and pitch tilts up
-/// from straight down, as in render::Camera.
+/// Sets the view that `window` of a world describes. In both cameras of the window, yaw turns
+/// counter-clockwise and pitch is 0 straight down and increases towards the horizontal, as in render::Camera.
 void look_through(const Window& window, render::View& view) {
   const auto& size = window.numbers("size_px");
   if (size[0] >= 1 && size[1] >= 1) {
@@ -177,7 +178,7 @@ void look_through(const Window& window, render::View& view) {
   layers.grips = shows_data && window.on("show_gripper_data");
 }
 
-/// The body with this id in a list sorted by id; null if there is none.
+/// Returns the body with this id in a list sorted by id; null if there is no such body.
 const engine::FrameBody* find_body(const std::vector<engine::FrameBody>& bodies, std::uint32_t id) {
   const auto found = std::ranges::lower_bound(bodies, id, {}, &engine::FrameBody::id);
   return found == bodies.end() || found->id != id ? nullptr : &*found;
@@ -308,7 +309,8 @@ struct Pictures::Impl {
     return body.type < known ? scene.types[body.type] : frame.types[body.type - known];
   }
 
-  /// Shows the region of the robots with a margin; without robots the last such region.
+  /// Shows the region that contains the robots, with a margin; if the world has no robots any more, the last
+  /// such region.
   void show_robots_in(ShotData& shot) {
     constexpr double k_margin = 0.06;     // fraction of the larger side
     constexpr double k_least_side_m = 1;  // a single robot does not fill the picture
@@ -324,7 +326,7 @@ struct Pictures::Impl {
     shot.region = last_region;
   }
 
-  /// Centres the picture on the followed model, or on its last place if it is not in the world any more.
+  /// Centres the picture on the followed model, or on its last position if it has left the world.
   void follow_in(ShotData& shot) {
     if (shows_robots) show_robots_in(shot);
     if (!follow) return;
@@ -358,7 +360,7 @@ struct Pictures::Impl {
     return ready_painter().draw(shot.frame, view_of(shot)).rgba;
   }
 
-  /// name: final name of the file `to`, for errors.
+  /// name: the name that the temporary file `to` will get, for error messages.
   void write(const engine::Frame& frame, const render::View& from, const Texts& texts, const fs::path& to,
              const fs::path& name) {
     if (const auto format = vector_format(to)) {
@@ -442,8 +444,8 @@ Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double 
   const engine::Frame& next = later->frame;
   frame.time_s = mix(frame.time_s, next.time_s);
   for (std::size_t i = 0, k = 0; i < frame.mobile.size(); ++i) {
-    // Both lists are sorted by id. A body that dies in between is shown until `later`, one that is born from
-    // then on.
+    // Both lists are sorted by id. A body that dies between the two ticks is shown until `later`; a body that
+    // is born between them is shown from `later` on.
     while (k < next.mobile.size() && next.mobile[k].id < frame.mobile[i].id) ++k;
     if (k == next.mobile.size() || next.mobile[k].id != frame.mobile[i].id) continue;
     Pose& pose = frame.mobile[i].pose_world_body;
@@ -490,7 +492,7 @@ struct Pictures::Impl {};
 
 namespace {
 [[noreturn]] void refuse_to_draw() {
-  throw std::runtime_error("this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
+  throw std::runtime_error("this build cannot draw pictures: configure it with -DTROUPE_RENDER=ON");
 }
 }  // namespace
 

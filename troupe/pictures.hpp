@@ -17,27 +17,32 @@ namespace troupe {
 
 class PictureSource;
 
-/// How a simulation is drawn. No option changes a result.
+/// How a picture of a simulation is drawn. No option changes a simulated result.
 struct PictureOptions {
-  /// Width, pixels. 0: 1280 x 720, or the size of the world's window with the camera `window`.
+  /// Width, pixels. 0: 1280, or, with the camera `window`, the width of the window in the world file.
   int width = 0;
-  int height = 0;  ///< height, pixels; 0 as for `width`
-  /// `top`: straight down, as a map. `fit`: straight down on the region that contains the robots.
-  /// `perspective`: solid bodies from an oblique angle. `follow:all`: perspective on the region that contains
-  /// the robots. `follow:NAME`: perspective, centred on that model. `window`: as the world's `window`.
+  int height = 0;  ///< height, pixels; 0: 720, or the height of that window
+  /// `top`: looks straight down at the whole world, as a map. `fit`: straight down at the region that
+  /// contains the robots. `perspective`: from an oblique angle, with bodies as solids. `follow:all`:
+  /// perspective view of the region that contains the robots. `follow:NAME`: perspective view centred on the
+  /// model NAME. `window`: the view that `window` in the world file describes.
   std::string camera = "top";
-  /// Point at the centre of the picture, m, in the world frame. Not given: the whole world is shown.
+  /// Point at the centre of the picture, m, in the world frame. Not given: the camera chooses it.
   std::optional<std::array<double, 2>> center_m;
-  /// Pitch (0: straight down, pi/2: level) and yaw (counter-clockwise; 0: +y is far), rad.
+  /// Pitch (0: straight down, pi/2: horizontal) and yaw (counter-clockwise; 0: +y points away from the
+  /// viewer), rad.
   std::optional<std::array<double, 2>> angle_rad;
-  /// World length across the width of the picture at its centre, m.
+  /// Width of the part of the world that the picture shows, measured at its centre, m.
   std::optional<double> across_m;
-  /// Layers to add to the default ones, and, with a minus, to remove: `scans,trails,-grid`.
+  /// Layers to show in addition to the default ones, and, with a minus sign, default layers to hide:
+  /// `scans,trails,-grid`.
   std::string layers;
-  /// Colours robots by a value of the state, `velocity.x`; for a field of several columns by one of them:
-  /// `ranger/ir.ranges.0`. Empty: robots keep their own colours.
+  /// The value of the state that determines the colour of each robot: COMPONENT.FIELD, such as `velocity.x`,
+  /// or COMPONENT.FIELD.COLUMN for one column of a field, such as `ranger/ir.ranges.0`. Empty: robots have
+  /// the colours of the world file.
   std::string color_by;
-  /// Values at the ends of the colour scale. Not given: the least and the greatest value of each picture.
+  /// Values at the two ends of the colour scale. Not given: the smallest and the largest value in each
+  /// picture.
   std::optional<std::array<double, 2>> color_range;
   /// `paper` (warm white), `white`, `dark`, or `transparent` (opaque only where something is drawn).
   std::string background = "paper";
@@ -51,15 +56,16 @@ struct PictureLayer {
   bool on;                ///< whether it is shown by default
   std::string_view text;  ///< description
 };
-/// All layers.
+/// All layers that pictures can have.
 std::span<const PictureLayer> picture_layers();
-/// Whether all names of a list of layers are known; else the error `unknown layer "scan"; known: ...`.
+/// Success if all names in a list of layers are known; else the error `unknown layer "scan"; known: ...`.
 Result<> check_layers(const std::string& layers);
 /// The names of all backgrounds.
 std::span<const std::string_view> picture_backgrounds();
-/// Whether a background has this name; else an error that lists the known ones.
+/// Success if there is a background of this name; else an error that lists the known names.
 Result<> check_background(const std::string& background);
-/// Whether a camera may have this name, whatever the world; else an error that lists the known ones.
+/// Success if this is the name of a camera; else an error that lists the known names. Does not check that a
+/// world has the model or the window that the name refers to.
 Result<> check_camera(const std::string& camera);
 
 /// Draws pictures of one simulation:
@@ -68,52 +74,57 @@ Result<> check_camera(const std::string& camera);
 ///     simulation.run_for(60);
 ///     pictures.write(pictures.take(simulation), "after-a-minute.png");
 ///
-/// take() copies a tick; draw() and write() work on the copy, possibly on another thread, while the
-/// simulation goes on. None of them changes the simulation.
+/// take() copies the state of the current tick. draw() and write() use only this copy, so another thread may
+/// call them while the simulation continues. No function changes the simulation.
 class Pictures {
  public:
   /// Throws InputError for options that name something that the world does not have (a model to follow, a
   /// window, a field to colour by), and std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
-  /// Draws a recording or another source. Throws InputError also for what the source does not contain.
+  /// Draws a recording or another source. Throws InputError also for layers and values that the source does
+  /// not contain.
   Pictures(const PictureSource& source, PictureOptions options);
   ~Pictures();
-  Pictures(Pictures&&) noexcept;             ///< the source may only be destroyed or assigned
-  Pictures& operator=(Pictures&&) noexcept;  ///< the source may only be destroyed or assigned
+  Pictures(Pictures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
+  Pictures& operator=(Pictures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
-  /// Width of the pictures, pixels, from the options or the world's window.
+  /// Width of the pictures, pixels.
   int width() const;
   int height() const;  ///< height of the pictures, pixels
 
-  /// Collects data for the layers `trails` and `coverage`; without these layers it does nothing. Call it
-  /// after every step.
+  /// Collects the data of the current tick for the layers `trails` and `coverage`. Call it after every step.
+  /// Without these layers it does nothing.
   void see(const Simulation& simulation);
-  void see(const PictureSource& source);  ///< collects data of another source
-  /// Discards the collected data: trails, coverage, last poses of robots that have left the world.
+  void see(const PictureSource& source);  ///< collects the data of the current state of another source
+  /// Discards the data that see() collected: trails, coverage, and the last poses of robots that have left
+  /// the world.
   void forget();
-  /// Simulated time, s, before a picture for which see() must be called: 0 if no layer needs it, infinity for
-  /// the whole run.
+  /// How long before a picture see() must have been called after every step, in simulated time, s. 0: no
+  /// layer needs see(); infinity: from the start of the run.
   double history_s() const;
 
   struct ShotData;
-  using Shot = std::shared_ptr<const ShotData>;  ///< the copy of a tick to be drawn
-  /// Copies the current tick. `times_real_time` is the speed that the layer `speed` shows; 0: none.
+  using Shot = std::shared_ptr<const ShotData>;  ///< a copy of a tick's state, to be drawn
+  /// Copies the state of the current tick. times_real_time: the speed that the layer `speed` shows, simulated
+  /// time divided by real time; 0: no speed is shown.
   Shot take(const Simulation& simulation, double times_real_time = 0);
   Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of another source
-  /// Interpolates between two ticks, with `share` from 0 to 1: poses of bodies are interpolated, everything
-  /// else is that of `earlier`.
+  /// Interpolates the poses of bodies between two ticks; everything else is copied from `earlier`. share:
+  /// position between the two ticks, from 0 (`earlier`) to 1 (`later`).
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
-  /// Throws the errors of write() for a file of this name before there is anything to draw: it writes a small
-  /// picture next to the file and removes it.
+  /// Checks that write() can write a file of this name, by writing a small picture next to it and removing
+  /// it. Throws the errors of write(). Call it before a long run, to find errors early.
   void rehearse(const std::filesystem::path& file);
-  /// Draws 8-bit RGBA, row 0 on top. Throws std::runtime_error if OSMesa is missing, with the package to
-  /// install, and if the size exceeds its limit. Call it from one thread at a time.
+  /// Returns a picture: 8-bit RGBA, four bytes per pixel, row by row from the top. Throws std::runtime_error
+  /// if the library OSMesa is missing (the text names the package to install), and if the size exceeds the
+  /// limit of OSMesa. Do not call it from two threads at once.
   std::vector<std::uint8_t> draw(const Shot& shot);
-  /// Writes a picture that states its world, time, seed and state hash. It is written under a temporary name
-  /// and renamed when complete. A file `.svg` or `.pdf` holds vector graphics (docs/pictures.md), any other
-  /// is a PNG. Throws InputError for vector graphics of a perspective view; std::runtime_error if a PDF is
-  /// requested and cairo is missing, with the package to install, and if the file cannot be written.
+  /// Writes a picture to a file, whose metadata state world, time, seed and state hash. A name ending in
+  /// `.svg` or `.pdf` selects vector graphics (docs/pictures.md); any other name selects PNG. The file is
+  /// written under a temporary name and renamed when complete. Throws InputError for vector graphics of a
+  /// perspective view. Throws std::runtime_error if the file cannot be written, and if a PDF is requested and
+  /// the library cairo is missing (the text names the package to install).
   void write(const Shot& shot, const std::filesystem::path& file);
 
  private:

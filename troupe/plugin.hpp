@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-/// Everything that a controller or a sensor in a plug-in includes (docs/controllers.md):
+/// A plug-in is a shared library with controllers and sensors (docs/controllers.md); this header is all that
+/// its sources must include. A controller is a class whose objects are called for each robot in each tick:
 ///
 ///     #include <troupe/plugin.hpp>
 ///
@@ -23,17 +24,18 @@
 ///     };
 ///     TROUPE_CONTROLLER("dancer", Dancer)
 ///
-/// The class may also have `static constexpr std::string_view text`, described parameters (`struct Params`,
-/// engine/description.hpp), `choose` and a batch form that decides for many robots at once
-/// (engine/controller.hpp). The library links troupe::plugin and is called dancer.so.
+/// The class may also have a description (`static constexpr std::string_view text`), parameters (`struct
+/// Params`, engine/description.hpp), and the functions of engine/controller.hpp: `choose`, and a batch form
+/// that decides for many robots in one call. The library links the CMake target troupe::plugin, and its file
+/// is called dancer.so.
 ///
-/// A sensor, or another device, is a function that returns its kind (docs/extending.md), made from a class
-/// (engine/device_kind.hpp) or by hand:
+/// A sensor or another device is a function that returns a DeviceKind (docs/extending.md). make_device_kind()
+/// makes one from a class (engine/device_kind.hpp); a function can also fill the members itself:
 ///
 ///     troupe::DeviceKind compass() { return troupe::make_device_kind<Compass>("compass", "..."); }
 ///     TROUPE_DEVICE("compass", compass)
 ///
-/// engine/world.hpp and engine/sight.hpp state what a kind can read of the world.
+/// engine/world.hpp and engine/sight.hpp document the functions by which a device reads the world.
 
 namespace troupe {
 
@@ -66,11 +68,12 @@ using sensors::Ranger;
 using sensors::ranger_kind;
 namespace facts = engine::facts;
 
-// Hidden, so that each plug-in of a process has its own copy of the following.
+// Hidden symbols, so that each plug-in in a process has its own copy of the following definitions. With
+// visible symbols the dynamic linker would merge them, and each plug-in would list the kinds of all plug-ins.
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// A controller or a device of this library, in the linked list of its sort.
+/// An element of a linked list of the controllers (or devices, depending on `Kind`) of this library.
 template <class Kind>
 struct Entry {
   using Make = Kind (*)(std::string_view name);  ///< returns the kind
@@ -114,9 +117,10 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
   list_all(devices);
 }
 
-/// Whether the compiler contracts a product and a sum to one fused operation: the product here must be
-/// rounded, and a fused operation leaves a remainder of 2^-54. Volatile, so that it is computed as the
-/// arithmetic of a controller is, not by the compiler.
+/// Whether the compiler contracts a product and a sum to one fused multiply-add, which changes bits of
+/// results. The exact product of x and y is not representable: rounded, it equals z; in a fused operation a
+/// remainder of 2^-54 is left. The operands are volatile so that the expression is computed at run time, as
+/// the arithmetic of a controller is, and not folded by the compiler.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;
   const volatile double rounded_square = 0x1.0000004p0;
@@ -131,23 +135,23 @@ inline constexpr Library library{k_interface, k_version, k_build, layout(), cont
 #pragma GCC visibility pop
 }  // namespace troupe
 
-/// The symbol k_symbol, which the loading program calls.
+/// The exported function (k_symbol) that the program calls after loading the plug-in.
 extern "C" __attribute__((used, visibility("default"))) inline const troupe::plugin::Library*
 troupe_plugin() {
   return &troupe::plugin::library;
 }
 
-/// Registers a class as the controller of this name. Use it at namespace scope, once per controller; a
-/// library may have several.
+/// Registers a class as the controller of this name. Use the macro at namespace scope, once per controller. A
+/// library may have several controllers.
 #define TROUPE_CONTROLLER(name, ...)                                                                       \
   static_assert(::troupe::plugin::is_name(name),                                                           \
                 "a controller's name is one word, without / : = and without a leading dot");               \
   static const ::troupe::plugin::Entry<::troupe::engine::ControllerKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::kind_of<__VA_ARGS__>);
 
-/// Registers a function `DeviceKind make()` as the sensor, or another device, of this name; JSON worlds know
-/// it by this name, not by that of the kind. Use it at namespace scope, once per device; a library may have
-/// several, and controllers as well.
+/// Registers a function `DeviceKind make()` as the sensor or other device of this name. World files use this
+/// name, which replaces the name in the returned DeviceKind. Use the macro at namespace scope, once per
+/// device. A library may have several devices and controllers.
 #define TROUPE_DEVICE(name, make)                                                                      \
   static_assert(::troupe::plugin::is_name(name),                                                       \
                 "a device's name is one word, without / : = and without a leading dot");               \

@@ -11,8 +11,9 @@
 #include <string_view>
 #include <vector>
 
-/// Checks that a plug-in matches the program that loads it. Both compile this header: the plug-in stores what
-/// it was compiled with, and the loader (troupe/plugins.cpp) compares that with its own values.
+/// Checks that a plug-in matches the program that loads it. Plug-in and program both compile this header: the
+/// plug-in stores the versions and settings that it was compiled with (struct Library), and the loader
+/// (troupe/plugins.cpp) compares them with those of the program.
 
 #if defined(_LIBCPP_VERSION)
 #define TROUPE_PLUGIN_STANDARD_LIBRARY "libc++"
@@ -33,15 +34,15 @@
 
 namespace troupe::plugin {
 
-/// Version of struct Library and of its functions.
+/// Version of struct Library and of the functions that it points to.
 inline constexpr std::uint32_t k_interface = 5;
 
-/// Build settings that change types or bits without a change of a header.
+/// Build settings that change the layout of types or the bits of results although all headers are equal.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
     ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
 
-/// A hash of the sizes of all types that plug-in and program exchange. It detects headers of another state of
-/// Troupe even if their version is the same.
+/// A hash of the sizes of all types that plug-in and program exchange. It detects headers of another revision
+/// of Troupe that has the same version number.
 constexpr std::uint64_t layout() {
   using namespace engine;
   constexpr std::array k_sizes{sizeof(ControllerKind), sizeof(ControllerKind::Prepared),
@@ -59,18 +60,19 @@ constexpr std::uint64_t layout() {
   return mixture;
 }
 
-/// The interface of a plug-in. The first two members stay where they are in every version.
+/// The interface of a plug-in. The first two members have the same offsets in every version, so that a loader
+/// can always read them.
 struct Library {
   std::uint32_t interface;  ///< k_interface
   const char* version;      ///< k_version
   const char* build;        ///< k_build
   std::uint64_t layout;     ///< layout()
-  /// Whether the plug-in's compiler contracts a product and a sum to one fused operation.
+  /// Whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
   bool (*contracts)();
   /// Appends the controllers and the devices of the library, each under its own name.
   void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices);
-  /// Written by the loader: a hash of the file's contents; 0 before the first load. It lies in the library
-  /// because a process loads a library once, however often it is requested.
+  /// Hash of the bytes of the library file, which the loader writes; 0 before the first load. It is stored in
+  /// the library because a process loads a library only once, even if several simulations request it.
   std::atomic<std::uint64_t>* contents;
 };
 
@@ -78,8 +80,8 @@ struct Library {
 inline constexpr const char* k_symbol = "troupe_plugin";
 using Symbol = const Library* (*)();
 
-/// Whether a text can be the name of a kind or a plug-in: one word that cannot be confused with a path or the
-/// parameters of a controller.
+/// Whether a text can be the name of a kind or a plug-in: one word that cannot be mistaken for a path or for
+/// the parameters of a controller.
 constexpr bool is_name(std::string_view name) {
   return !name.empty() && name.find_first_of("/:=\"\\ \t\n") == std::string_view::npos && name.front() != '.';
 }

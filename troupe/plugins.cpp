@@ -51,49 +51,53 @@ bool is_whole(std::string_view bytes) {
   return true;
 }
 
-/// Whether a file may be loaded; loading runs its code.
+/// Whether a file looks like a plug-in. This is checked before loading, because loading runs code of the
+/// file.
 Result<> check_contents(std::string_view bytes) {
   if (!bytes.starts_with("\177ELF")) return Error{"is not a shared library"};
   if (!is_whole(bytes)) return Error{"is truncated"};
   if (mentions(bytes, plugin::k_symbol)) return {};
   if (mentions(bytes, "Init"))
-    return Error{fmt::format(
-        "is a controller of Stage (it has Init, and no {}) and needs Stage itself; docs/controllers.md shows "
-        "how to write one for Troupe",
-        plugin::k_symbol)};
+    return Error{
+        fmt::format("is a controller of Stage (it has Init, but not {}), which Troupe cannot run; "
+                    "docs/controllers.md shows how to write one for Troupe",
+                    plugin::k_symbol)};
   return Error{fmt::format(
       "is not a Troupe plug-in: it has no symbol {}, which TROUPE_CONTROLLER and TROUPE_DEVICE define",
       plugin::k_symbol)};
 }
 
-/// Whether a loaded library fits this program. Until interface and version are known to be equal, only those
-/// two members are read, because their place is the same in every version.
+/// Whether a loaded library was built for this program. First only the members `interface` and `version` are
+/// read, because only their offsets are the same in every version.
 Result<> check_build(const plugin::Library& library) {
   if (library.interface != plugin::k_interface || std::string_view(library.version) != k_version)
-    return Error{
-        fmt::format("was built for troupe {} (interface {}), this is troupe {} (interface {}): rebuild it",
-                    library.version, library.interface, k_version, plugin::k_interface)};
+    return Error{fmt::format(
+        "was built for troupe {} (interface {}), but this program is troupe {} (interface {}): rebuild it",
+        library.version, library.interface, k_version, plugin::k_interface)};
   if (std::string_view(library.build) != plugin::k_build)
     return Error{
-        fmt::format("was built with {}, Troupe with {}: link it with troupe::plugin, which sets the flags",
+        fmt::format("was built with {}, but Troupe with {}: link it with the CMake target troupe::plugin, "
+                    "which sets the flags",
                     library.build, plugin::k_build)};
   if (library.layout != plugin::layout())
     return Error{fmt::format("was built with other headers of troupe {}: rebuild it", k_version)};
   if (library.contracts())
     return Error{
         "was compiled with fused multiply-add (a * b + c is rounded once), which changes results: link it "
-        "with troupe::plugin, which sets -ffp-contract=off"};
+        "with the CMake target troupe::plugin, which sets -ffp-contract=off"};
   return {};
 }
 
-/// `cannot be loaded: undefined symbol: ...`, without the file name that dlerror() repeats.
+/// The error of dlerror(), `cannot be loaded: undefined symbol: ...`, without the file name, which callers
+/// add.
 Error load_error(const fs::path& file) {
   const char* said = dlerror();
   std::string_view reason = said ? said : "the system gives no reason";
   const std::string prefix = file.string() + ": ";
   if (reason.starts_with(prefix)) reason.remove_prefix(prefix.size());
-  return {fmt::format("cannot be loaded: {}{}", reason,
-                      reason.find("N6troupe") == reason.npos ? "" : " (link it with troupe::plugin)")};
+  return {fmt::format(
+      "cannot be loaded: {}{}", reason,
+      reason.find("N6troupe") == reason.npos ? "" : " (link it with the CMake target troupe::plugin)")};
 }
 
 }  // namespace
@@ -106,14 +110,15 @@ struct Plugins::Loaded : Library {
   template <class K>
   struct Kinds {
     using Kind = K;
-    std::string_view what;  ///< the sort, for errors
+    std::string_view what;  ///< "controller" or "sensor or device", for error messages
     std::vector<Kind> kinds;
     std::deque<std::string> names;  ///< names of the kinds; a deque, because the kinds refer to them
     std::vector<std::string_view> known() const { return {names.begin(), names.end()}; }
   };
   Kinds<engine::ControllerKind> controllers{"controller"};
   Kinds<engine::DeviceKind> devices{"sensor or device"};
-  /// The kinds of the other sort, for the error if the requested sort has none.
+  /// Names the kinds that the library has instead, for the error if it has no controllers, or no sensors and
+  /// devices.
   std::string has_else() const {
     return controllers.names.empty()
                ? fmt::format("no controller, but {}", comma_list(devices.known()))
@@ -173,7 +178,7 @@ std::vector<Plugins::Library> Plugins::libraries() const {
   return in_use;
 }
 
-/// The library of this name. The first call searches and opens it.
+/// The library of this name. The first call with this name searches the folders and opens the file.
 Plugins::Loaded& Plugins::loaded(std::string_view name) {
   for (const auto& library : loaded_)
     if (library->name == name) return *library;
@@ -188,7 +193,7 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
     return library;
   }
   if (path_.empty()) {
-    library.found = Error{fmt::format("no --plugin-path is given to search for {}", file_name)};
+    library.found = Error{fmt::format("no folder to search for {}: give --plugin-path", file_name)};
     return library;
   }
   std::vector<std::string> folders;
@@ -202,7 +207,7 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   return library;
 }
 
-/// Loads a library and reads its kinds.
+/// Loads a library and stores its kinds. The error states why the library cannot be used.
 Result<> Plugins::open(Loaded& library) {
   const std::optional<std::string> bytes = worldio::read_file(library.file);
   if (!bytes) return Error{"cannot be read"};
@@ -249,10 +254,11 @@ Result<> Plugins::read_kinds(Loaded& library, List list) const {
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
       if (!kind.prepare) all_right = Error{fmt::format("has a {} \"{}\" without `prepare`", own.what, name)};
       if (std::ranges::find(own.names, name) != own.names.end())
-        all_right = Error{fmt::format("has two of the name \"{}\", each a {}", name, own.what)};
-      if (std::ranges::find(taken, name) != taken.end())
         all_right =
-            Error{fmt::format("has a {} \"{}\", but Troupe has one of that name: rename it", own.what, name)};
+            Error{fmt::format("has two kinds with the name \"{}\", each a {}: rename one", name, own.what)};
+      if (std::ranges::find(taken, name) != taken.end())
+        all_right = Error{
+            fmt::format("has a {} \"{}\", but Troupe ships one with this name: rename it", own.what, name)};
       kind.name = own.names.emplace_back(std::move(name));
     }
     own.kinds = std::move(kinds);

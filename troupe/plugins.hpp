@@ -13,40 +13,43 @@
 
 namespace troupe {
 
-/// Loads controllers and devices from shared libraries (docs/controllers.md) by name: "dancer" is the kind of
-/// that name in dancer.so, "swarm:leader" the kind "leader" in swarm.so. The first file of that name on the
-/// path is used.
+/// Loads controllers and devices by name from plug-ins, which are shared libraries (docs/controllers.md). The
+/// name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to the kind "leader" in
+/// swarm.so. If several folders of the path have such a file, the first folder is used.
 ///
-/// A loaded library stays loaded until the process ends. Each load restores the floating-point environment of
-/// the calling thread, because a library linked with -ffast-math switches denormal numbers off. Not
-/// thread-safe.
+/// A library stays loaded until the process ends. After each load, the floating-point environment of the
+/// calling thread is restored, because a library that was linked with -ffast-math switches denormal numbers
+/// off. Not thread-safe.
 class Plugins {
  public:
   /// A loaded library.
   struct Library {
     std::string name;            ///< name of the file, without .so
-    std::filesystem::path file;  ///< where it was found
+    std::filesystem::path file;  ///< path of the file
     std::uint64_t contents = 0;  ///< hash of the file's bytes
   };
 
-  /// Searches these folders, in this order. Kinds of the registry keep their names: plug-ins cannot replace
-  /// them.
+  /// path: the folders to search, in this order. registry: the kinds that the program already has; a plug-in
+  /// cannot replace a kind of the same name.
   Plugins(std::vector<std::filesystem::path> path, const engine::Registry& registry);
   ~Plugins();
   Plugins(const Plugins&) = delete;
   Plugins& operator=(const Plugins&) = delete;
 
-  /// The controller of this name, for Registry::plugged_controllers.
+  /// Finds the controller of this name, for Registry::plugged_controllers. unknown: the error text if no
+  /// plug-in has it.
   Result<const engine::ControllerKind*> controller(std::string_view name, std::string unknown);
-  /// The device of this name, for Registry::plugged_devices.
+  /// Finds the device of this name, for Registry::plugged_devices. unknown: the error text if no plug-in has
+  /// it.
   Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
-  /// Loads the library of this name; the pointer is never null. The error states why it cannot be used:
-  /// `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0, ...`.
+  /// Loads the library of this name. The pointer is never null. The error states why the library cannot be
+  /// used: `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0,
+  /// ...`.
   Result<const Library*> load(std::string_view name);
 
   /// The loaded libraries, in the order of their names.
   std::vector<Library> libraries() const;
-  /// Warnings about side effects of loading, `dancer.so: warning: ...`.
+  /// Warnings about side effects that loading a library had, `dancer.so: warning: ...`.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -65,7 +68,7 @@ class Plugins {
   std::vector<std::string> warnings_;
 };
 
-/// Lets a registry, and its copies, load controllers and devices from this path.
+/// Allows a registry, and copies of it, to load controllers and devices from plug-ins in these folders.
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path);
 
 }  // namespace troupe

@@ -56,8 +56,8 @@ void convert(Element element, std::span<const std::byte> bytes, std::span<double
   }
 }
 
-/// Whether an array is of the component of this name: `ranger/eye` of the world is `sensors/minibot/eye` in
-/// the recording of minibots.
+/// Whether an array of a recording belongs to the component of this name. Recordings use other names: the
+/// component `ranger/eye` of the type minibot is `sensors/minibot/eye` in a recording.
 bool has_name(const Array& array, std::string_view name) {
   const std::string_view component = array.component;
   if (component == name || component.substr(0, component.find('/')) == name) return true;
@@ -96,13 +96,13 @@ struct RecordedRun::Impl {
 
   explicit Impl(const std::filesystem::path& file)
       : reader(file), world(worldio::recorded_scene(reader)), window(worldio::recorded_window(reader)) {
-    if (reader.frames() == 0) refuse("the recording has no frame");
+    if (reader.frames() == 0) refuse("the recording has no frames");
     pose = find_pose("pose");
     rows.assign(world.bodies.size(), k_none);
     for (std::size_t row = 0; row < reader.ids().size(); ++row)
       rows[reader.ids()[row]] = static_cast<std::uint32_t>(row);
     if (!pose[0] || !pose[1] || !pose[3])
-      refuse("the recording has no poses: --record-fields chooses what is recorded");
+      refuse("the recording has no poses: record the run with pose in --record-fields");
     stalled = find("stall", "stalled");
     for (const RecordedScene::Type& type : world.types) {
       // Recordings append "~2" to the second type of a name, so use `type_name`, the name in /bodies/type.
@@ -144,7 +144,7 @@ struct RecordedRun::Impl {
     return {find(component, "x"), find(component, "y"), find(component, "z"), find(component, "heading")};
   }
 
-  /// Reads an array at the current frame, row-major, one row per body.
+  /// Reads the values of an array in the current frame, row-major, one row per body.
   std::vector<double> read(const Array& array) const {
     std::vector<std::byte> bytes(array.bodies.size() * array.row_bytes());
     std::vector<double> values(array.bodies.size() * array.field.columns);
@@ -153,7 +153,7 @@ struct RecordedRun::Impl {
     return values;
   }
 
-  /// A component with the fields of a pose, one row per row of the recording.
+  /// The poses that a component stores in the current frame, one per recorded row.
   class Poses {
    public:
     Poses(const Impl& run, const std::array<const Array*, 4>& arrays) {
@@ -185,7 +185,7 @@ struct RecordedRun::Impl {
     return shown;
   }
 
-  /// Sets the colours of bodies with a device that shows a colour.
+  /// Sets the colours of bodies that have a device which shows a colour, such as an LED.
   void color(Frame& shown) const {
     const std::vector<std::uint32_t> places = places_in(shown);
     for (const Array* array : shown_colors) {
@@ -200,8 +200,8 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// How the joints of a type have moved the parts on them, in the body's frame: a list per recorded row;
-  /// empty if not recorded.
+  /// The motions by which the joints of a type have moved the parts on them, in the body frame: a list per
+  /// recorded row; empty if joints were not recorded.
   std::vector<std::vector<engine::Mount>> mounts(std::size_t type) const {
     std::vector<std::vector<engine::Mount>> mounts;
     if (joints[type].empty()) return mounts;
@@ -223,7 +223,8 @@ struct RecordedRun::Impl {
     return mounts;
   }
 
-  /// Gives bodies with moved parts a type of their own, with the shapes where the joints have moved them.
+  /// Replaces the type of each body whose joints have moved by a new type, whose shapes are at the moved
+  /// positions.
   void move_parts(Frame& shown) const {
     for (std::uint32_t type = 0; type < world.types.size(); ++type) {
       const auto moved = mounts(type);
@@ -282,7 +283,7 @@ struct RecordedRun::Impl {
     std::ranges::stable_sort(shown.scans, {}, &engine::FrameScan::body);
   }
 
-  /// One number per body of the frame, from all arrays that have this name.
+  /// One number per body of the frame, from all arrays that have this component and field.
   std::vector<double> values(const Frame& shown, std::string_view component, std::string_view field,
                              std::size_t column) const {
     const std::vector<std::uint32_t> places = places_in(shown);
@@ -301,7 +302,7 @@ struct RecordedRun::Impl {
 
 namespace {
 
-/// Turns errors of HDF5 in a damaged file into InputError.
+/// Calls a function, and converts errors of HDF5 in a damaged file to InputError.
 template <class Work>
 auto checked(Work&& work) {
   try {
@@ -335,7 +336,7 @@ std::size_t RecordedRun::first_within(double history_s) const {
 void RecordedRun::go_to(double time_s) {
   const std::span<const double> times = impl_->reader.times_s();
   if (times.front() > time_s + k_same_s || times.back() < time_s - k_same_s)
-    impl_->refuse(fmt::format("{:g} s is not recorded: the recording has {:g} s to {:g} s", time_s,
+    impl_->refuse(fmt::format("{:g} s is not recorded: the recording contains {:g} s to {:g} s", time_s,
                               times.front(), times.back()));
   const auto later = std::ranges::upper_bound(times, time_s + k_same_s);
   go_to_frame(static_cast<std::size_t>(later - times.begin()) - 1);
@@ -407,14 +408,14 @@ Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
   std::vector<std::string> known;
   for (const Array& array : impl_->reader.arrays())
     known.push_back(fmt::format("{}.{}", array.component, array.field.name));
-  return Error{fmt::format("{}; --record-fields chooses what is recorded",
+  return Error{fmt::format("{}; troupe run --record-fields selects the fields that are recorded",
                            unknown_name("value", name, {known.begin(), known.end()}))};
 }
 
 Result<> RecordedRun::check(const FrameWishes& wishes) const {
   const auto not_recorded = [](std::string_view what, std::string_view field) {
     return Error{
-        fmt::format("the recording has no {}: record them with --record-fields pose,{}", what, field)};
+        fmt::format("the recording has no {}: record the run with --record-fields pose,{}", what, field)};
   };
   const bool has_ranges = std::ranges::any_of(impl_->readings, [](const Array* a) { return a != nullptr; });
   if (wishes.scans && !has_ranges) return not_recorded("ranges", "ranges");
@@ -427,7 +428,8 @@ Result<> RecordedRun::check(const FrameWishes& wishes) const {
   for (const auto& [wished, layer] : {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
                                       std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
     if (wished)
-      return Error{fmt::format("the layer \"{}\" is for worlds and checkpoints, not for recordings", layer)};
+      return Error{fmt::format(
+          "the layer \"{}\" can be drawn for worlds and checkpoints, but not for recordings", layer)};
   return {};
 }
 

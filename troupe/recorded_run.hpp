@@ -9,28 +9,32 @@
 
 namespace troupe {
 
-/// A recording as a source of pictures. It needs neither the world's file nor its plug-ins, and simulates
-/// nothing. If the fields were recorded (--record-fields), pictures show stalls (`stall`), scans of rangers
-/// (`ranges`), charges of power packs (`power_pack`), and any number as colour. Parts on joints are drawn as
-/// recorded with `joint`, else at rest.
+/// A recording (docs/recordings.md) as a source of pictures. It needs neither the world file nor its
+/// plug-ins, and simulates nothing. What pictures can show depends on the fields that were recorded
+/// (--record-fields): stalled robots need `stall`, scans of rangers need `ranges`, charges of power packs
+/// need `power_pack`, and colours by a value need the field of that value. Parts on joints are drawn at their
+/// recorded positions if `joint` was recorded, else in their rest position.
 class RecordedRun : public PictureSource {
  public:
-  /// Throws InputError for a file that is not a recording, has no poses or no frame, or comes from a version
-  /// that did not store scenes.
+  /// Throws InputError if the file is not a recording, has no poses or no frames, or was written by an old
+  /// version that did not store the static scene.
   explicit RecordedRun(const std::filesystem::path& recording);
   ~RecordedRun() override;
-  RecordedRun(RecordedRun&&) noexcept;             ///< the source may only be destroyed or assigned
-  RecordedRun& operator=(RecordedRun&&) noexcept;  ///< the source may only be destroyed or assigned
+  /// The moved-from object may only be destroyed or assigned to.
+  ///@{
+  RecordedRun(RecordedRun&&) noexcept;
+  RecordedRun& operator=(RecordedRun&&) noexcept;
+  ///@}
 
-  /// Goes to the last frame at or before this time, s. Throws InputError for a time before the first frame or
-  /// after the last one.
+  /// Makes the last frame at or before this time, s, the current frame. Throws InputError if the time is
+  /// before the first frame or after the last one.
   void go_to(double time_s);
-  /// Times of all frames, rising, s.
+  /// Times of all frames, s, in ascending order.
   std::span<const double> times_s() const;
-  /// Index of the current frame; at first the last one.
+  /// Index of the current frame; after construction, the last frame.
   std::size_t frame_index() const;
-  void go_to_frame(std::size_t frame);  ///< goes to this frame, or to the last one if there are fewer
-  /// The first frame at or after the current time less `history_s`, s.
+  void go_to_frame(std::size_t frame);  ///< makes this frame (at most: the last one) the current frame
+  /// Index of the first frame whose time is at most `history_s` seconds before the current frame.
   std::size_t first_within(double history_s) const;
 
   // PictureSource, for the current frame.
@@ -41,7 +45,7 @@ class RecordedRun : public PictureSource {
   const engine::Record* window() const override;
   engine::FrameScene scene() const override;
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
-  /// Resolves a name among the recorded fields.
+  /// Finds a value by name among the recorded fields.
   Result<ChosenValue> find_value(const std::string& name) const override;
   Result<> check(const FrameWishes& wishes) const override;
   double time_s() const override;

@@ -21,7 +21,7 @@ namespace {
 constexpr double k_every_s = 0.1;
 constexpr const char* k_fields = "pose";
 
-/// Interval and fields from the options, or else the world, or else the defaults.
+/// The recording interval and the fields: those of the options, or else of the world, or else the defaults.
 worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
   const engine::WorldSpec& spec = simulation.world().spec();
   const engine::RecordSpec record = spec.record.value_or(engine::RecordSpec{});
@@ -35,7 +35,8 @@ worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOpti
   return head;
 }
 
-/// The components of these fields. The InputError for an unknown field names the place of its definition.
+/// The components that these fields belong to. The InputError for an unknown field states where the field was
+/// requested: in the world file, or in the options.
 std::vector<worldio::RecordedComponent> components_of(const std::filesystem::path& file,
                                                       const Simulation& simulation,
                                                       const std::vector<std::string>& fields,
@@ -52,8 +53,9 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
-/// Throws unless the recording was begun by the simulation's run; equal bodies alone do not suffice. Options
-/// that change no result, or that a resumed run may change for later ticks, are not compared.
+/// Throws if the recording belongs to another run than the simulation. It compares the options of the two
+/// runs, because runs with equal bodies may differ. Options that change no result, or that a resumed run may
+/// change for later ticks, are not compared.
 void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {
   const worldio::RecordingReader recording(file);
   const auto is_free = [](std::string_view key) {
@@ -65,19 +67,20 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
     const bool is_there = known != recording.meta().end();
     if (is_free(key) || (is_there && known->second == value)) continue;
     throw std::runtime_error(fmt::format(
-        "{}: error: {} is {}, here it is \"{}\": this is the recording of another run", file.string(), key,
-        is_there ? fmt::format("\"{}\"", known->second) : "not given", value));
+        "{}: error: {} is {} in the recording, \"{}\" in this run: the recording belongs to another run",
+        file.string(), key, is_there ? fmt::format("\"{}\"", known->second) : "not given", value));
   }
   const auto tick = std::ranges::find(recording.ticks(), simulation.tick());
   if (tick != recording.ticks().end() &&
       recording.hashes()[static_cast<std::size_t>(tick - recording.ticks().begin())] !=
           simulation.state_hash())
-    throw std::runtime_error(
-        fmt::format("{}: error: the state hash of tick {} differs: this is the recording of another run",
-                    file.string(), simulation.tick()));
+    throw std::runtime_error(fmt::format(
+        "{}: error: the state hash of tick {} differs from this run: the recording belongs to another run",
+        file.string(), simulation.tick()));
 }
 
-/// Throws if the options give another interval or other fields than those of the recording, which keeps them.
+/// Throws if the options state another interval or other fields than those of the recording, which cannot be
+/// changed.
 void check_same_options(const std::filesystem::path& file, const Simulation& simulation,
                         const RecordingOptions& options) {
   const worldio::RecordingReader recording(file);
@@ -85,8 +88,8 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
     const std::uint64_t ticks = engine::period_ticks(options.every_s, simulation.tick_s());
     if (ticks != recording.every_ticks())
       throw std::runtime_error(
-          fmt::format("{}: error: the recording has a frame every {:.10g} s, which cannot change: "
-                      "--record-every gives {:.10g} s",
+          fmt::format("{}: error: the recording has a frame every {:.10g} s, which cannot change, but "
+                      "--record-every is {:.10g} s: omit it",
                       file.string(), static_cast<double>(recording.every_ticks()) * simulation.tick_s(),
                       options.every_s));
   }
@@ -94,7 +97,7 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
   const auto recorded = recording.meta().find("record_fields");
   if (!fields.empty() && recorded != recording.meta().end() && recorded->second != fields)
     throw std::runtime_error(fmt::format(
-        "{}: error: the recording has the fields {}, which cannot change: --record-fields gives {}",
+        "{}: error: the recording has the fields {}, which cannot change, but --record-fields is {}: omit it",
         file.string(), recorded->second, fields));
 }
 
@@ -108,9 +111,9 @@ Recording::Recording(const std::filesystem::path& file, const Simulation& simula
                      const RecordingOptions& options) {
   std::error_code ignored;
   if (!options.replace && std::filesystem::exists(file, ignored))
-    throw InputError(fmt::format("{}: error: exists already; --force replaces it", file.string()));
+    throw InputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
-    throw InputError(fmt::format("{}: error: cannot be written: it is no regular file", file.string()));
+    throw InputError(fmt::format("{}: error: cannot be written: it is not a regular file", file.string()));
   const worldio::RecordingHead head = head_of(simulation, options);
   std::vector<worldio::RecordedComponent> components = components_of(file, simulation, head.fields, options);
   try {

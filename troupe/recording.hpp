@@ -10,19 +10,21 @@
 
 namespace troupe {
 
-/// Content of a recording. Options that are not given are those of the world's `record`, or else poses every
-/// 0.1 s.
+/// Content of a recording. Options that are not given are taken from `record` in the world file; if it is
+/// absent too, poses are recorded every 0.1 s.
 struct RecordingOptions {
-  /// Names of components or of sensor readings: "pose", "velocity", "stall", "ranges", ...; "all".
+  /// Names of components of the state or of fields of sensors: "pose", "velocity", "stall", "ranges", ...;
+  /// "all" for all of them. Empty: not given.
   std::vector<std::string> fields;
-  /// Simulated time between two frames, s; rounded up to whole ticks. 0: not given.
+  /// Simulated time between two recorded frames, s; rounded up to whole ticks. 0: not given.
   double every_s = 0;
-  /// Whether to replace an existing file.
+  /// Whether an existing file is replaced; if not, an existing file is an error.
   bool replace = false;
-  /// Whether a thread of the recording writes the file while the simulation goes on. If the process is
-  /// killed, up to two batches of frames are then lost instead of one. Troupe serialises its own calls of
-  /// HDF5; if the library was built without thread safety (H5is_library_threadsafe), nothing else in the
-  /// process, such as h5py, may use it until the recording is closed.
+  /// Whether the recording writes the file on a thread of its own while the simulation continues. If the
+  /// process is then killed, up to two batches of frames are lost instead of one. Troupe never calls HDF5
+  /// from two threads at once. Other code in the process that uses the same HDF5 library, such as h5py, must
+  /// wait until the recording is closed, unless the library was built with thread safety
+  /// (H5is_library_threadsafe).
   bool in_background = false;
 };
 
@@ -35,31 +37,35 @@ struct RecordingOptions {
 ///     }
 ///     recording.close();
 ///
-/// It does not change the simulation. Write errors throw std::runtime_error that names the file; the file is
-/// then readable up to the last flushed frame, and nothing more is written to it. The next call throws an
-/// error of the background thread.
+/// It does not change the simulation. If writing fails, the functions throw std::runtime_error that names the
+/// file. The file can then be read up to the last flushed frame, and nothing more is written to it. An error
+/// on the background thread is thrown by the next call.
 class Recording {
  public:
-  /// Opens the file. The first frame is the current state, if its tick is due. Throws InputError for fields
-  /// that the world does not have, for an existing file without `replace`, and if the file cannot be written.
+  /// Creates the file. The current state is the first frame if its tick is a multiple of the recording
+  /// interval. Throws InputError if the world does not have one of the fields, if the file exists and
+  /// `replace` is false, and if the file cannot be written.
   Recording(const std::filesystem::path& file, const Simulation& simulation,
             const RecordingOptions& options = {});
-  /// Continues a recording of the same world from the simulation's tick on, for a resumed run: with the same
-  /// fields and interval, without a gap or a repeated frame. Frames of later ticks are removed. `options` may
-  /// repeat fields and interval. Throws std::runtime_error if the file does not fit, or if they differ.
+  /// Continues the recording of a run that was resumed from a checkpoint, with the same fields and interval,
+  /// and without a gap or a repeated frame. Frames after the current tick of the simulation are removed from
+  /// the file. `options` may state fields and interval again. Throws std::runtime_error if the file is not a
+  /// recording of this world, or if `options` differ from it.
   static Recording resume(const std::filesystem::path& file, const Simulation& simulation,
                           const RecordingOptions& options = {});
-  Recording(Recording&&) noexcept;             ///< the source may only be destroyed or assigned
-  Recording& operator=(Recording&&) noexcept;  ///< the source may only be destroyed or assigned
+  Recording(Recording&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
+  Recording& operator=(Recording&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
   /// Closes the file and ignores errors; close() reports them.
   ~Recording();
 
-  /// Adds a frame if one is due. Call it after each step.
+  /// Records the current state if its tick is a multiple of the recording interval. Call it after each step.
   void observe(const Simulation& simulation);
-  /// Writes the frames that are in memory: readers see them, and they survive the process. Frames are flushed
-  /// regularly as they come in; call this if frames are rare, or before saving a checkpoint.
+  /// Writes the frames that are still in memory to the file: other processes can then read them, and they are
+  /// not lost if this process dies. This happens regularly without a call. Call it if the recording interval
+  /// is long, or before saving a checkpoint.
   void flush();
-  /// Starts a flush(). With `in_background` it returns before the frames are written.
+  /// Starts a flush(). With `in_background` it returns before the frames are written; otherwise it is
+  /// flush().
   void start_flush();
   /// Flushes and closes the file: other HDF5 tools can then read it.
   void close();

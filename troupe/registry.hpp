@@ -4,7 +4,7 @@
 
 namespace troupe {
 
-/// A registry of every model, sensor, drive, controller and measure that Troupe ships.
+/// Returns a registry with all kinds of models, sensors, drives, controllers and measures that Troupe ships.
 engine::Registry make_registry();
 
 }  // namespace troupe

@@ -22,7 +22,7 @@ namespace troupe {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int k_most_sessions = 100000;  // with one name in a folder
+constexpr int k_most_sessions = 100000;  // files of one world in a folder; more is an error
 
 /// Options that do not change results.
 constexpr std::array<std::string_view, 5> k_free{"world", "threads", "tile_m", "simd", "resumed_at_tick"};
@@ -42,7 +42,9 @@ std::string difference(const worldio::SessionHeader& header, const Simulation& s
   const auto compare = [&](const std::string& key) {
     const std::string then = value_of(header.options, key);
     const std::string now = value_of(here, key);
-    if (then != now) text += fmt::format("{}{} is {}, here {}", text.empty() ? "" : "; ", key, then, now);
+    if (then != now)
+      text +=
+          fmt::format("{}{} is {} in the session, {} in this run", text.empty() ? "" : "; ", key, then, now);
   };
   const auto is_free = [](const std::string& key) { return std::ranges::find(k_free, key) != k_free.end(); };
   for (const auto& [key, value] : header.options)
@@ -116,16 +118,14 @@ struct SessionReplay::Impl {
   void check_state(const Simulation& simulation) const {
     const worldio::SessionHeader& header = session.header;
     if (simulation.tick() < header.tick)
-      fail(1, fmt::format(
-                  "the session began at tick {}, from a checkpoint: resume that (troupe resume --session)",
-                  header.tick));
+      fail(1, fmt::format("the session began at tick {}, from a checkpoint: resume this checkpoint (troupe "
+                          "resume CHECKPOINT --session ...)",
+                          header.tick));
     if (simulation.tick() > header.tick) return;
     if (const std::string hash = hex(simulation.state_hash()); hash != header.hash)
-      fail(1,
-           fmt::format(
-               "the session began at tick {} with state hash {}, this run has {}: it is of another world or "
-               "another run",
-               header.tick, header.hash, hash));
+      fail(1, fmt::format("the session began at tick {} with state hash {}, but this run has {}: it belongs "
+                          "to another world or another run",
+                          header.tick, header.hash, hash));
   }
 };
 
@@ -136,10 +136,11 @@ SessionReplay::SessionReplay(const fs::path& file, const Simulation& simulation)
   const worldio::SessionHeader& header = impl_->session.header;
   const std::string here = version_line();
   if (const std::string_view then = program_of(header.version), now = program_of(here); then != now)
-    impl_->fail(
-        1, fmt::format("{} wrote this session, this is {}: its results may differ in their bits", then, now));
+    impl_->fail(1, fmt::format("{} wrote this session, but this program is {}, whose results may differ: use "
+                               "the version that wrote it",
+                               then, now));
   if (const std::string unlike = difference(header, simulation); !unlike.empty())
-    impl_->fail(1, fmt::format("the session is of another run: {}", unlike));
+    impl_->fail(1, fmt::format("the session belongs to another run: {}", unlike));
   impl_->check_state(simulation);
   while (left() > 0 && impl_->session.acts[impl_->next].tick < simulation.tick()) ++impl_->next;
 }

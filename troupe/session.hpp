@@ -14,23 +14,24 @@ namespace troupe {
 
 class Simulation;
 
-/// Writes a session: the acts applied to a simulation, for SessionReplay (docs/live.md). Each act is in the
-/// file when add() returns.
+/// Writes a session file: the acts (changes by a user, troupe/acts.hpp) that were applied to a simulation, so
+/// that SessionReplay can repeat them (docs/live.md). When add() returns, the act has been written to the
+/// file.
 class SessionLog {
  public:
-  /// Makes a new file NAME.session.jsonl in the folder, or NAME.session-2.jsonl, ...; existing files are
-  /// never replaced. NAME is the world's file without its ending. Throws std::runtime_error if the file
-  /// cannot be made.
+  /// Creates the file NAME.session.jsonl in `folder`, where NAME is the name of the world file without its
+  /// ending. If the file exists, it is kept, and NAME.session-2.jsonl (-3, ...) is created instead. Throws
+  /// std::runtime_error if the file cannot be created.
   SessionLog(const std::filesystem::path& folder, const Simulation& simulation);
   ~SessionLog();
   SessionLog(const SessionLog&) = delete;
   SessionLog& operator=(const SessionLog&) = delete;
 
   const std::filesystem::path& file() const;  ///< path of the session
-  /// Adds an act that was applied at the simulation's tick. Throws std::runtime_error if it cannot be
-  /// written.
+  /// Appends an act that was applied at the current tick of the simulation. Throws std::runtime_error if it
+  /// cannot be written.
   void add(const Simulation& simulation, const engine::Act& act);
-  /// Adds the end of the session, at the simulation's tick.
+  /// Appends the entry that the session ended at the current tick of the simulation.
   void end(const Simulation& simulation);
 
  private:
@@ -38,7 +39,8 @@ class SessionLog {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Repeats a session: applies its acts at their ticks, from Simulation::before_tick().
+/// Repeats a session: applies each of its acts at the tick at which it was applied in the original run. Call
+/// act() in the callback of Simulation::before_tick():
 ///
 ///   troupe::Simulation simulation("cave.world", {.seed = 7, .mortal = true});
 ///   troupe::SessionReplay session("cave.session.jsonl", simulation);
@@ -46,21 +48,21 @@ class SessionLog {
 ///   simulation.run_for(60);
 class SessionReplay {
  public:
-  /// Throws InputError, `cave.session.jsonl:1: error: ...`, for a file that is not a session, and for one
-  /// that does not fit the simulation: another version, other options, another state at the tick of its
-  /// begin, or a simulation before that tick. A simulation after that tick, resumed from a checkpoint,
-  /// contains the acts of earlier ticks already.
+  /// Throws InputError, `cave.session.jsonl:1: error: ...`, if the file is not a session or does not match
+  /// the simulation: if version, options or the state hash at the first tick of the session differ, or if the
+  /// simulation has not reached that tick. The simulation may be past that tick if it was resumed from a
+  /// checkpoint of the session; its state then already contains the acts of earlier ticks, which are skipped.
   SessionReplay(const std::filesystem::path& file, const Simulation& simulation);
   ~SessionReplay();
   SessionReplay(const SessionReplay&) = delete;
   SessionReplay& operator=(const SessionReplay&) = delete;
 
-  /// Applies the acts of the simulation's tick. Throws InputError, with file and line, for an act that is
-  /// refused.
+  /// Applies the acts of the current tick of the simulation. Throws InputError, with file and line, if an act
+  /// is impossible.
   void act(Simulation& simulation);
-  /// The tick at which the session ended; empty if the file does not state it.
+  /// The tick at which the session ended; empty if the file has no such entry because the process died.
   std::optional<std::uint64_t> end_tick() const;
-  /// Number of remaining acts.
+  /// Number of acts that have not been applied yet.
   std::size_t left() const;
   const std::vector<std::string>& warnings() const;  ///< warnings about the file, one line each
 

@@ -35,11 +35,11 @@ constexpr double k_longest_run_s =
     1e12;  // longer than the age of the universe; its ticks still fit in 64 bits
 constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest world
 
-/// The part "troupe 0.2.0" of a version line.
+/// Returns the part "troupe 0.2.0" of a line of version_line().
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
-/// Refuses a checkpoint of another version unless `across_versions`. Returns a warning if another version or
-/// another build of this version made it, else an empty text.
+/// Throws InputError for a checkpoint of another version unless `across_versions`. Returns a warning if
+/// another version, or another build of this version, wrote the checkpoint; else an empty text.
 std::string check_version(const worldio::Checkpoint& checkpoint, bool across_versions) {
   const std::string made_by = checkpoint.header("version");
   const std::string here = version_line();
@@ -47,20 +47,22 @@ std::string check_version(const worldio::Checkpoint& checkpoint, bool across_ver
   const bool is_other = version_of(made_by) != version_of(here);
   if (is_other && !across_versions)
     throw InputError(
-        fmt::format("{}: error: {} made this checkpoint, this is {}: the results may differ in their bits; "
-                    "--across-versions resumes it",
+        fmt::format("{}: error: {} wrote this checkpoint, but this program is {}: results may differ; give "
+                    "--across-versions to resume it anyway",
                     checkpoint.file().string(), version_of(made_by), version_of(here)));
-  return fmt::format(
-      "{}: warning: made by {}; this is {}{}", checkpoint.file().string(), made_by, here,
-      is_other ? "" : ": the bits are the same for every compiler and processor (tiers T1, T2)");
+  return fmt::format("{}: warning: written by {}; this program is {}{}", checkpoint.file().string(), made_by,
+                     here,
+                     is_other ? ""
+                              : ": results are the same bits for all compilers and processors (tiers T1 and "
+                                "T2, docs/determinism.md)");
 }
 
 constexpr const char* k_spare = "spare";          // key in a header
 constexpr const char* k_holds = "holds";          // key in the memories of a checkpoint
 constexpr std::string_view k_plugin = "plugin ";  // prefix of keys in a header: plugin NAME
 
-/// Loads the plug-ins with which a checkpoint was made. Refuses other builds of them unless `across_plugins`;
-/// then returns a warning for each.
+/// Loads the plug-ins that a checkpoint was written with. If a plug-in is another build, throws InputError,
+/// or, with `across_plugins`, returns a warning for it.
 std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plugins& plugins,
                                       bool across_plugins) {
   std::vector<std::string> warnings;
@@ -74,12 +76,12 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
     const Plugins::Library* library = *loaded;
     if (hex(library->contents) == contents) continue;
     const std::string text =
-        fmt::format("{} is another build of plug-in \"{}\" than the one that the run was saved with",
+        fmt::format("{} is another build of plug-in \"{}\" than the one that the checkpoint was written with",
                     library->file.string(), name);
     if (!across_plugins)
       throw InputError(
-          fmt::format("{}: error: {} (its hash is {}, not {}): the results may differ in their bits; "
-                      "--across-plugins resumes it",
+          fmt::format("{}: error: {} (its hash is {}, the checkpoint has {}): results may differ; "
+                      "give --across-plugins to resume it anyway",
                       checkpoint.file().string(), text, hex(library->contents), contents));
     warnings.push_back(fmt::format("{}: warning: {}", checkpoint.file().string(), text));
   }
@@ -102,11 +104,12 @@ const engine::BodyType::Device* device_on(const engine::BodyType& type, std::siz
 std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
   if (!(seconds >= 0 && seconds <= k_longest_run_s))
     throw std::invalid_argument(
-        fmt::format("{}({}): give a time in seconds from 0 to {:g}", call, seconds, k_longest_run_s));
+        fmt::format("{}({}): give a time from 0 to {:g} s", call, seconds, k_longest_run_s));
   return engine::ticks_until(seconds, tick_s);
 }
 
-/// Whether the fields are those that a struct lists with TROUPE_FIELDS.
+/// Whether the names of the fields are those in `names`, which a struct lists with TROUPE_FIELDS, in the same
+/// order.
 bool are_listed(std::span<const engine::StateField> fields, std::string_view names) {
   for (const engine::StateField& field : fields) {
     const std::size_t comma = names.find(',');
@@ -131,14 +134,15 @@ struct Simulation::Impl {
   std::filesystem::path file;       ///< world file
   double tile_size_m = 0;           ///< from SimulationOptions
   worldio::PlaceAgain place_again;  ///< empty if no place depends on the seed
-  /// Changes of --set, pointer and value, with the tick if a run was resumed with them; and `spare`.
+  /// Changes to the world, as pairs of key and value for effective_options(): those of the option `set` (if a
+  /// run was resumed with them, the key contains the tick), and `spare`.
   std::vector<std::pair<std::string, std::string>> changes;
   /// Tick of the checkpoint that the run was resumed from.
   std::optional<std::uint64_t> resumed_at;
-  /// Memories of observers in that checkpoint, and the current observers with a memory.
+  /// Data of observers that the checkpoint contains, and the callbacks of on_save().
   worldio::Memories memories;
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
-  /// Null if the world has no `stop_when`.
+  /// Evaluates the stop conditions; null if the world has no `stop_when`.
   std::unique_ptr<engine::StopConditions> stop;
   /// Started by record().
   std::unique_ptr<Recording> recording;
@@ -162,7 +166,8 @@ struct Simulation::Impl {
   Holds holds;
 
   void refuse_in_callbacks(std::string_view what) const {
-    if (in_callbacks) throw std::logic_error(fmt::format("{} in a callback of on_tick()", what));
+    if (in_callbacks)
+      throw std::logic_error(fmt::format("{} is not allowed in a callback of on_tick()", what));
   }
 
   /// Makes the world of a valid spec.
@@ -180,7 +185,7 @@ struct Simulation::Impl {
     warnings = diagnostics.warnings();
     append(warnings, plugins->warnings());
   }
-  /// Sets up `stop_when`; the world must exist.
+  /// Sets up the stop conditions (`stop_when`). `world` must already be set.
   void watch_for_the_end(Diagnostics& diagnostics) {
     const std::vector<engine::StopSpec>& conditions = world->spec().experiment.stop_when;
     if (conditions.empty()) return;
@@ -196,19 +201,26 @@ struct Model::Place {
   std::size_t part;
   std::string name;
 
-  /// The row of the body, for functions that read its state or continue it.
+  /// The row of the body in the state tables. Throws std::logic_error if it has none or if the state is
+  /// incomplete.
   Row row() const {
     world->require_whole();
     const Row row = world->row(body);
-    if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" has no drive and no sensor", name));
+    if (!row.valid())
+      throw std::logic_error(fmt::format("\"{}\" is static: it has no drive and no sensor", name));
     return row;
   }
-  /// The row of a whole body, for functions that do not apply to parts.
+  /// The row of the body in the state tables, for functions that do not apply to parts. Throws
+  /// std::logic_error for a part and for static geometry.
   Row whole() const {
     if (part > 0)
-      throw std::logic_error(fmt::format("\"{}\" is a part of a model: use the model itself", name));
+      throw std::logic_error(fmt::format("\"{}\" is a part of a body: give the body itself", name));
     const Row row = world->row(body);
-    if (!row.valid()) throw std::logic_error(fmt::format("\"{}\" is static", name));
+    if (!row.valid())
+      throw std::logic_error(
+          fmt::format("\"{}\" is static: only bodies with a drive, a sensor or a controller can be moved, "
+                      "removed or disabled",
+                      name));
     return row;
   }
   const engine::BodyType& type() const {
@@ -226,7 +238,7 @@ struct Model::Place {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
     return part == 0 || device.name == parts[part].name;
   }
-  /// The first of its devices that satisfies `wanted`; null if there is none.
+  /// The first device of this model that satisfies `wanted`; null if there is none.
   template <class Wanted>
   const engine::BodyType::Device* find(Wanted&& wanted) const {
     for (const engine::BodyType::Device& device : type().devices)
@@ -245,8 +257,8 @@ struct Model::Place {
   }
   void check_running(const engine::BodyType::Device& device) const {
     if (!world->senses(row(), device))
-      throw std::logic_error(fmt::format("sensor \"{}\" of \"{}\" does not run: subscribe to the robot first",
-                                         device.name, name));
+      throw std::logic_error(fmt::format(
+          "sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step", device.name, name));
   }
   const engine::BodyType::Device& sensor(std::string_view wanted) const {
     const auto is_sensor = [](const engine::BodyType::Device& d) { return d.kind->is_sensor(); };
@@ -272,8 +284,8 @@ Model::Visit::~Visit() { visited_robot = before_; }
 void Model::refuse_in_for_each(const engine::World& world, std::string_view what) {
   if (visited_robot != nullptr && visited_robot->place_->world == &world)
     throw std::logic_error(fmt::format(
-        "{} in a call of for_each() for \"{}\": the calls run in parallel and may change only the commands "
-        "of their own robot; collect such changes and apply them after for_each()",
+        "{} is not allowed in for_each(), here for \"{}\": its calls run in parallel and may change only the "
+        "commands of their own robot; collect such changes and apply them after for_each()",
         what, visited_robot->name()));
 }
 
@@ -425,8 +437,8 @@ std::span<const std::byte> Model::cell(std::string_view field, std::string_view 
                                        engine::Element element) const {
   const Reading found = reading(field, wanted);
   if (const engine::Element own = found.field->element; own != element)
-    throw std::invalid_argument(fmt::format("\"{}\" of \"{}\" of \"{}\" is {}, not {}", field, found.device,
-                                            name(), engine::element_name(own),
+    throw std::invalid_argument(fmt::format("field \"{}\" of device \"{}\" of \"{}\" has the type {}, not {}",
+                                            field, found.device, name(), engine::element_name(own),
                                             engine::element_name(element)));
   return found.bytes;
 }
@@ -444,13 +456,15 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes, std::string_
   const auto* device = place_->find([&](const engine::BodyType::Device& d) {
     return wanted.empty() ? takes_these(d) : takes(d) && d.name == wanted;
   });
-  if (!device) place_->throw_unknown("device that takes such commands", wanted, takes);
+  if (!device) place_->throw_unknown("device that takes this command struct", wanted, takes);
   if (!takes_these(*device)) {
     std::vector<std::string_view> own;
     for (const engine::StateField& field : device->prepared.commands) own.push_back(field.name);
-    throw std::invalid_argument(fmt::format(
-        "\"{}\" of \"{}\" takes commands of kind {}: {}, in {} bytes; not: {}, in {} bytes", device->name,
-        name(), device->kind->name, fmt::join(own, ", "), device->prepared.command_bytes, fields, bytes));
+    throw std::invalid_argument(
+        fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
+                    "struct has {} in {} bytes",
+                    device->name, name(), device->kind->name, fmt::join(own, ", "),
+                    device->prepared.command_bytes, fields, bytes));
   }
   return place_->world->asked_of(*device).row(place_->slot());
 }
@@ -527,7 +541,7 @@ Simulation::Simulation(const worldio::WorldDocument& world, const std::filesyste
                                                 kinds, how, found);
                })) {}
 
-/// files: the source files of a document, which the places of errors refer to; null: none yet
+/// files: the source files that the document states, for the file names in errors; null: no document
 Simulation Simulation::load(const std::filesystem::path& file, const SimulationOptions& options,
                             engine::Registry registry, std::shared_ptr<SourceFiles> files,
                             const ReadWorld& read) {
@@ -556,7 +570,8 @@ Simulation Simulation::make(engine::WorldSpec spec, const SimulationOptions& opt
                             engine::Registry registry) {
   if (!options.robots.empty() || !options.set.empty() || !options.search_path.empty())
     throw std::invalid_argument(
-        "SimulationOptions: robots, set and search_path are for files; change the WorldSpec itself");
+        "SimulationOptions: robots, set and search_path apply to world files only; change the WorldSpec "
+        "instead");
   restore_fp_environment();
   auto impl = std::make_unique<Impl>();
   impl->file = spec.title.empty() ? "world" : spec.title;
@@ -607,8 +622,8 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   if (const auto holds = impl->memories.find(k_holds);
       holds != impl->memories.end() &&
       !impl->holds.remember(holds->second, impl->world->spec().bodies.size()))
-    throw InputError(
-        fmt::format("{}: error: its holds do not fit its world: the file is damaged", file.string()));
+    throw InputError(fmt::format(
+        "{}: error: it stores held robots that its world does not have: the file is damaged", file.string()));
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
@@ -715,7 +730,9 @@ void Simulation::act(const engine::Act& act) {
 void Simulation::record(const std::filesystem::path& file) { record(file, RecordingOptions{}); }
 
 void Simulation::record(const std::filesystem::path& file, const RecordingOptions& options) {
-  if (impl_->recording) throw std::logic_error(fmt::format("{}: the run is recorded already", file.string()));
+  if (impl_->recording)
+    throw std::logic_error(
+        fmt::format("{}: this run is already being recorded; call stop_recording() first", file.string()));
   impl_->world->require_whole();
   impl_->recording = std::make_unique<Recording>(file, *this, options);
 }
@@ -835,7 +852,8 @@ Model Simulation::find(std::string_view name) {
 
 Model Simulation::model(BodyId id) {
   if (const std::size_t bodies = impl_->world->spec().bodies.size(); !id.valid() || id.index() >= bodies)
-    throw std::out_of_range(fmt::format("no model with id {}: there are {}", id.value, bodies));
+    throw std::out_of_range(
+        fmt::format("no model with id {}: the world has {} bodies, whose ids begin at 0", id.value, bodies));
   return Model::of(*impl_->world, id);
 }
 
@@ -845,7 +863,7 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
     if (!std::isfinite(value)) throw std::invalid_argument("cast(): the start pose of the ray is not finite");
   if (!(range_max >= 0 && range_max <= k_longest_ray_m))
     throw std::invalid_argument(
-        fmt::format("cast(): range_max {} m: give one from 0 to {:g} m", range_max, k_longest_ray_m));
+        fmt::format("cast(): range_max is {} m; allowed are 0 to {:g} m", range_max, k_longest_ray_m));
   if (without != nullptr && without->place_->world != impl_->world.get())
     throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", without->name()));
   const Rotation rotation(from.heading);
@@ -923,7 +941,7 @@ std::vector<std::string> Simulation::robot_names() const {
 
 void Simulation::subscribe(std::string_view model) {
   Model::refuse_in_for_each(*impl_->world, "subscribe()");
-  if (tick() > 0) throw std::logic_error("subscribe before the first step");
+  if (tick() > 0) throw std::logic_error("subscribe() must be called before the first step");
   const BodyId body = find(model).place_->body;
   // A body without drive, sensor and controller has no row, and no sensor to run.
   if (impl_->world->row(body).valid()) impl_->world->subscribe(body);
@@ -1017,15 +1035,16 @@ void Simulation::snapshot(const std::filesystem::path& png, const PictureOptions
 
 std::vector<std::uint8_t> Simulation::picture(int width, int height) const {
   if (width < 1 || height < 1)
-    throw std::invalid_argument(fmt::format("picture of {} x {} pixels: give 1 or more", width, height));
+    throw std::invalid_argument(
+        fmt::format("picture of {} x {} pixels: width and height must be 1 or more", width, height));
   return picture({.width = width, .height = height});
 }
 
 std::vector<std::uint8_t> Simulation::picture(const PictureOptions& options) const {
   if (options.background == "transparent")
     throw std::invalid_argument(
-        "picture(): RGB cannot hold the background transparent: give paper, white or dark, or draw to "
-        "a file");
+        "picture(): an RGB picture cannot have the background \"transparent\": use paper, white or dark, or "
+        "draw into a file");
   Pictures& pictures = impl_->pictures_of(*this, options);
   const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(*this));
   std::vector<std::uint8_t> rgb(rgba.size() / 4 * 3);

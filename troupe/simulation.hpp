@@ -40,56 +40,66 @@ struct WorldDocument;
 
 namespace troupe {
 
-/// How ranges are computed: by exact geometry, or by a walk through a grid of cells (docs/sensing.md).
+/// How rangers compute ranges: by exact ray-surface intersection, or by stepping through an occupancy grid
+/// (docs/sensing.md).
 using engine::RangingEngine;
 
-/// How a world is loaded and run. Only `seed`, `ranging`, `robots`, `set` and `spare` change results.
+/// How a world is loaded and run. Only the options `seed`, `ranging`, `robots`, `set` and `spare` change the
+/// simulated results.
 struct SimulationOptions {
-  /// Worker threads, at most 1,024. 0: one per processor that the process may use, by its affinity mask and
-  /// its control groups. More than 1,024 throw std::invalid_argument.
+  /// Number of worker threads, at most 1,024; a larger number throws std::invalid_argument. 0: one thread per
+  /// processor that the affinity mask and the control groups of the process allow.
   unsigned threads = 0;
-  /// Edge of the tiles that are the unit of parallel work, m. 0: chosen from body sizes and sensor ranges.
+  /// Edge length of the square tiles into which the world is divided for parallel work, m. 0: Troupe chooses
+  /// it from body sizes and sensor ranges.
   double tile_size_m = 0;
-  /// Replaces the world's seed.
+  /// Seed of all random draws; replaces the seed of the world file.
   std::optional<std::uint64_t> seed;
-  /// Replaces the world's ranging engine.
+  /// Replaces the ranging engine of the world file.
   std::optional<RangingEngine> ranging;
-  /// Population sizes: name -> count; an empty name means the world's only population.
+  /// Numbers of robots, as pairs of the name of a population and its count; an empty name means the only
+  /// population of the world.
   std::vector<std::pair<std::string, std::size_t>> robots;
-  /// JSON pointer -> value ("/populations/0/count" -> "500").
+  /// Values of the world file to replace: pairs of a JSON pointer and a JSON value, such as
+  /// {"/populations/0/count", "500"}.
   std::vector<std::pair<std::string, std::string>> set;
-  /// Directories in which worlds and includes are searched by base name if their own path does not exist.
+  /// Directories to search for a world or an included file, by the last component of its path, if the path
+  /// itself does not exist.
   std::vector<std::filesystem::path> search_path;
-  /// Directories searched for plug-ins: controllers and sensors that Troupe does not ship
-  /// (docs/controllers.md).
+  /// Directories to search for plug-ins, shared libraries with controllers and sensors that Troupe does not
+  /// ship (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path;
-  /// Lets the program remove, disable and enable bodies, as `"mortal": true` in the world does. The hash
-  /// stays the same while every body of tick 0 is alive and enabled.
+  /// Allows the program to remove, disable and enable bodies, as `"mortal": true` in the world does. The
+  /// state hash does not change while every body that existed at tick 0 is still in the world and enabled.
   bool mortal = false;
-  /// Adds a reserve of this many bodies to each population of robots without one, after all other bodies, so
-  /// that spawn() can add robots to a running world (docs/lives.md). A world with a reserve has other hashes.
+  /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). These
+  /// unborn robots are the reserve of the population; populations that declare a reserve keep their own.
+  /// Their ids follow those of all other bodies. A world with a reserve has other state hashes than the same
+  /// world without it.
   std::uint32_t spare = 0;
 };
 
-/// How a saved run is resumed. Only `set` changes results.
+/// How a run is resumed from a checkpoint. Only the option `set` changes the simulated results.
 struct ResumeOptions {
-  /// Worker threads, as in SimulationOptions.
+  /// Number of worker threads, as in SimulationOptions.
   unsigned threads = 0;
-  double tile_size_m = 0;  ///< edge of the tiles, m, as in SimulationOptions
-  /// JSON pointer into the checkpoint's /world -> value ("/types/1/drive/params/velocity_max_x_mps" ->
-  /// "0.5"), for values that keep the shape of the state (docs/checkpoints.md lists them). The resumed run
-  /// then differs from the original.
+  double tile_size_m = 0;  ///< edge length of the tiles, m, as in SimulationOptions
+  /// Values of the world to replace: pairs of a JSON pointer into the dataset /world of the checkpoint and a
+  /// JSON value, such as {"/types/1/drive/params/velocity_max_x_mps", "0.5"}. Only values that do not change
+  /// the layout of the state can be replaced; docs/checkpoints.md lists them. The resumed run then differs
+  /// from the original.
   std::vector<std::pair<std::string, std::string>> set;
-  /// Accepts a checkpoint of another version of Troupe. The results may then differ in their bits from those
-  /// of the version that wrote it.
+  /// Accepts a checkpoint that another version of Troupe wrote. The results may then differ, in their last
+  /// bits or more, from those of that version.
   bool across_versions = false;
-  /// Directories searched for plug-ins, as in SimulationOptions; must contain the plug-ins of the run.
+  /// Directories to search for plug-ins, as in SimulationOptions. They must contain every plug-in that the
+  /// run used.
   std::vector<std::filesystem::path> plugin_path;
-  /// Accepts plug-ins of another build than those that the checkpoint was written with.
+  /// Accepts plug-ins whose files differ from those that the checkpoint was written with.
   bool across_plugins = false;
 };
 
-/// The phases of a tick, in order: engine/phase.hpp.
+/// The phases of a tick, in the order in which they run (engine/phase.hpp).
 using engine::k_phases;
 using engine::Phase;
 using engine::phase_name;
@@ -97,14 +107,14 @@ using engine::phase_name;
 /// Counters of a run since tick 0.
 struct Statistics {
   std::size_t robots = 0;             ///< robots in the world
-  std::uint64_t ticks = 0;            ///< completed ticks
+  std::uint64_t ticks = 0;            ///< completed ticks (time steps)
   double time_s = 0;                  ///< world time, s
-  std::uint64_t beams = 0;            ///< rays cast by sensors
+  std::uint64_t beams = 0;            ///< rays that sensors have cast
   std::size_t stalled = 0;            ///< robots whose last motion was blocked
   std::size_t held_at_bounds = 0;     ///< robots whose last motion was out of bounds
   double mean_displacement_m = 0;     ///< mean straight-line distance of robots from their start or birth, m
-  std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution, summed over all ticks
-  std::size_t state_bytes = 0;        ///< size of all state tables
+  std::uint64_t conflict_rounds = 0;  ///< iterations that resolved conflicting motions, all ticks
+  std::size_t state_bytes = 0;        ///< memory of all state tables, bytes
 };
 
 class Recording;
@@ -114,84 +124,96 @@ class WorldBuilder;
 struct PictureOptions;
 struct RecordingOptions;
 
-/// A handle of one model of a simulation: a body, or a part of one. Cheap to copy; valid while the simulation
-/// lives.
+/// A handle of one model of a simulation: a body, or a part that is mounted on a body, such as a sensor. It
+/// is cheap to copy and valid while the simulation lives. The functions read and change the state between two
+/// steps.
 class Model {
  public:
-  const std::string& name() const;  ///< from the world, or the one that Stage would generate
-  /// Id of its body, as fiducial finders, bumpers, radios and cast() report it and Simulation::model() takes
-  /// it.
+  const std::string& name() const;  ///< from the world file, or else as Stage names it ("position:0")
+  /// Id of the body. Fiducial finders, bumpers, radios and Simulation::cast() report this id, and
+  /// Simulation::model() takes it.
   BodyId id() const;
-  /// Global pose, m and rad. A part on a joint is where the joint has moved it. Of a dead body: its last
-  /// pose; of an unborn one: NaN.
+  /// Pose in the world frame, m and rad. The pose of a part on a joint includes the motion of the joint. A
+  /// body that was removed keeps its last pose; the pose of a body that is not yet born is NaN.
   Pose pose() const;
-  /// Size as declared in the world, m.
+  /// Size along x, y and z as declared in the world file, m.
   Eigen::Vector3d size() const;
-  /// Commands speeds: forward and left in m/s, turn in rad/s (for a car: the steering angle, rad). They take
-  /// effect from the next tick on, within the limits of the drive, until replaced. A controller of the robot
-  /// overrides them. Throws std::logic_error, as all commands do, for a model that has no drive or is not in
-  /// the world.
+  /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
+  /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
+  /// replaces them. If the robot has a controller, the controller overrides them. Throws std::logic_error for
+  /// a model that has no drive or is not in the world, as all commands do.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< with `left` = 0
-  /// Commands accelerations: m/s^2 and rad/s^2 (for a car `turn` is the steering angle, rad). They take
-  /// effect from the next tick on, within the drive's limits of acceleration and speed, until replaced.
+  /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
+  /// the steering angle, rad). They apply from the next tick on, within the drive's limits of acceleration
+  /// and speed, until another command replaces them.
   void accelerate(double forward, double left, double turn);
   void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< with `left` = 0
-  /// Commands a pose in the frame of estimate(), m and rad: the robot drives there and stays until the
-  /// command is replaced. docs/driving.md describes the path of each drive.
+  /// Commands a goal pose, m and rad, in the frame of the robot's estimated pose (estimate()). The robot
+  /// drives to the goal and stays there until another command replaces this one. docs/driving.md describes
+  /// the path that each kind of drive takes.
   void go_to(double x, double y, double heading);
   void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }  ///< ignores goal.z
-  /// Velocity of the last tick, body frame.
+  /// A velocity in the body frame.
   struct Speed {
     double forward = 0;  ///< m/s
     double left = 0;     ///< m/s
     double turn = 0;     ///< rad/s
   };
-  Speed speed() const;  ///< velocity of the last tick, body frame
-  /// Whether it is in the world: born and not dead (docs/lives.md).
+  Speed speed() const;  ///< velocity during the last tick, in the body frame
+  /// Whether the body is in the world: it was spawned or present from the start, and it was not removed
+  /// (docs/lives.md).
   bool is_alive() const;
-  /// Whether its last motion was blocked.
+  /// Whether an obstacle blocked the robot's motion in the last tick.
   bool stalled() const;
-  /// Estimated pose, m and rad: with localization `gps` the true global pose; with `odom` the odometry
-  /// estimate, in the frame of the world's localization_origin.
+  /// Estimated pose of the robot, m and rad. With the localization `gps` this is the true pose in the world
+  /// frame; with `odom` it is the odometry estimate, in the frame that `localization_origin` in the world
+  /// file defines.
   Pose estimate() const;
-  /// Overwrites the odometry estimate. Throws std::logic_error if the robot has no `odom`.
+  /// Overwrites the odometry estimate: m and rad, in the frame of estimate(). Throws std::logic_error if the
+  /// localization of the robot is not `odom`.
   void set_estimate(const Pose& pose);
 
-  /// Moves it to a pose in the world's frame, between two steps. This is not a motion: odometry does not
-  /// measure it, the speed stays, a stall ends, and sensors see it from the next step on. What the model
-  /// carries moves with it. The place need not be free (is_free() tells): the model may leave bodies that it
-  /// then overlaps, but not move deeper into them. Throws std::invalid_argument for a pose that is not finite
-  /// or is out of bounds, and for a carried body; std::logic_error for a part of a model, for static
-  /// geometry, and within Swarm::for_each(), like every function that changes more than one robot. To move
-  /// many models at once, see Simulation::set_poses().
+  /// Places the body at a pose in the world frame, m and rad, between two steps. Bodies that it carries move
+  /// with it. This is not a motion: odometry does not measure it, the speed does not change, stalled()
+  /// becomes false, and sensors see the new pose from the next step on. The place may overlap other bodies;
+  /// is_free() tells whether it does. The body can then drive out of an overlap, but not deeper into it.
+  /// Throws std::invalid_argument if the pose is not finite or is outside the bounds of the world, and if
+  /// another body carries this one. Throws std::logic_error for a part of a body, for static geometry, and
+  /// during Swarm::for_each(), which allows no function that changes several robots. Simulation::set_poses()
+  /// moves many models faster.
   void set_pose(const Pose& pose);
-  /// Whether it would fit at this pose: within the world's bounds, and touching no wall and no other body.
+  /// Whether the body would fit at this pose in the world frame, m and rad: inside the bounds of the world,
+  /// and without touching a wall or another body.
   bool is_free(const Pose& pose) const;
 
-  /// The random stream of this robot, name and tick, for a program that drives the robot; use one name per
-  /// purpose. A function of the seed, the name, the robot and the tick alone: a second call returns the same
-  /// numbers.
+  /// Returns a random number stream for a program that drives this robot. The stream depends only on the seed
+  /// of the simulation, `name`, the robot and the current tick. A second call in the same tick therefore
+  /// returns the same numbers: use one name per purpose.
   Random random(std::string_view name) const;
 
-  /// Names of its sensors, in the order of the world: those of all parts of a robot, or those of one part.
+  /// Names of the sensors, in the order of the world file. If this model is a body, these are the sensors on
+  /// all its parts; if it is a part, only the sensors on this part.
   std::vector<std::string> sensors() const;
-  /// Readings of a ranger, m, one per beam, counter-clockwise within each transducer. Empty `sensor`: the
-  /// first sensor. The span stays valid and shows new readings after each step. Throws std::out_of_range,
-  /// with the known names, if there is no such sensor, and std::logic_error if it does not run (subscribe
-  /// first).
+  /// Ranges that the ranger named `sensor` measured, m, one per beam, counter-clockwise within each
+  /// transducer. An empty name means the first sensor, which must then be a ranger. The span stays valid, and
+  /// its content changes with each step. Throws std::out_of_range, with the known names, if there is no such
+  /// sensor. Throws std::logic_error if the sensor does not run; Simulation::subscribe() makes all sensors of
+  /// a robot run.
   std::span<const float> ranges(std::string_view sensor = {}) const;
-  /// Intensities, one per value of ranges(). Empty unless the ranger has `intensity` switched on.
+  /// Intensities that the ranger named `sensor` measured, one per value of ranges(); errors as in ranges().
+  /// The span is empty unless the parameter `intensity` of the ranger is true.
   std::span<const float> intensities(std::string_view sensor = {}) const;
-  /// Readings of a sensor or another device of any kind:
+  /// Readings of a sensor, or the state of another device such as a gripper or a power pack:
   ///
   ///     robot.readings<float>("depth");             // depth image of its camera, m, one value per pixel
-  ///     robot.readings<std::int32_t>("id", "eye");  // of the fiducial finder "eye"
+  ///     robot.readings<std::int32_t>("id", "eye");  // ids seen by the fiducial finder "eye"
   ///
-  /// field   its name; docs/library.md lists the fields of all kinds, fields() those of one device
-  /// device  its name; empty: the first device that has this field
-  /// shape   the columns of the field, in its unit. The span stays valid and shows new readings after each
-  ///         step
+  /// field   name of the field; docs/library.md lists the fields of all kinds of devices, and fields() lists
+  ///         those of one device
+  /// device  name of the device; empty: the first device that has this field
+  /// result  all values of the field, in the unit of the field. The span stays valid, and its content changes
+  ///         with each step
   /// errors  std::out_of_range, with the known names, for an unknown field or device; std::logic_error for a
   ///         sensor that does not run; std::invalid_argument if T is not the element type of the field
   template <class T>
@@ -199,38 +221,44 @@ class Model {
     const std::span<const std::byte> bytes = cell(field, device, engine::element_of<T>());
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
-  /// One field of a device as bytes, for callers that learn its element type at run time.
+  /// One field of a device as bytes, for callers that know the type of its values only at run time.
   struct Reading {
-    std::string_view device;                    ///< its name; lives as long as the simulation
-    const engine::StateField* field = nullptr;  ///< element type, columns, unit; lives as long as `device`
-    std::span<const std::byte> bytes;           ///< all columns
+    std::string_view device;                    ///< name of the device; lives as long as the simulation
+    const engine::StateField* field = nullptr;  ///< element type and unit; lives as long as the simulation
+    std::span<const std::byte> bytes;           ///< all values of the field
   };
-  Reading reading(std::string_view field, std::string_view device = {}) const;  ///< throws as readings() does
-  /// The fields that readings() can return of a device: names, element types, columns, units. Throws
-  /// std::out_of_range, with the known names, if there is no such device.
+  /// Finds a field as readings() does, and throws as it does.
+  Reading reading(std::string_view field, std::string_view device = {}) const;
+  /// The fields of a device that readings() can return, with their names, element types, numbers of values
+  /// and units. Throws std::out_of_range, with the known names, if there is no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
-  /// The command of a device, to be written between two steps; it takes effect from the next step on. Command
-  /// is the command struct of the kind (models::GripperCommand, models::LedCommand, ...). Empty `device`: the
-  /// first device that takes this struct. A controller that uses the device overrides the command. Throws
-  /// std::out_of_range, with the known names, if there is no such device, and std::invalid_argument if its
-  /// command has other field names (TROUPE_FIELDS) or another size.
+  /// Returns a reference to the command of a device, which a program may write between two steps. The command
+  /// applies from the next step on. `Command` is the command struct of the kind of device
+  /// (models::GripperCommand, models::LedCommand, ...). An empty `device` means the first device that takes
+  /// this struct. If a controller of the robot uses the device, the controller overrides the command. Throws
+  /// std::out_of_range, with the known names, if there is no such device, and std::invalid_argument if the
+  /// device takes another struct, with other field names (TROUPE_FIELDS) or another size.
   template <class Command>
   Command& command(std::string_view device = {}) {
     return *reinterpret_cast<Command*>(asked(device, sizeof(Command), Command::troupe_field_names()));
   }
-  /// The command of a device as bytes, for callers that learn its fields at run time.
+  /// The command of a device as bytes, for callers that know its fields only at run time.
   struct Asked {
-    std::span<const engine::StateField> fields;  ///< with their offsets in `bytes`
-    std::span<std::byte> bytes;                  ///< the command struct of the kind
+    std::span<const engine::StateField> fields;  ///< fields of the command, with their offsets in `bytes`
+    std::span<std::byte> bytes;                  ///< the command, as the command struct of the kind of device
   };
-  Asked asked(std::string_view device);  ///< throws std::out_of_range if no such device takes commands
+  /// Finds a command by the name of its device; throws std::out_of_range if no device of this name takes
+  /// commands.
+  Asked asked(std::string_view device);
 
-  /// Charge of a power pack, and energy that passed through it since tick 0, J (docs/energy.md).
+  /// State of a power pack: its charge, and the energy that it dissipated, received and gave since tick 0, J
+  /// (docs/energy.md).
   using Energy = engine::Energy;
-  /// Energy of the power pack that supplies it: its own, or else that of the nearest part below it. Empty if
-  /// there is none.
+  /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest part
+  /// towards the root of the body. Empty if there is no such pack.
   std::optional<Energy> energy() const;
-  /// Number of flags that this part itself holds, without the parts on it; 0 if it cannot hold flags.
+  /// Number of flags (small objects that grippers carry) that this part holds itself, without the flags of
+  /// other parts of the body. 0 if it cannot hold flags.
   std::size_t flag_count() const;
 
  private:
@@ -263,126 +291,142 @@ class Model {
 struct RayHit {
   double range_m = 0;      ///< distance to the surface, m; the length of the ray if it met nothing
   BodyId body;             ///< the body, for Simulation::model(); not valid if the ray met nothing
-  std::uint32_t part = 0;  ///< index in the parts of the body's type; 0: the root
+  std::uint32_t part = 0;  ///< index of the part in the body's type; 0: the body itself
 
   bool met() const { return body.valid(); }  ///< whether the ray met a surface
 };
 
-/// A world and its state. Not thread-safe: call it from one thread. It runs on `threads` workers of its own.
-/// Several simulations may live in one process.
+/// A world and its state. Not thread-safe: use each simulation from one thread. It computes on worker threads
+/// of its own (SimulationOptions::threads). A process may have several simulations.
 class Simulation {
  public:
-  /// Loads a world file (Stage `.world` or Troupe JSON). Throws InputError that lists all errors in it, each
-  /// as `file:line: error: ...`.
+  /// Loads a world file (Stage `.world` or Troupe JSON). Throws InputError, whose text lists all errors in
+  /// the file, each as `file:line: error: ...`.
   explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
-  /// Loads a world file with additional kinds: `registry` is make_registry() (troupe/registry.hpp) plus the
-  /// kinds of the caller.
+  /// Loads a world file that uses kinds of sensors, drives, controllers or other devices of the caller. Start
+  /// `registry` from make_registry() (troupe/registry.hpp), which has the kinds that Troupe ships, and add
+  /// the kinds of the caller.
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
-  /// Loads a world from its text. `name` stands for the file: its ending, .world or .json, selects the
-  /// syntax, relative paths are resolved from its folder, and errors read `name:line: error: ...`.
+  /// Loads a world from the text of a world file. No file is read; `name` is used in its place: its ending,
+  /// .world or .json, selects the syntax, relative paths in the text are resolved from its folder, and errors
+  /// read `name:line: error: ...`.
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options = {});
-  /// Loads a world from its text, with additional kinds.
+  /// Loads a world from its text, with the kinds of a registry of the caller.
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world that a program described (troupe/world_builder.hpp). Throws as from_text() does; lines are
-  /// those of WorldBuilder::json().
+  /// Makes a world that a program described (troupe/world_builder.hpp). Throws InputError as from_text()
+  /// does; the line numbers in its text are those of WorldBuilder::json().
   explicit Simulation(const WorldBuilder& world, const SimulationOptions& options = {});
-  /// Makes a world that a program described, with additional kinds.
+  /// Makes a world that a program described, with the kinds of a registry of the caller.
   Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world from a document: the content of a JSON world file as plain data
-  /// (worldio/json/world_document.hpp). `name` stands for the file, as in from_text(). Throws as from_text()
-  /// does, at the places that the document states.
+  /// Makes a world from a document: the content of a JSON world file as plain C++ data
+  /// (worldio/json/world_document.hpp). `name` is used in place of a file name, as in from_text(). Throws
+  /// InputError as from_text() does; its text names the files and lines that the document states.
   explicit Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name = "world.json",
                       const SimulationOptions& options = {});
-  /// Makes a world from a document, with additional kinds.
+  /// Makes a world from a document, with the kinds of a registry of the caller.
   Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
              const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world from a spec (engine/world_spec.hpp) that a program or a loader filled. Throws InputError
-  /// that lists all invalid values, each by its path and, if the spec has them, file and line:
-  /// `types[0].parts[2].size: must be ..., found nan`. The options `robots`, `set` and `search_path` are for
-  /// files and throw std::invalid_argument here.
+  /// Makes a world from a spec, the description that the engine uses internally (engine/world_spec.hpp),
+  /// which a program or a loader filled. Throws InputError, whose text lists all invalid values, each with
+  /// its path in the spec and, if the spec states them, with file and line: `types[0].parts[2].size: must be
+  /// ..., found nan`. The options `robots`, `set` and `search_path` apply to world files only: throws
+  /// std::invalid_argument if one of them is given.
   explicit Simulation(engine::WorldSpec world, const SimulationOptions& options = {});
-  /// Makes a world from a spec, with additional kinds.
+  /// Makes a world from a spec, with the kinds of a registry of the caller.
   Simulation(engine::WorldSpec world, const SimulationOptions& options, engine::Registry registry);
-  /// Resumes a run from a checkpoint of save() or `troupe run --checkpoint`: with the same bits as if it had
-  /// never stopped, on any number of threads, and without the files that its world was loaded from. Throws
-  /// InputError, `run.h5: error: ...`, for a file that is not a checkpoint, is truncated or damaged, or comes
-  /// from a newer version.
+  /// Resumes a run from a checkpoint that save() or `troupe run --checkpoint` wrote. The run then has the
+  /// same bits as if it had never stopped, on any number of threads. The files that the world was loaded from
+  /// are not needed. Throws InputError, `run.h5: error: ...`, if the file is not a checkpoint, is truncated
+  /// or damaged, or was written by a newer version.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
-  /// Resumes a run of a world that was loaded with additional kinds.
+  /// Resumes a run of a world that was loaded with a registry of the caller, which must have the same kinds
+  /// again.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
                            engine::Registry registry);
   ~Simulation();
-  Simulation(Simulation&&) noexcept;  ///< handles stay valid; the source may only be destroyed or assigned
-  Simulation& operator=(
-      Simulation&&) noexcept;  ///< handles stay valid; the source may only be destroyed or assigned
+  /// Handles stay valid. The moved-from simulation may only be destroyed or assigned to.
+  ///@{
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+  ///@}
 
-  /// Warnings of the loader, `file:line: warning: ...`, and of plug-ins, `file: warning: ...`.
+  /// Warnings about the world file, `file:line: warning: ...`, and about plug-ins, `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
-  /// The options in effect, as key and value, for logs.
+  /// The options that the simulation uses (world, seed, number of threads, ...), as pairs of key and value,
+  /// for logs.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
-  /// The condition of the world's `stop_when` that holds, as `coverage >= 0.9`: the run is over
-  /// (docs/experiments.md). Conditions are evaluated after each step, and once when a run is resumed; the
-  /// result is empty before the first step.
+  /// The condition in the world's list `stop_when` that ended the run, such as `coverage >= 0.9`
+  /// (docs/experiments.md); empty while no condition holds. Conditions are evaluated after each step, and
+  /// once when a run is resumed; before the first step the result is empty.
   std::optional<std::string> stopped() const;
 
-  /// Advances the world by one tick: intervene, sense, actuate, decide, move, index; also after the run is
-  /// over. Throws engine::StepError, a std::runtime_error that names tick and robot, if a commanded speed is
-  /// not finite or if a controller or a device throws. An exception of an on_phase() callback passes through
-  /// unchanged. After an exception the state is incomplete: until reset() every function of the simulation,
-  /// its models, swarms and observers that reads or continues the state throws std::logic_error.
+  /// Advances the world by one tick, in the phases intervene, sense, actuate, decide, move and
+  /// index. It does so also if a stop condition ended the run (stopped()). Throws engine::StepError, a
+  /// std::runtime_error that names tick and robot, if a commanded speed is not finite or if a controller or a
+  /// device throws. Exceptions of an on_phase() callback pass through unchanged. After an exception the state
+  /// is incomplete. Until reset(), all functions that read or advance the state then throw std::logic_error,
+  /// also those of models, swarms and observers of this simulation.
   void step();
-  /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or the run is over
-  /// (stopped()). Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
+  /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or until a stop
+  /// condition ends the run (stopped()). Throws std::invalid_argument if `seconds` is negative, NaN or more
+  /// than 1e12.
   void run_for(double seconds);
-  /// Steps until `done`, called after each step, returns true; then returns true. Returns false if
-  /// `at_most_s` seconds of world time pass, or the run is over, first. Throws std::invalid_argument as
-  /// run_for() does.
+  /// Steps until the callback `done` returns true; calls it after each step. Returns true if `done` returned
+  /// true. Returns false if, before that, `at_most_s` seconds of world time have passed or a stop condition
+  /// ended the run. Throws std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
-  /// Adds a callback that is called at the end of every step, also of steps of run_for() and run_until().
-  /// Callbacks run in the order in which they were added, after stopped() is evaluated and record() has
-  /// written, so they see the state that the step left. They may do what a program may do between two steps
-  /// (read, command, set_poses(), spawn(), remove(), save()), but step(), reset() and on_tick() throw
-  /// std::logic_error. An exception leaves step() with the tick complete, and the remaining callbacks are not
-  /// called. Null removes all callbacks.
+  /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Callbacks
+  /// are called in the order in which they were added, after the stop conditions have been evaluated and the
+  /// recording of record() has received the tick. A callback may do everything that a program may do between
+  /// two steps (read, command, set_poses(), spawn(), remove(), save()), except step(), reset() and on_tick(),
+  /// which throw std::logic_error. If a callback throws, step() passes the exception on and calls no further
+  /// callbacks; the tick is complete. A null callback removes all callbacks.
   void on_tick(std::function<void(Simulation&)> callback);
-  /// Sets a callback that is called in every step after the world's own events (`at`, faults) and before the
-  /// tick begins. It may do what a program may do between two steps, and act(), but not step() or reset(). An
-  /// exception leaves step() with an incomplete state. Null removes it.
+  /// Sets the callback that is called in every step after the events of the world file (the list `at`, and
+  /// faults) and before the tick begins. It may do everything that a program may do between two steps, and
+  /// may call act(), but not step() or reset(). If it throws, step() passes the exception on, and the state
+  /// is then incomplete, as described at step(). A null callback removes it.
   void before_tick(std::function<void(Simulation&)> callback);
-  /// Applies an act of a user to a running world (docs/live.md): between two steps, or in before_tick(),
-  /// where it comes after the world's own events. A hold lasts until it is released, is saved in checkpoints,
-  /// and ends with reset(). Throws ActRefused (troupe/acts.hpp), and changes nothing, if the act is
-  /// impossible.
+  /// Applies an act to the running world: a change that a user or a program requests, such as moving,
+  /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of
+  /// before_tick(). A hold, the act that steers a robot from outside, lasts until another act releases the
+  /// robot or until reset(), and checkpoints contain it. Throws ActRefused (troupe/acts.hpp), and changes
+  /// nothing, if the act is impossible.
   void act(const engine::Act& act);
-  /// Returns to the state after loading, bit for bit: tick 0, the same hashes, then the same run. Handles,
-  /// callbacks and subscriptions stay; commanded speeds do not. A recording of record() is closed. Also
-  /// recovers from a step that threw. Reads no file and allocates nothing, so thousands of trials of one
-  /// world cost only their steps; but the conditions of `stop_when` restart, which allocates.
+  /// Returns to the state after loading, bit for bit: tick 0 and the same hashes, and the same run follows.
+  /// Handles, callbacks and subscriptions stay valid; commanded speeds are discarded. A recording of record()
+  /// is closed. reset() is also the way to continue after a step that threw. It reads no file, and allocates
+  /// no memory unless the world has `stop_when`, so that a program can run thousands of trials of one world
+  /// for little more than the cost of their steps.
   void reset();
-  /// Returns to the state that the world has after loading with another seed, bit for bit: populations are
-  /// placed again, and every draw follows the new seed. Otherwise as reset(), but it allocates. Throws
-  /// InputError, and changes nothing, if the populations find no place with this seed; std::logic_error for a
-  /// resumed run, because a checkpoint does not store how bodies were placed.
+  /// Returns to the state that the world has after loading with the given seed, bit for bit: populations are
+  /// placed again, and all random numbers depend on the new seed. Otherwise it is like reset(), but allocates
+  /// memory. Throws InputError, and changes nothing, if the placement rules find no place for a robot with
+  /// this seed. Throws std::logic_error for a run that was resumed, because a checkpoint does not store the
+  /// placement rules.
   void reset(std::uint64_t seed);
   /// Makes another simulation of the same world at tick 0, as if it had been loaded with this seed. Reads no
-  /// file, and shares kinds and plug-ins with this one, which it may outlive. Callbacks and subscriptions are
-  /// not copied. threads: as in SimulationOptions. Throws as reset(seed) does.
+  /// file. The new simulation may outlive this one. Callbacks and subscriptions are not copied. threads:
+  /// number of worker threads, as in SimulationOptions. Throws as reset(seed) does.
   Simulation another(std::uint64_t seed, unsigned threads) const;
 
-  /// Saves the whole state, between two steps, in one HDF5 file for resume(), which then needs neither the
-  /// world's file nor its bitmaps. The file is written under a temporary name and renamed once it is complete
-  /// and on the disk: if the process dies, the name holds the previous checkpoint or the new one. Callbacks
-  /// are not saved; subscriptions and commanded speeds are. Throws std::runtime_error, `run.h5: error: ...`,
-  /// if the file cannot be written or the build has no HDF5; the previous checkpoint then remains.
+  /// Saves the whole state between two steps in a checkpoint, one HDF5 file. resume() then needs neither the
+  /// world file nor its bitmaps. Subscriptions and commanded speeds are saved, callbacks are not. The file is
+  /// written under a temporary name and renamed once it is complete and on the disk: if the process dies,
+  /// `checkpoint` is either the previous checkpoint or the new one. Throws std::runtime_error, `run.h5:
+  /// error: ...`, if the file cannot be written or the build has no HDF5; the previous checkpoint then
+  /// remains.
   void save(const std::filesystem::path& checkpoint) const;
 
-  /// Saves the memory of an observer with the state: each save() calls `memory` and stores its bytes in the
-  /// checkpoint under `name`. Null removes it.
+  /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
+  /// Each save() calls `memory` and stores the returned bytes under `name`; after resume(), saved_memory()
+  /// returns them. A null callback removes the one of this name.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
-  /// The bytes stored under `name` in the checkpoint that the run was resumed from; empty if there are none.
+  /// The bytes that on_save() stored under `name` in the checkpoint that the run was resumed from; empty if
+  /// there are none.
   std::optional<std::vector<std::byte>> saved_memory(const std::string& name) const;
 
   /// The tick of the checkpoint that the run was resumed from; empty if it was not resumed.
@@ -391,118 +435,137 @@ class Simulation {
   double time_s() const;       ///< world time, s
   std::uint64_t tick() const;  ///< number of completed ticks
   double tick_s() const;       ///< length of a tick, s
-  /// Number of robots in the world.
+  /// Number of robots that are in the world now.
   std::size_t robots() const;
   std::uint64_t seed() const;  ///< seed of all random draws
-  std::string title() const;   ///< title of the world, or else the name of its file
-  /// The `quit_time_s` of the world, s; empty if it has none.
+  std::string title() const;   ///< title in the world file, or else the name of the file
+  /// The time at which the world file ends the run (`quit_time_s`), s; empty if it states none. run_for() and
+  /// step() do not end at this time.
   std::optional<double> quit_time_s() const;
 
-  /// Finds a model by name: a body, or a part below it ("r0.ranger:1"), by its name in the world or the one
-  /// that Stage would generate. Throws std::out_of_range, with similar names, if there is none.
+  /// Finds a model by name: a body ("r0"), or a part that is mounted on a body ("r0.ranger:1"). The name is
+  /// that of the world file, or the name that Stage's rule generates. Throws std::out_of_range, with similar
+  /// names, if there is no such model.
   Model find(std::string_view name);
-  /// The body with this id, as sensors and cast() report it. Throws std::out_of_range if there is none.
+  /// The body with this id. Sensors and cast() report such ids. Throws std::out_of_range if there is no such
+  /// body.
   Model model(BodyId id);
-  /// The first surface along a ray, by exact geometry, also in worlds that use the grid engine.
-  /// from       start, m, and direction, rad, in the world frame; the ray stays at the height from.z
-  /// range_max  m; surfaces at this distance or beyond are not met
-  /// without    a model that the ray ignores, with everything that it carries: for rays from within a robot
-  /// meets      what rangers meet (ranger_return >= 0), if the closed z interval holds the height, from both
-  ///            sides; computed in doubles, so it may differ from a reading in the last bits of a float
-  /// ties       of two surfaces at one distance, the lower (id, part)
-  /// errors     std::invalid_argument for a pose that is not finite, and a range below 0 or beyond 300 km
-  /// cost       one walk along the ray. Changes nothing: several threads may cast at once, between two steps
+  /// Casts a ray and returns the first surface that it meets. Computes exact intersections, also in worlds
+  /// whose rangers use the occupancy grid.
+  /// from       start of the ray, m, and its direction, rad, in the world frame; the ray stays at the height
+  ///            from.z
+  /// range_max  length of the ray, m; the ray does not meet surfaces at this distance or farther
+  /// without    a body that the ray ignores, together with the bodies that it carries; for rays that start
+  ///            within a robot
+  /// meets      surfaces that rangers detect (ranger_return >= 0) and whose z interval, including both ends,
+  ///            contains from.z; from inside and from outside. The distance is computed in double precision,
+  ///            so it may differ from the float32 reading of a ranger in its last bits
+  /// ties       if two surfaces have the same distance: the one with the lower body id, then the lower part
+  /// errors     std::invalid_argument if `from` is not finite, or if range_max is below 0 or above 300 km
+  /// threads    several threads may cast rays at once, between two steps; nothing is changed
   RayHit cast(const Pose& from, double range_max, const Model* without = nullptr) const;
-  /// A group of robots (troupe/swarm.hpp), in the order of their ids: those of the type or the population of
-  /// this name, or one robot; empty: all robots. Throws std::out_of_range, with the known names, for an
-  /// unknown name.
+  /// A group of robots in the order of their ids (troupe/swarm.hpp). `of` names a type, a population or one
+  /// robot; empty: all robots. Throws std::out_of_range, with the known names, for an unknown name.
   Swarm swarm(std::string_view of = {});
-  /// Model::set_pose() for many models at little more than the cost of one, because bodies are indexed once.
-  /// If one pose is invalid, no model is moved.
+  /// Calls Model::set_pose() for many models. It costs little more than for one model, because the spatial
+  /// index of the bodies is rebuilt only once. If one pose is invalid, it throws and moves no model.
   void set_poses(std::span<const std::pair<Model, Pose>> poses);
-  /// Spawns the next body of a population's reserve, between two steps, at a pose in the world's frame, m and
-  /// rad. Sensors see it from the next step on, in which its life begins as that of other bodies at tick 0.
-  /// Returns nothing if the place is out of bounds or touches a solid body, or if the reserve is used up.
-  /// Throws std::out_of_range for a population without a reserve, and std::invalid_argument for a pose that
-  /// is not finite. Costs the indexing of all bodies.
+  /// Spawns a robot between two steps: places the next unborn body of a population's reserve at a pose in the
+  /// world frame, m and rad. Its controller starts, and sensors see it, from the next step on. Returns
+  /// nothing if the place is outside the bounds of the world or touches a solid body, or if the reserve is
+  /// used up. Throws std::out_of_range for a population without a reserve, and std::invalid_argument for a
+  /// pose that is not finite. Each call rebuilds the spatial index of all bodies.
   std::optional<Model> spawn(std::string_view population, const Pose& pose);
-  /// Number of bodies of a population's reserve that are not yet born.
+  /// Number of bodies in the reserve of a population that spawn() can still add. Throws std::out_of_range for
+  /// a population without a reserve.
   std::size_t unborn(std::string_view population) const;
-  /// Removes a body for good, between two steps: nothing meets or senses it any more, bodies that it carried
-  /// lie where they were, and its id is never used again. Does nothing for a body that is not in the world.
-  /// Throws std::logic_error for a part of a model, for static geometry, and in a world without a reserve and
-  /// without `"mortal": true`. Costs the indexing of all bodies.
+  /// Removes a body from the world for good, between two steps: other bodies no longer collide with it or
+  /// sense it, bodies that it carried stay where they were, and its id is never used again. Does nothing if
+  /// the body is not in the world. Throws std::logic_error for a part of a body, for static geometry, and if
+  /// the world has neither a reserve nor `"mortal": true`. Each call rebuilds the spatial index of all
+  /// bodies.
   void remove(const Model& model);
-  /// Disables a body, between two steps: its controllers, drive, sensors and other devices stop; sensors keep
-  /// their readings. The body stays where it is, and others still meet and sense it. Returns false if it is
-  /// disabled already or not in the world. Throws std::logic_error for a part of a model, for static
-  /// geometry, and in a world without faults, without `disable` in its `at` and without `"mortal": true`.
+  /// Disables a body between two steps: its controller, drive, sensors and other devices stop; sensors keep
+  /// their last readings. The body stays where it is, and other bodies still collide with it and sense it.
+  /// Returns false if the body is already disabled or is not in the world. Throws std::logic_error for a part
+  /// of a body, for static geometry, and if the world has neither faults, nor an event `disable` in its list
+  /// `at`, nor `"mortal": true`.
   bool disable(const Model& model);
-  /// Enables a disabled body: it continues with its last commands. Returns false if it is not disabled.
-  /// Throws as disable() does.
+  /// Enables a disabled body, between two steps; it continues with its last commands. Returns false if the
+  /// body is not disabled. Throws as disable() does.
   bool enable(const Model& model);
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
-  /// Runs every sensor of a robot, as Stage's Subscribe does. Call it before the first step.
+  /// Makes all sensors of a robot run, as Stage's Subscribe does. Without it, only sensors run that are
+  /// active (`active` in JSON, `alwayson` in Stage worlds) or that the robot's controller reads. Call it
+  /// before the first step: later calls throw std::logic_error. Throws std::out_of_range for an unknown
+  /// model.
   void subscribe(std::string_view model);
 
-  /// Records this run from now on (troupe/recording.hpp): the current state, and then each step whose tick is
-  /// due, until stop_recording(), reset() or the end of this object. Throws as Recording does, and
-  /// std::logic_error if it records already.
+  /// Starts to record this run in a file (troupe/recording.hpp): the current state, and then the state at
+  /// every recording interval, until stop_recording(), reset() or the destruction of the simulation. Throws
+  /// as the constructor of Recording does, and std::logic_error if a recording is already running.
   void record(const std::filesystem::path& file);
-  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< records, with options
-  /// Closes the recording; other HDF5 tools can then read the file. Throws std::runtime_error if that fails;
-  /// does nothing if nothing is recorded.
+  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< with options
+  /// Closes the recording that record() started; other HDF5 tools can then read the file. Throws
+  /// std::runtime_error if the file cannot be written. Does nothing if no recording is running.
   void stop_recording();
 
-  /// Hash of the whole state (docs/determinism.md).
+  /// A 64-bit hash of the whole state: simulations with equal states have equal hashes (docs/determinism.md).
   std::uint64_t state_hash() const;
-  /// The hash of the state, and its parts by group.
+  /// The hash of the state, and the hashes of four groups of its components.
   struct Hashes {
-    std::uint64_t state = 0;     ///< the sum of the others, modulo 2^64
-    std::uint64_t pose = 0;      ///< poses, which body carries which, which bodies are alive
+    std::uint64_t state = 0;     ///< the sum of the four hashes below, modulo 2^64
+    std::uint64_t pose = 0;      ///< poses, carried bodies, which bodies are in the world
     std::uint64_t velocity = 0;  ///< velocities, commands of drives and devices, stalls
-    std::uint64_t sensor = 0;    ///< readings, and the state of other devices
+    std::uint64_t sensor = 0;    ///< readings of sensors, and the state of other devices
     std::uint64_t memory = 0;    ///< memory of controllers, odometry, faults and disabled bodies
   };
   Hashes hashes() const;  ///< hashes of the current state
-  /// First lines of a hash log: `# key: value` each. Logs of equal runs may differ in them.
+  /// The first lines of a hash log, each `# key: value`. They state version and options, so they may differ
+  /// between logs of runs with equal states.
   std::string hash_log_header() const;
-  /// One line of a hash log: `tick state pose=... velocity=... sensor=... memory=...`.
+  /// The line of a hash log for the current tick: `TICK STATE pose=... velocity=... sensor=... memory=...`,
+  /// with hashes as 16 hexadecimal digits.
   std::string hash_log_line() const;
 
   Statistics statistics() const;  ///< counters since tick 0; visits every robot
-  /// The sums over all power packs of the world; `infinite` and `charging` are true if they are for any pack.
+  /// The energies of all power packs in the world, summed, J; `infinite` and `charging` are true if they are
+  /// true for at least one pack.
   Model::Energy energy() const;
   unsigned threads() const;  ///< number of worker threads
-  /// Sets a callback for timing that is called as each phase begins, and with no phase as the tick ends.
+  /// Sets a callback that measures the time of phases. It is called with the phase when a phase of a tick
+  /// begins, and with std::nullopt when the tick ends.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
-  /// Sets a callback for profiles that is called as each task of a parallel loop begins (true) and ends
-  /// (false), with the index of the task in its loop. Workers call it concurrently: it must be thread-safe.
-  /// Set it between steps.
+  /// Sets a callback for profilers. It is called when a task of a parallel loop begins (`begins` is true) and
+  /// when the task ends (false); `task` is the index of the task in its loop. Worker threads call it
+  /// concurrently, so it must be thread-safe. Set it between two steps.
   void on_task(std::function<void(std::size_t task, bool begins)> callback);
-  /// Sets a callback for timing that is called on the stepping thread as each parallel loop begins (true) and
-  /// ends (false), also for loops between steps (hashes, measures). Set it between steps.
+  /// Sets a callback that measures the time of parallel loops. It is called on the thread that calls step()
+  /// when a parallel loop begins (true) and when it ends (false), also for loops that run between two steps,
+  /// such as those of hashes and measures. Set it between two steps.
   void on_loop(std::function<void(bool begins)> callback);
 
-  /// The engine's view of the world (engine/world.hpp): types, state tables and hooks, for tools that compare
-  /// or save states of any kind. Lives as long as the simulation.
+  /// The world as the engine stores it (engine/world.hpp): types, state tables and hooks, for tools that
+  /// compare or save states. The reference is valid while the simulation lives.
   engine::World& world();
-  const engine::World& world() const;  ///< the engine's view of the world, to read
-  /// The kinds that the world was made of. Lives as long as the simulation.
+  const engine::World& world() const;  ///< the same world, read-only
+  /// The registry of kinds of sensors, drives, controllers and other devices that this world was made with.
+  /// The reference is valid while the simulation lives.
   const engine::Registry& registry() const;
 
-  /// Draws the world from above into a PNG file. Throws std::runtime_error if OSMesa is missing, the build
-  /// has no renderer, or the file cannot be written.
+  /// Draws the world from above into a PNG file; width and height in pixels. Throws std::runtime_error if the
+  /// library OSMesa is missing, if the build has no renderer, or if the file cannot be written.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
-  /// Draws the world as `options` say (troupe/pictures.hpp): camera, size, layers. Throws also InputError for
-  /// options that name something that the world does not have.
+  /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp). Throws
+  /// std::runtime_error as above, and InputError if `options` name something that the world does not have.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
-  /// A picture of the world from above in memory: 8-bit RGB, three bytes per pixel, row 0 on top. Throws as
-  /// snapshot() does, and std::invalid_argument for a size below 1. The renderer is kept for later calls with
-  /// the same options, so do not call these functions from two threads at once.
+  /// Returns a picture of the world from above: 8-bit RGB, three bytes per pixel, row by row from the top.
+  /// Throws as snapshot() does, and std::invalid_argument for a width or height below 1. Do not call
+  /// picture() or snapshot() from two threads at once: they share a renderer.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
-  /// A picture as `options` say, in memory. Throws also std::invalid_argument for a transparent background.
+  /// Returns a picture with the camera, size and layers of `options`: 8-bit RGB, as above. Throws as
+  /// snapshot() does, and std::invalid_argument for the background `transparent`, which RGB cannot represent.
   std::vector<std::uint8_t> picture(const PictureOptions& options) const;
 
  private:
@@ -522,7 +585,8 @@ class Simulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Version, compiler, flags, instruction set and assertion state, on one line.
+/// Returns one line with Troupe's version, and the compiler, its flags, the processor architecture and
+/// whether assertions are on.
 std::string version_line();
 
 }  // namespace troupe

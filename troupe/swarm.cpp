@@ -17,7 +17,7 @@ namespace {
 void check_size(std::string_view what, std::size_t given, std::size_t robots) {
   if (given != robots)
     throw std::invalid_argument(
-        fmt::format("{} {} for a swarm of {} robots: give one per robot", given, what, robots));
+        fmt::format("found {} {} for a swarm of {} robots: give one per robot", given, what, robots));
 }
 
 bool is_ranger(const engine::BodyType::Device& device) { return !device.prepared.bearings.empty(); }
@@ -61,7 +61,8 @@ std::vector<std::string> Swarm::types() const {
   return types;
 }
 
-/// Calls one(row, i) for each robot. room: size of the caller's span, which must be size().
+/// Calls one(row, i) for each robot. room: number of elements of the caller's span; throws
+/// std::invalid_argument if it is not size().
 template <class Read>
 void Swarm::read(std::size_t room, Read&& one) const {
   world_->require_whole();
@@ -136,9 +137,10 @@ std::size_t Swarm::beams(std::string_view sensor) const {
   const std::size_t beams = ranger_of(rows_.front(), sensor).device->prepared.bearings.size();
   for_rangers(sensor, [&](const Ranger& ranger, Row, std::size_t i) {
     if (const std::size_t own = ranger.device->prepared.bearings.size(); own != beams)
-      throw std::invalid_argument(fmt::format(
-          "robots with different rangers: {} beams of \"{}\", {} of \"{}\"; take a swarm of one type", beams,
-          world_->spec().name(ids_.front()), own, world_->spec().name(ids_[i])));
+      throw std::invalid_argument(
+          fmt::format("robots with different rangers: the ranger of \"{1}\" has {0} beams, that of \"{3}\" "
+                      "has {2}; use a swarm of one type",
+                      beams, world_->spec().name(ids_.front()), own, world_->spec().name(ids_[i])));
   });
   return beams;
 }
@@ -147,12 +149,14 @@ void Swarm::ranges(std::span<float> out, std::string_view sensor) const {
   world_->require_whole();
   const std::size_t count = beams(sensor);
   if (out.size() != count * size())
-    throw std::invalid_argument(
-        fmt::format("a span of {} elements for {} robots with {} beams each", out.size(), size(), count));
+    throw std::invalid_argument(fmt::format(
+        "found a span of {} elements for {} robots with {} beams each: give robots x beams elements",
+        out.size(), size(), count));
   for_rangers(sensor, [&](const Ranger& ranger, Row row, std::size_t i) {
     if (!world_->senses(row, *ranger.device))
-      throw std::logic_error(fmt::format("sensor \"{}\" of \"{}\" does not run: subscribe to the robot first",
-                                         ranger.device->name, world_->spec().name(ids_[i])));
+      throw std::logic_error(
+          fmt::format("sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step",
+                      ranger.device->name, world_->spec().name(ids_[i])));
     const std::span<const float> readings = ranger.readings->cell<float>(world_->slot(row), 0);
     std::ranges::copy(readings, out.subspan(i * count).begin());
   });
@@ -168,7 +172,7 @@ double Swarm::range_bound(std::string_view sensor) const {
 
 void Swarm::subscribe() {
   Model::refuse_in_for_each(*world_, "subscribe()");
-  if (world_->tick() > 0) throw std::logic_error("subscribe before the first step");
+  if (world_->tick() > 0) throw std::logic_error("subscribe() must be called before the first step");
   for (const BodyId id : ids_) world_->subscribe(id);
 }
 

@@ -14,71 +14,75 @@
 
 namespace troupe {
 
-/// A group of robots of one simulation: the functions of Model, for all robots in one call.
+/// A group of robots of one simulation. Its functions are those of Model, for all robots of the group in one
+/// call.
 ///
 ///     troupe::Swarm swarm = simulation.swarm("minibots");
 ///     std::vector<float> ranges(swarm.size() * swarm.beams());
 ///     std::vector<troupe::Model::Speed> speeds(swarm.size());
 ///     while (simulation.time_s() < 60) {
 ///       simulation.step();
-///       swarm.ranges(ranges);  // those of robot i start at i * swarm.beams()
+///       swarm.ranges(ranges);  // the ranges of robot i start at index i * swarm.beams()
 ///       steer(ranges, speeds);
 ///       swarm.set_speeds(speeds);
 ///     }
 ///
-/// order     of rising ids, as in the world file, whatever the order of storage: robot i is the same in every
-///           run, on any number of threads
-/// members   fixed: the living, the unborn and the dead. Robots that are not in the world have readings of 0;
-///           unborn ones have a pose of NaN
-/// sizes     spans have one element per robot, spans of ranges one per beam of each robot; other sizes throw
-///           std::invalid_argument
-/// where     for commands: one byte per robot, 0 skips the robot; empty: all. Robots that are not in the
-///           world are always skipped
+/// order     robots are in ascending order of their ids, which is the order of the world file. Robot i is the
+///           same robot in every run, on any number of threads
+/// members   the group never changes: it also contains robots that were removed and robots that are not yet
+///           born. Robots that are not in the world have readings of 0; robots that are not yet born have a
+///           pose of NaN
+/// sizes     every span must have one element per robot (spans of ranges: one per beam of each robot); other
+///           sizes throw std::invalid_argument
+/// where     the parameter of the commands that selects robots: one byte per robot, 0 skips the robot; an
+///           empty span selects all. Commands always skip robots that are not in the world
 /// valid     while the simulation lives, also after a reset
 ///
-/// The readers copy. Simulation::world().tables() gives the state tables themselves, without a copy, in the
-/// order of storage.
+/// Functions that read copy the values to `out`. Simulation::world().tables() gives access to the state
+/// tables without a copy; their rows are not in the order of the swarm.
 class Swarm {
  public:
   std::size_t size() const { return rows_.size(); }     ///< number of robots, in the world or not
-  std::span<const BodyId> ids() const { return ids_; }  ///< in rising order
+  std::span<const BodyId> ids() const { return ids_; }  ///< in ascending order
   std::vector<std::string> names() const;               ///< in the order of ids()
-  /// The types of the robots, each once, in the order of the world.
+  /// Names of the types of the robots, each name once, in the order of the world file.
   std::vector<std::string> types() const;
 
-  /// 1 if the robot is in the world (docs/lives.md), else 0.
+  /// Writes 1 for each robot that is in the world (docs/lives.md), else 0.
   void alive(std::span<std::uint8_t> out) const;
-  /// 1 if the last motion was blocked, else 0.
+  /// Writes 1 for each robot whose motion was blocked in the last tick, else 0.
   void stalled(std::span<std::uint8_t> out) const;
-  /// Global poses, m and rad.
+  /// Poses in the world frame, m and rad.
   void poses(std::span<Pose> out) const;
-  /// Estimated poses, m and rad: Model::estimate().
+  /// Estimated poses, m and rad, as Model::estimate() returns them.
   void estimates(std::span<Pose> out) const;
-  /// Velocities of the last tick, body frame, m/s and rad/s.
+  /// Velocities during the last tick in the body frame, m/s and rad/s.
   void speeds(std::span<Model::Speed> out) const;
 
-  /// Number of readings of a ranger, equal for all robots. Empty `sensor`: the first ranger of each robot.
-  /// Throws std::out_of_range if a robot has no such ranger, and std::invalid_argument if the numbers of
-  /// beams differ.
+  /// Number of beams of the ranger named `sensor`, which must be the same for all robots. An empty name means
+  /// the first ranger of each robot. Throws std::out_of_range if a robot has no such ranger, and
+  /// std::invalid_argument if the numbers of beams differ between robots.
   std::size_t beams(std::string_view sensor = {}) const;
-  /// Readings, m: robots x beams, row-major. Throws as beams() does, and std::logic_error if the ranger of a
-  /// robot does not run (subscribe first).
+  /// Ranges that the rangers measured, m: robots x beams, row-major. Throws as beams() does, and
+  /// std::logic_error if the ranger of a robot does not run; call subscribe() before the first step.
   void ranges(std::span<float> out, std::string_view sensor = {}) const;
-  /// Headings of the beams of the first robot's ranger, in the frame of the sensor, rad.
+  /// Headings of the beams of the ranger of the first robot, in the frame of the sensor, rad. Throws as
+  /// beams() does.
   std::vector<double> bearings(std::string_view sensor = {}) const;
-  /// Upper bound of all readings of the first robot's ranger, m.
+  /// Largest range that the ranger of the first robot can report, m. Throws as beams() does.
   double range_bound(std::string_view sensor = {}) const;
-  /// Runs every sensor of all robots. Call it before the first step.
+  /// Makes all sensors of all robots run: Simulation::subscribe() for each robot. Call it before the first
+  /// step.
   void subscribe();
 
-  /// Calls visit(i, robot) for each robot in the world, on all threads of the simulation, in any order. A
-  /// call may read the whole state, cast rays and draw random numbers of its robot, but change only the
-  /// commands and the estimate of its own robot, and data of the caller that belong to robot i (element i of
-  /// an array). The result is then the same on any number of threads. If calls throw, the remaining calls are
-  /// still made, and the exception of the first robot is rethrown. Use it between two steps, also in a
-  /// callback of on_tick(). A call that commands another robot of the simulation, moves or spawns or removes
-  /// a robot, steps, resets or subscribes throws std::logic_error: collect such changes, and apply them after
-  /// for_each().
+  /// Calls the function `visit` once for each robot that is in the world, in parallel on all threads of the
+  /// simulation and in any order. Call for_each() between two steps, or in a callback of on_tick(). `visit`
+  /// may read the whole state, cast rays, and draw from Model::random() of its robot. It may change only the
+  /// commands and the estimate of its robot, and data of the caller that belong to robot i, such as element i
+  /// of an array. The result is then the same on any number of threads. Commands for other robots,
+  /// set_pose(), spawn(), remove(), step(), reset() and subscribe() throw std::logic_error in `visit`:
+  /// collect such changes, and apply them after for_each(). If `visit` throws for some robots, it is still
+  /// called for all others, and for_each() then rethrows the exception of the first of these robots.
   void for_each(const std::function<void(std::size_t i, Model& robot)>& visit);
 
   /// Model::set_speed() for each robot.
@@ -87,8 +91,8 @@ class Swarm {
   void accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where = {});
   /// Model::go_to() for each robot.
   void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});
-  /// Model::set_pose() for each robot, with one indexing of all bodies. If one pose is invalid, no robot is
-  /// moved.
+  /// Model::set_pose() for each robot; the spatial index of the bodies is rebuilt only once. If one pose is
+  /// invalid, it throws and moves no robot.
   void set_poses(std::span<const Pose> poses, std::span<const std::uint8_t> where = {});
 
  private:

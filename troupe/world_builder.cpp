@@ -23,7 +23,7 @@ std::shared_ptr<const JsonNode> shared(JsonNode node) {
   return std::make_shared<const JsonNode>(std::move(node));
 }
 
-/// The node that reading the number from a file would give: a number without a fraction is an integer.
+/// Returns the node that a JSON reader makes of this number: a number without a fraction is an integer.
 JsonNode number_node(double value) {
   const std::string text = fmt::format("{}", value);  // the shortest text that reads as this number
   std::int64_t whole = 0;
@@ -38,10 +38,11 @@ Settings device_of(std::string_view name, std::string_view kind, const Settings&
   return device.set(parameters);
 }
 
-/// Marks a value whose members get lines of their own: its line number until the layout; others have none.
+/// Line number of values whose members are written on separate lines, until the layout assigns the real line
+/// numbers.
 constexpr std::uint32_t k_broken = 1;
 
-/// Writes a world, and stores in each value the line where it is written.
+/// Writes a world as JSON text, and stores in each value the number of its line.
 class Layout {
  public:
   explicit Layout(std::uint32_t file) : where_{file, 1} {}
@@ -85,7 +86,7 @@ class Layout {
     text_ += list ? ']' : '}';
   }
 
-  /// Gives all members of a value its line.
+  /// Sets the line numbers of all members of a value to that of the value.
   static void place(JsonNode& node) {
     if (auto* list = std::get_if<JsonNode::List>(&node.value))
       for (JsonNode& item : *list) {
@@ -114,7 +115,7 @@ class Layout {
 Setting::Setting(bool value) : node_(shared(json_node(value))) {}
 Setting::Setting(double value) {
   if (!std::isfinite(value))
-    throw std::invalid_argument(fmt::format("numbers of a world must be finite, found {}", value));
+    throw std::invalid_argument(fmt::format("numbers in a world must be finite, found {}", value));
   node_ = shared(number_node(value));
 }
 Setting::Setting(std::int64_t value) : node_(shared(json_node(value))) {}
@@ -229,7 +230,8 @@ WorldBuilder& WorldBuilder::population(std::string_view name, std::string_view t
 WorldBuilder& WorldBuilder::wall(const Vec2& from, const Vec2& to, double thickness, double height) {
   const Vec2 along = to - from;
   const double length = std::sqrt(along.squaredNorm());
-  if (!(length > 0)) throw std::invalid_argument("wall(): both ends are the same point");
+  if (!(length > 0))
+    throw std::invalid_argument("wall(): the two end points are equal: give different points");
   const std::string name = fmt::format("wall{}", ++walls_);
   type(name).size(length, thickness, height).color("gray40");
   const Vec2 middle = (from + to) / 2;

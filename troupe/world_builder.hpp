@@ -23,10 +23,10 @@ namespace worldio {
 struct JsonNode;
 }
 
-/// A value in the description of a world: a number, a text, a truth value, a list, or named values.
+/// A value of the world file: a number, a text, a truth value, a list, or named values.
 class Setting {
  public:
-  /// Implicit conversions from C++ values.
+  /// Converts a C++ value. The conversions are implicit, so that values can be written directly in Settings.
   ///@{
   Setting(bool value);
   Setting(double value);  ///< throws std::invalid_argument if it is not finite
@@ -40,7 +40,7 @@ class Setting {
   Setting(std::string_view text);
   Setting(const std::string& text);
   ///@}
-  Setting(const Pose& pose);  ///< m and rad; elements that are 0 are omitted
+  Setting(const Pose& pose);  ///< m and rad; coordinates that are 0 are omitted
   /// Named values: an object in JSON.
   Setting(const Settings& values);
   /// A list of values: an array in JSON.
@@ -54,21 +54,21 @@ class Setting {
   std::shared_ptr<const worldio::JsonNode> node_;
 };
 
-/// Named values under the keys of a world file, whose names include the unit (docs/world-format.md):
+/// Named values. The names are keys of the world file (docs/world-format.md), which contain the unit:
 ///
 ///     troupe::Settings{{"range_max_m", 2}, {"fov_deg", 90}, {"samples", 9}}
 class Settings {
  public:
   /// A key and its value.
   struct Entry {
-    std::string_view key;  ///< key of the world file, with its unit: "range_max_m"
-    Setting value;         ///< in the unit of the key
+    std::string_view key;  ///< key of the world file: "range_max_m"
+    Setting value;         ///< value in the unit that the key states
   };
   Settings() = default;
   Settings(std::initializer_list<Entry> entries);  ///< calls set() for each entry
-  /// Sets a key, and replaces an earlier value of it.
+  /// Sets the value of a key; replaces an earlier value of the same key.
   Settings& set(std::string_view key, const Setting& value);
-  Settings& set(const Settings& values);  ///< sets each of these keys
+  Settings& set(const Settings& values);  ///< sets all keys of `values`
   /// Keys and values, in the order in which they were set.
   const std::vector<std::pair<std::string, Setting>>& entries() const { return entries_; }
 
@@ -90,9 +90,10 @@ class Settings {
 ///     for (int i = 0; i < 10; ++i) world.add("r" + std::to_string(i), "bot", {.x = 0.5 * i});
 ///     troupe::Simulation simulation(world);
 ///
-/// It has the content and the keys of a JSON world file, which docs/world-format.md and `troupe describe`
-/// document; json() returns that file. Making the simulation reports all errors at once, as
-/// `world.json:7: error: /types/bot/drive/kind: unknown drive ...`, at the lines of json().
+/// The names and values are those of a JSON world file, which docs/world-format.md and `troupe describe`
+/// document; json() returns this file as text. Unknown names and invalid values are reported by the
+/// constructor of Simulation, not by this class: it throws InputError, whose text lists all errors, each as
+/// `world.json:7: error: /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
 class WorldBuilder {
  public:
   /// A type of bodies, made by WorldBuilder::type(), which owns it.
@@ -106,20 +107,24 @@ class WorldBuilder {
     Type(const Type&) = delete;
     Type& operator=(const Type&) = delete;
 
-    Type& size(double x, double y, double z);  ///< a box on the floor, centred on the origin, m
-    Type& color(const Setting& color);         ///< "SteelBlue", or {red, green, blue} from 0 to 1
-    /// The drive: "diff", "omni", "car", ... with the parameters of that kind.
+    /// Makes the body a box of this size, m, that stands on the floor and is centred on the body's origin.
+    Type& size(double x, double y, double z);
+    /// Sets the colour: a name, "SteelBlue", or {red, green, blue}, each from 0 to 1.
+    Type& color(const Setting& color);
+    /// Sets the drive. kind: "diff", "omni", "car", ...; parameters: the parameters of this kind of drive.
     Type& drive(std::string_view kind, const Settings& parameters = {});
-    /// Adds a sensor: its name in the type, its kind, its parameters, and its pose in the body's frame.
+    /// Adds a sensor. name: its name, unique in the type; kind: "ranger", "bumper", ...; parameters: those of
+    /// this kind of sensor; pose: of the sensor in the body frame, m and rad.
     Type& sensor(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
-    /// Adds another device (light, gripper, power pack, ...): name, kind, parameters, pose in the body's
-    /// frame.
+    /// Adds a device that is not a sensor (light, gripper, power pack, ...). The parameters are as in
+    /// sensor().
     Type& device(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
-    /// The controller. Without one, the program commands the robots.
+    /// Sets the controller that runs on each robot of the type. Without a controller, the program commands
+    /// the robots.
     Type& controller(std::string_view kind, const Settings& parameters = {});
-    /// Sets any other key of a type.
+    /// Sets any other key that a type has in the world file.
     Type& set(std::string_view key, const Setting& value);
 
    private:
@@ -129,36 +134,41 @@ class WorldBuilder {
     std::vector<Setting> sensors_, devices_;
   };
 
-  /// name: the file name in errors and, without .json, the title of the world; relative paths (bitmaps) are
-  /// resolved from its folder.
+  /// name: used in place of a file name: errors begin with it, its stem is the title of the world, and
+  /// relative paths of bitmaps are resolved from its folder.
   explicit WorldBuilder(std::filesystem::path name = "world.json");
 
-  /// Sets a key of the top level: "seed", "tick_s", "bounds_m", "stop_when", ...
+  /// Sets a key of the top level of the world file: "seed", "tick_s", "bounds_m", "stop_when", ...
   WorldBuilder& set(std::string_view key, const Setting& value);
-  /// The type of this name. The first call makes it.
+  /// Returns the type of this name; the first call with this name creates it.
   Type& type(std::string_view name);
-  /// Adds a body, at a pose in the world's frame, m and rad; `more`: other keys of a model.
+  /// Adds a body of a type, at a pose in the world frame, m and rad. more: further keys that a model has in
+  /// the world file.
   WorldBuilder& add(std::string_view name, std::string_view type, const Pose& pose,
                     const Settings& more = {});
-  /// Adds bodies NAME0, NAME1, ... that a rule places; `more`: other keys of a population ("reserve",
-  /// "color").
+  /// Adds `count` bodies of a type with the names NAME0, NAME1, ... (NAME is `name`). place: the placement
+  /// rule, as under "place" in the world file. more: further keys that a population has in the world file
+  /// ("reserve", "color").
   WorldBuilder& population(std::string_view name, std::string_view type, std::size_t count,
                            const Settings& place, const Settings& more = {});
-  /// Adds a straight wall between two points, m, with a type of its own and the name `wall1`, `wall2`, ...
-  /// Throws std::invalid_argument if the points are equal.
+  /// Adds a straight wall between two points in the world frame; points, thickness and height in m. Wall and
+  /// type have the names `wall1`, `wall2`, ... in the order of the calls. Throws std::invalid_argument if the
+  /// points are equal.
   WorldBuilder& wall(const Vec2& from, const Vec2& to, double thickness = 0.1, double height = 0.5);
-  /// Adds walls from an image, stretched to x by y metres; `more`: other keys of a floor plan.
+  /// Adds walls from the dark pixels of an image file, which is stretched to a size of x by y metres; height:
+  /// of the walls, m; more: further keys that a floor plan has in the world file.
   WorldBuilder& floorplan(std::string_view name, const std::filesystem::path& bitmap, double x, double y,
                           double height = 0.5, const Settings& more = {});
 
   const std::filesystem::path& name() const { return name_; }  ///< name given to the constructor
-  /// The world as a JSON file for `troupe run`, with one line per body or sensor. Throws std::runtime_error
-  /// for text that is not UTF-8, as does making a simulation from it.
+  /// The text of the JSON world file, which `troupe run` can load, with one line per body or sensor. Throws
+  /// std::runtime_error if a text in it is not UTF-8; the constructor of Simulation does so as well.
   std::string json() const;
 
  private:
   friend class Simulation;
-  /// The content of json(); each value refers to its line there, in this file.
+  /// The content of json() as a tree. file: index of the source file in errors; each value refers to its line
+  /// in json().
   worldio::JsonNode node(std::uint32_t file) const;
   worldio::JsonNode unplaced() const;
   std::filesystem::path name_;

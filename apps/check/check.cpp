@@ -24,14 +24,16 @@
 namespace troupe::apps {
 namespace {
 
-// Bytes that fill new storage: variants are constructed with them in turn; repeated decisions use the second.
+// Bytes that fill new storage. The variants are constructed with these bytes in turn; repeated decisions use
+// the second byte.
 constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 
-/// Data of a world, other than its state, that survives a tick.
+/// What a variant does after each tick with the data of its world that are not part of the state (caches, the
+/// spatial index, ...).
 enum class Memory : std::uint8_t {
-  kept,       ///< all
-  forgotten,  ///< none: World::forget()
-  remade,     ///< none, and a new world replaces the old one: engine/remade_world.hpp
+  kept,       ///< keeps them
+  forgotten,  ///< discards them: World::forget()
+  remade,     ///< replaces the world by a new one with the same state: engine/remade_world.hpp
 };
 
 /// One way to run the world. All variants must give the same results.
@@ -90,7 +92,7 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
   return variants;
 }
 
-/// Repeats every decision of a variant and compares the results.
+/// Repeats every decision of the controllers of a variant and compares the results (--controllers).
 class Decisions {
  public:
   explicit Decisions(Variant& variant) : world_(variant.simulation.world()) {
@@ -125,7 +127,8 @@ class Decisions {
   bool differ_ = false;
 };
 
-/// The current differences between the variants, as lines of text; marks variants that differ from the first.
+/// Compares the states of all variants with that of the first variant. Returns the differences as lines of
+/// text, and marks the variants that differ.
 std::vector<std::string> compare(std::vector<Variant>& variants) {
   std::vector<std::string> lines;
   engine::World& expected = variants.front().world();
@@ -140,7 +143,8 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
   return lines;
 }
 
-/// Steps the variants to the end or to the first difference. Returns the difference.
+/// Steps the variants to the end of the run, or to the first tick at which they differ. Returns the
+/// difference as text.
 std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* decisions, double end_s) {
   Simulation& first = variants.front().simulation;
   const std::uint64_t ticks = engine::ticks_until(end_s, first.tick_s());
@@ -151,7 +155,8 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
     if (!lines.empty() || first.tick() >= ticks) return lines;
     for (Variant& variant : variants) {
       variant.step();
-      // Before the other variants step: their decisions would change what a controller keeps in statics.
+      // Must run before the other variants step, because their decisions would change static variables of a
+      // controller.
       if (decisions && &variant == &variants.front()) lines = decisions->repeat();
     }
     progress.update(first.time_s());
@@ -177,8 +182,8 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
   if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers && !options.amnesia &&
       !options.reach)
     throw InputError(
-        "troupe check: error: only one variant, nothing to compare: give several --threads or --tile-size, "
-        "--amnesia, --reach, or --controllers");
+        "troupe check: error: there is only one variant and nothing to compare: give several numbers to "
+        "--threads or --tile-size, or give --amnesia, --reach or --controllers");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);

@@ -6,9 +6,10 @@
 
 namespace troupe::apps {
 
-/// `troupe check`: steps variants of a world in lock-step and compares their states. Prints the variants and
-/// the first difference on standard output, everything else on standard error. `registry` is that of
-/// make_registry(), or one with further kinds.
+/// `troupe check`: loads a world in several variants (numbers of threads, tile sizes, ...), steps them tick
+/// by tick and compares their states after each tick. Prints the variants and the first difference on
+/// standard output, and everything else on standard error. registry: the kinds of the world, from
+/// make_registry(), possibly with further kinds added.
 ExitCode check(const CheckOptions& options, const engine::Registry& registry);
 
 }  // namespace troupe::apps

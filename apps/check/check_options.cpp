@@ -10,24 +10,26 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_check_footer = R"(
-Loads one variant of the world for each number of threads with each tile size, steps all variants side by side, and
-compares every component of the state after each tick. Stops at the first tick that differs and prints component,
-robot, field and both values.
+Checks that the results of a world do not depend on the number of threads or the tile size. Loads one variant of the
+world for each combination of --threads and --tile-size, steps all variants side by side, and compares every component
+of the state after each tick. Stops at the first tick at which a variant differs from the first variant, and prints the
+component, the robot, the field and both values.
 
---amnesia adds two variants. In one, all data that are not state are overwritten with junk after each tick and derived
-again. In the other, the world is discarded after each tick and rebuilt from its description and state, as in a resumed
-run. They find data that influence a later tick and are not part of the state.
+--amnesia adds two variants. In the first, all data that are not part of the state are overwritten with junk after each
+tick and derived again. In the second, the world is discarded after each tick and rebuilt from its description and its
+state, as in a resumed run. These variants find data that influence a later tick but are not part of the state.
 
 --reach adds a variant in which every device computes one robot at a time, while the bodies beyond the reach that the
 device declares are removed from the world and their state is junk. It finds a device that reads further than it
 declares. Slow, and only for worlds with "ranging": "exact".
 
 --controllers repeats every decision of the first variant twice from the same readings and memory: once in another
-order, on another thread, in storage filled with junk; once with a newly constructed controller. It names a controller
-that calls rand(), keeps a static, reads the clock or leaves a member unset, with the field that differs. The first
-decision takes a second longer, for clocks that count seconds. docs/determinism.md describes what this cannot detect.
+order, on another thread and in storage filled with junk, and once with a newly constructed controller. It finds
+controllers that call rand(), keep a static variable, read the clock or leave a member uninitialised, and prints the
+field that differs. The check waits one second after the first decision, to detect clocks that count seconds.
+docs/determinism.md describes what it cannot detect.
 
-The end is that of troupe run: --for S, else the world's quit_time.
+The run ends as in troupe run: at --for S, else at the quit_time of the world.
 
 Exit codes: 0 same bits; 1 different; 2 bad input or usage.
 
@@ -52,13 +54,13 @@ void split(const std::string& text, Each&& each) {
 void add_check_options(CLI::App& check, CheckOptions& options) {
   check.footer(k_check_footer);
   add_world_options(check, options);
-  add_value(check, "--threads", "N,...", "Numbers of worker threads (default: 1,2,8)",
+  add_value(check, "--threads", "N,...", "Numbers of worker threads to compare (default: 1,2,8)",
             [&options](const std::string& text) {
               options.threads.clear();
               split(text, [&](std::string_view item) { options.threads.push_back(thread_count(item)); });
             });
   add_value(check, "--tile-size", "M,...",
-            "Edge lengths of tiles, m; auto: chosen by the world (default: auto,1.7)",
+            "Edge lengths of tiles to compare, m; auto: the automatic choice (default: auto,1.7)",
             [&options](const std::string& text) {
               options.tile_sizes_m.clear();
               split(text, [&](std::string_view item) {
@@ -67,13 +69,15 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
             });
   check
       .add_flag("--amnesia", options.amnesia,
-                "Also compare runs that keep only their state from tick to tick")
+                "Also compare runs that discard all data except the state after each tick")
       ->disable_flag_override();
   check
       .add_flag("--reach", options.reach,
                 "Also compare a run in which devices see only the bodies within their declared reach")
       ->disable_flag_override();
-  check.add_flag("--controllers", options.controllers, "Repeat each decision and compare the results")
+  check
+      .add_flag("--controllers", options.controllers,
+                "Also repeat each decision of a controller and compare the results")
       ->disable_flag_override();
 }
 

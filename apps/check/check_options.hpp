@@ -9,7 +9,8 @@ namespace troupe::apps {
 /// Options of `troupe check`.
 struct CheckOptions : WorldOptions {
   std::vector<unsigned> threads{1, 2, 8};
-  /// m; 0: chosen by the world. 1.7 m is below the range of most sensors, so that they read across tiles.
+  /// Edge lengths of tiles, m; 0: the automatic choice. The default of 1.7 m is less than the range of most
+  /// sensors, so that their beams cross several tiles.
   std::vector<double> tile_sizes_m{0, 1.7};
   bool amnesia = false;
   bool reach = false;

@@ -21,15 +21,17 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_diff_footer = R"(
-Compares two hash logs (troupe run --hash-log) and prints the first tick at which they differ, with the groups of the
-state that differ: only sensor points to ranging; pose or velocity to the drives or the conflict rule; memory to a
-controller. If one log begins later, earlier ticks are not compared; if one ends earlier, the logs differ.
+Compares two hash logs (troupe run --hash-log). Prints the first tick at which they differ, and the groups of the state
+that differ. The groups indicate the cause: if only the group sensor differs, ranging; if pose or velocity differs, the
+drives or the resolution of conflicts between motions; if memory differs, a controller. If one log begins later than the
+other, earlier ticks are not compared; if one log ends earlier, the logs differ.
 
-Or compares two recordings (troupe run --record) in the ticks and fields that both have, and prints the first frame
-that differs, with component, entity, field, and both values in hex and decimal.
+Also compares two recordings (troupe run --record), in the ticks and fields that both recordings have. Prints the first
+frame that differs, with component, entity, field, and both values in hexadecimal and decimal.
 
-Results of different versions, compilers, flags or instruction sets are refused unless --across-domains is given; those
-of different worlds, seeds or options unless --across-runs is. Threads and tile size change no result and are ignored.
+Two files of different versions, compilers, flags or instruction sets are compared only with --across-domains, and two
+files of different worlds, seeds or options only with --across-runs. Numbers of threads and tile sizes may differ,
+because they change no result.
 
 Exit codes: 0 same bits; 1 different; 2 bad input or usage.
 
@@ -97,7 +99,7 @@ void add_diff_options(CLI::App& command, DiffOptions& options) {
         ->required();
   };
   add_file("A", options.first, "A hash log or a recording");
-  add_file("B", options.second, "Another of the same kind");
+  add_file("B", options.second, "The file to compare it with, of the same kind");
   const auto add_switch = [&command](const char* name, bool& on, const char* help) {
     command.add_flag(name, on, help)->disable_flag_override();
   };

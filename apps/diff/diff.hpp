@@ -21,8 +21,8 @@ struct DiffOptions {
 /// Adds the options of `diff`; parsing fills `options`, which must outlive `command`.
 void add_diff_options(CLI::App& command, DiffOptions& options);
 
-/// `troupe diff`: compares two hash logs or two recordings tick by tick, up to the first that differs, and
-/// prints the result on standard output.
+/// `troupe diff`: compares two hash logs or two recordings up to the first tick that differs, and prints the
+/// result on standard output.
 ExitCode diff(const DiffOptions& options);
 
 }  // namespace troupe::apps

@@ -51,7 +51,7 @@ std::vector<Pair> common_arrays(const RecordingReader& first, const RecordingRea
   return pairs;
 }
 
-/// The components without duplicates: `pose, sensors/minibot/eye`.
+/// The names of the components of the compared arrays, each name once: `pose, sensors/minibot/eye`.
 std::string components_of(const std::vector<Pair>& pairs) {
   std::vector<std::string_view> names;
   for (const Pair& pair : pairs)
@@ -113,7 +113,8 @@ void print_differences(const RecordingReader& first, std::size_t i, const Record
                hex(second.hashes()[j]), hex(first.hashes()[i]));
 }
 
-/// The recording that ends at least one recording interval before the other, or null.
+/// Returns the recording that ends at least one recording interval before the other one; null if neither
+/// does.
 const RecordingReader* shorter(const RecordingReader& first, const RecordingReader& second) {
   const auto ends_before = [](const RecordingReader& a, const RecordingReader& b) {
     return a.ticks().back() + a.every_ticks() <= b.ticks().back();

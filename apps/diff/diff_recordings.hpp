@@ -7,10 +7,11 @@
 
 namespace troupe::apps {
 
-/// Whether a file starts with the HDF5 signature; false for one that cannot be read.
+/// Whether a file starts with the HDF5 signature; false if the file cannot be read.
 bool is_hdf5(const std::filesystem::path& file);
 
-/// `troupe diff` of two recordings: frame by frame, up to the first that differs. Throws InputError.
+/// `troupe diff` for two recordings: compares them up to the first frame that differs and prints the result.
+/// Throws InputError for files that are not comparable recordings.
 ExitCode diff_recordings(const DiffOptions& options);
 
 }  // namespace troupe::apps

@@ -30,10 +30,10 @@ namespace {
 
 constexpr const char* k_info_footer = R"(
 Accepts any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table
-of measures or events, a profile. The type is detected from the content; the file name does not matter.
+of measures or events, or a profile. The type is detected from the content; the file name does not matter.
 
-Prints the type, the program that wrote the file, its world, seed, robots, ticks and fields, and whether it is complete
-or was cut off, for example by a full disk or a killed run.
+Prints the type, the program that wrote the file, its world, seed, robots, ticks and fields, and whether the file is
+complete or was cut off, for example by a full disk or because the run was killed.
 
 Exit codes: 0 printed; 2 not a file of Troupe, or it cannot be read.
 
@@ -64,7 +64,7 @@ std::string all_of(const fs::path& file) {
   return text;
 }
 
-/// The first word of a Stage world that is not in a comment.
+/// Returns the first word of a Stage world, skipping comments.
 std::string first_word(std::string_view text) {
   constexpr std::string_view k_letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
   for (;;) {

@@ -14,7 +14,7 @@ namespace troupe::apps {
 /// Options of `troupe info`.
 struct InfoOptions {
   std::filesystem::path file;
-  std::vector<std::filesystem::path> plugin_path;  ///< folders with a world's controllers and sensors
+  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
 };
 
 /// Adds the options of `info`; parsing fills `options`, which must outlive `command`.

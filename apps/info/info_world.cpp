@@ -13,7 +13,7 @@
 namespace troupe::apps {
 namespace {
 
-/// "2000: diff, ranger ir, expand".
+/// A type of bodies as a line of the summary, with the number of its bodies: "2000: diff, ranger ir, expand".
 std::string type_text(const engine::TypeSpec& type, std::size_t bodies) {
   std::vector<std::string> parts;
   if (type.drive) parts.push_back(type.drive->kind);

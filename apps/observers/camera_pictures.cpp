@@ -117,7 +117,7 @@ void CameraPictures::observe(const Simulation& simulation) {
 
 namespace {
 
-/// Throws InputError if no camera of the world runs: nothing would be written.
+/// Throws InputError if no camera of the world runs, because no image would then be written.
 void check_cameras(const Simulation& simulation, const std::filesystem::path& world) {
   if (!running_cameras(simulation).empty()) return;
   throw InputError(fmt::format(
@@ -138,7 +138,8 @@ class CameraOutput : public ClonedOutput<CameraOutput> {
                     folder_ = text;
                     if (!folder_.has_filename()) folder_ = folder_.parent_path();
                   });
-    add_value(app, "--camera-every", "S", "Interval in simulated seconds; 0: every tick (default: 1)",
+    add_value(app, "--camera-every", "S",
+              "Interval of camera images in simulated seconds; 0: every tick (default: 1)",
               [this](const std::string& text) { every_s_ = seconds_from_zero("--camera-every", text); })
         ->needs(folder);
   }

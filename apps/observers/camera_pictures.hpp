@@ -10,9 +10,9 @@
 
 namespace troupe::apps {
 
-/// Writes camera images into a folder: for each running camera and time one PNG with its colours and one with
-/// its depths, `r0.eye-000012.300s-color.png` and `-depth.png` (docs/sensing.md). The bytes depend only on
-/// the readings. A camera is written from the first tick on that has a reading.
+/// Writes camera images into a folder: for each running camera and each time, one PNG with the colours
+/// (`r0.eye-000012.300s-color.png`) and one with the depths (`...-depth.png`; docs/sensing.md). The bytes
+/// depend only on the readings. A camera without a reading yet is skipped.
 class CameraPictures : public Observer {
  public:
   /// Creates the folder if it does not exist. Throws OutputError if that fails.

@@ -14,10 +14,10 @@ namespace troupe::apps {
 /// Saves the run in a checkpoint periodically and when it ends or is stopped.
 class Checkpointing : public Observer {
  public:
-  /// `others` are the other observers of the run; before_save() is called on them before each periodic
-  /// checkpoint. They must outlive this object. `every_s` is the period in simulated seconds; not given: only
-  /// at the end. Writes a trial checkpoint next to the file and removes it, so that a full disk or a world
-  /// that cannot be saved is reported before the run. Throws OutputError.
+  /// every_s: the period in simulated seconds; not given: a checkpoint is saved only at the end. others: the
+  /// other observers of the run, which must outlive this object; before_save() is called on them before each
+  /// periodic checkpoint. Writes a trial checkpoint next to the file and removes it, so that a full disk or a
+  /// world that cannot be saved is reported before the run. Throws OutputError if that fails.
   Checkpointing(std::filesystem::path file, std::optional<double> every_s, const Simulation& simulation,
                 std::vector<Observer*> others);
 

@@ -15,7 +15,8 @@ namespace {
 // One picture is being drawn, one is ready, and the run takes another.
 constexpr std::size_t k_most_waiting = 2;
 
-/// The look of a film; one that is not in real time shows its speed next to the clock by default.
+/// Options for the pictures of a film. A film that is not in real time shows its speed next to the clock by
+/// default.
 PictureOptions film_look(const PictureFiles& files) {
   PictureOptions look = files.look;
   if (files.film_speed != 1) look.layers = look.layers.empty() ? "speed" : "speed," + look.layers;
@@ -40,9 +41,10 @@ Snapshots::Snapshots(const PictureFiles& files, const Simulation& simulation, st
     const double time = files.snapshot_at_s[i];
     const std::uint64_t tick = engine::ticks_until(time, simulation.tick_s());
     if (tick < simulation.tick() || tick > end_tick)
-      throw InputError(fmt::format("{}: error: --snapshot-at {:g}: the run goes from {:g} s to {:g} s",
-                                   simulation.effective_options().front().second, time, simulation.time_s(),
-                                   static_cast<double>(end_tick) * simulation.tick_s()));
+      throw InputError(fmt::format(
+          "{}: error: --snapshot-at {:g}: give times within the run, which goes from {:g} s to {:g} s",
+          simulation.effective_options().front().second, time, simulation.time_s(),
+          static_cast<double>(end_tick) * simulation.tick_s()));
     due_.emplace_back(tick, names[i]);
   }
 }

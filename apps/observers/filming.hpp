@@ -49,7 +49,7 @@ class Snapshots : public Observer {
  private:
   std::vector<std::pair<std::uint64_t, std::filesystem::path>> due_;  // ticks and files, by tick
   std::filesystem::path first_;                                       // the first of all files
-  std::filesystem::path last_;  // picture of the end; empty: times given
+  std::filesystem::path last_;  // picture of the end of the run; empty: times were given instead
   std::optional<RunSpeed> speed_;
   Pictures pictures_;
   partition::JobThread thread_;
@@ -66,7 +66,8 @@ class Filming : public Observer {
   void open();
 
   void observe(const Simulation& simulation) override;
-  /// Adds the frames up to the current time of `source`; the next call is for time `next_s`.
+  /// Adds the frames of the film up to the current time of `source`. next_s: simulated time of the next call,
+  /// s.
   void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
   /// Waits until the film is complete. Throws if drawing or writing failed.
@@ -91,7 +92,7 @@ class Filming : public Observer {
   partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// The output of --snapshot, --film and the options of their look.
+/// The output of --snapshot, --film and the options that set how pictures look.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

@@ -8,7 +8,7 @@
 
 namespace troupe::apps {
 
-/// Is notified within ticks, by Simulation's on_phase() and on_task().
+/// Is notified of phases and tasks during a tick, through Simulation::on_phase() and Simulation::on_task().
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;
@@ -16,8 +16,9 @@ class TickWatcher {
   virtual void task(std::size_t index, bool begins) = 0;
 };
 
-/// Writes an output of a run between ticks: a log, a recording, a profile. It must not change the state.
-/// Write errors are std::runtime_error with the file's name and end the run.
+/// Base class of the outputs of a run that are written between ticks: a log, a recording, a profile. An
+/// observer must not change the state. It throws std::runtime_error, whose text names the file, for write
+/// errors, which end the run.
 class Observer {
  public:
   Observer() = default;
@@ -27,18 +28,20 @@ class Observer {
 
   /// Called once before the first step and after every tick.
   virtual void observe(const Simulation& simulation) = 0;
-  /// Called before the state is saved. Must flush everything observed so far, because a run resumed from that
-  /// checkpoint continues this file.
+  /// Called before a checkpoint is saved. Must write everything observed so far to the file, because a run
+  /// that is resumed from this checkpoint continues the file.
   virtual void before_save() {}
   /// Called when the run has ended or was stopped, after the last observe().
   virtual void finish(const Simulation& /*simulation*/) {}
-  /// Called if another part of the run failed after a complete tick: a checkpoint still saves the state.
+  /// Called if another part of the run failed after a complete tick, so that an observer that saves
+  /// checkpoints can still save the state.
   virtual void save_at_least(const Simulation& /*simulation*/) {}
-  /// Called after the summary is printed, for slow work that may fail: the summary is then not lost.
+  /// Called after the summary was printed, for slow work that may fail: the summary is then not lost.
   virtual void after_summary(const Simulation& /*simulation*/) {}
   /// A warning about the file for the user, one line; empty: none.
   virtual std::string warning() const { return {}; }
-  /// The file and the amount written, for the summary; empty: not listed.
+  /// The name of the file and the amount written, as a line for the summary; empty: the summary has no such
+  /// line.
   virtual std::string result() const { return {}; }
   /// This object if it needs notifications of phases and tasks, else null.
   virtual TickWatcher* tick_watcher() { return nullptr; }

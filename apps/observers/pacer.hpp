@@ -7,9 +7,10 @@
 
 namespace troupe::apps {
 
-/// Limits a run to `rate` times real time: after each tick it waits until the tick is due. A run that cannot
-/// keep up is not delayed. A run that has fallen behind by more than a second (the machine slept, or the
-/// process was suspended) does not catch up but continues at its rate from there.
+/// Limits a run to `rate` times real time: after each tick it waits until the real time of this tick has
+/// come. A run that is slower than its rate never waits. If a run has fallen behind by more than one second,
+/// for example because the process was suspended, it does not catch up: from then on it continues at its
+/// rate.
 class Pacer : public Observer {
  public:
   /// `is_over` returns true if the run was asked to stop; it ends a wait early.

@@ -17,7 +17,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr std::size_t k_tick_track = 0;  // the tracks of workers follow
+constexpr std::size_t k_tick_track = 0;  // the track of ticks; the tracks of workers follow it
 
 double microseconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double, std::micro>(d).count();
@@ -123,7 +123,7 @@ void Profile::write_tasks() {
   if (shown)
     tasks_left_ -= count;
   else if (left_out_.empty())
-    left_out_ = fmt::format("tasks from tick {} on, where they would be too many", tick_);
+    left_out_ = fmt::format("tasks from tick {} on", tick_);
   for (std::size_t t = 0; t < tracks_.all().size(); ++t) {
     Track& track = tracks_.all()[t];
     if (!std::exchange(track.named, true))
@@ -171,8 +171,9 @@ void Profile::flush() {
 
 std::string Profile::warning() const {
   if (left_out_.empty()) return {};
-  return fmt::format("{}: warning: omitted to keep the file small: {}; --profile-ticks selects other ticks",
-                     file_.string(), left_out_);
+  return fmt::format(
+      "{}: warning: omitted to keep the file small: {}; --profile-ticks selects the ticks to profile",
+      file_.string(), left_out_);
 }
 
 namespace {

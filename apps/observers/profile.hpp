@@ -26,22 +26,23 @@ inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",
 struct ProfileLimits {
   std::uint64_t first_tick = 1;
   std::uint64_t last_tick = ~std::uint64_t{0};
-  /// Most tasks, about 100 bytes each. A tick with more tasks than remain is written without its tasks.
+  /// Largest number of tasks in the file, about 100 bytes each. A tick whose tasks would exceed this number
+  /// is written without its tasks.
   std::size_t most_tasks = 1'000'000;
-  /// Most ticks, about 1 kB each.
+  /// Largest number of ticks in the file, about 1 kB each.
   std::size_t most_ticks = 20'000;
 };
 
-/// Writes the timing of a run in the Trace Event Format of browsers' trace viewers: one track with the ticks
-/// and their phases, one track per worker with its tasks (batches of robots), and counters of memory and
-/// robots.
+/// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read: one track
+/// with the ticks and their phases, one track per worker thread with its tasks (batches of robots), and
+/// counters of memory and robots.
 ///
-/// file    valid after each tick: it can be read during the run and after a kill
-/// tasks   their argument is their index in their loop; in the sense phase they are batches of neighbouring
-///         robots, in the order of the tiles. A phase may run several loops
-/// load    a phase's argument `imbalance` is the busiest worker's time in tasks divided by the mean of all
-///         `threads` workers (1: perfect; `threads`: one worker did everything); absent if a phase ran no
-///         task
+/// file    valid after each tick: it can be read during the run, and after the program was killed
+/// tasks   the argument of a task is its index in its parallel loop; in the sense phase, tasks are batches of
+///         neighbouring robots, in the order of the tiles. A phase may run several parallel loops
+/// load    the argument `imbalance` of a phase is the time that the busiest worker spent in tasks, divided by
+///         the mean over all workers (1: equal work; the number of threads: one worker did everything). It is
+///         absent if the phase ran no task
 /// errors  OutputError if the file cannot be opened, std::runtime_error if it cannot be written
 class Profile : public Observer, public TickWatcher {
  public:
@@ -54,7 +55,7 @@ class Profile : public Observer, public TickWatcher {
   /// Writes the tick that has just ended, if any.
   void observe(const Simulation& simulation) override;
 
-  /// The ticks and tasks that the limits omitted.
+  /// States which ticks and tasks were omitted because of the limits; empty: none.
   std::string warning() const override;
 
  private:

@@ -12,13 +12,14 @@ namespace troupe::apps {
 
 struct RunOptions;
 
-/// The recording of a run: that of the command line, else of the world's `record`; empty: none.
+/// The file to which a run is recorded: the one given on the command line, or else in `record` of the world
+/// file; empty: the run is not recorded.
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation);
 
 class Recorder;
-/// Opens the recording; null if there is none. If the simulation was resumed from a checkpoint, an existing
-/// recording is continued. Throws InputError for an invalid file or invalid fields, before anything is
-/// written.
+/// Opens the recording of a run; null if the run is not recorded. If the simulation was resumed from a
+/// checkpoint, an existing recording is continued. Throws InputError for an invalid file or invalid fields,
+/// before anything is written.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
 /// Writes a recording on a background thread. Flushes every 2 s of wall time, so that readers of the growing

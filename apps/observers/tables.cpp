@@ -29,7 +29,8 @@ std::string header_of(const Measures& measures) {
   return header;
 }
 
-/// 12 digits: tick 66 of 0.1 s is at 6.6 s, while the product is 6.6000000000000005 s.
+/// The time of a tick, rounded to 12 digits. Without rounding, tick 66 of 0.1 s would be at
+/// 6.6000000000000005 s.
 std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
 
 /// Whether the run was resumed and its table exists.
@@ -38,23 +39,23 @@ bool goes_on(const fs::path& file, const Simulation& simulation) {
   return simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
 }
 
-/// The key of these measures' memory in a checkpoint; other measures have another key.
+/// The key under which a checkpoint stores the data of these measures; other measures have another key.
 std::string memory_name(const Measures& measures) {
   return fmt::format("measures {}", hex(hash_text(header_of(measures))));
 }
 
-/// The measures with their memory restored from the checkpoint, if any.
+/// Makes the measures. If the run was resumed, restores their data from the checkpoint.
 Measures remembering(const fs::path& file, const Simulation& simulation, Measures measures) {
   const auto fail = [&file](std::string_view reason) {
     throw OutputError(fmt::format("{}: error: {}", file.string(), reason));
   };
   if (const auto saved = simulation.saved_memory(memory_name(measures))) {
     if (!measures.remember(*saved))
-      fail("in the checkpoint, measures with these names have other parameters: rename them");
+      fail("measures with the same names have other parameters in the checkpoint: rename the measures");
   } else if (goes_on(file, simulation) && !measures.memory().empty()) {
     fail(
-        "the table cannot be continued: the checkpoint was saved without these measures and lacks their "
-        "memory; choose another file");
+        "the table cannot be continued: the checkpoint was saved without these measures and has no data of "
+        "their earlier ticks; choose another file");
   }
   return measures;
 }
@@ -111,14 +112,14 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* measures =
         add_value(app, "--measures", "FILE.csv",
-                  "Write measures of the robots, one line every second (--measure-every)",
+                  "Write a table of measures, one line per simulated second unless --measure-every is given",
                   [this](const std::string& text) { file_ = file_name("--measures", text); });
     add_values(app, "--measure", "NAME[:OF],...",
                "Measures, optionally of a type or population; repeatable (default: the world's, else all)",
                [this](const std::string& text) { add_names(text); })
         ->needs(measures);
     add_value(app, "--measure-every", "S",
-              "Interval in seconds; 0: every tick (default: the world's, else 1)",
+              "Interval of measures in simulated seconds; 0: every tick (default: the world's, else 1)",
               [this](const std::string& text) { every_s_ = seconds_from_zero("--measure-every", text); })
         ->needs(measures);
   }
@@ -135,7 +136,8 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   }
 
  private:
-  /// `stalls,displacement:leaders`, or one object as in a JSON world's `measures`.
+  /// Adds the measures that a value of --measure names: `stalls,displacement:leaders`, or one JSON object as
+  /// in the list `measures` of a world file.
   void add_names(const std::string& text) {
     if (text.starts_with('{')) {
       names_.push_back(text);
@@ -160,7 +162,7 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--events", "FILE.csv",
-              "Write the events of robots (stalls, held at the bounds), one line per event",
+              "Write a table of events (a robot is stalled, is held at the bounds, ...), one line per event",
               [this](const std::string& text) { file_ = file_name("--events", text); });
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }

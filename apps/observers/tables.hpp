@@ -14,8 +14,8 @@
 
 namespace troupe::apps {
 
-/// `--measures`: `tick,time_s,coverage,...`, one line for every tick that is a multiple of `every`, so that a
-/// resumed run has the same lines as an uninterrupted one.
+/// Writes the table of --measures with the columns `tick,time_s,coverage,...`. It has one line for every tick
+/// that is a multiple of `every`, so that a resumed run writes the same lines as an uninterrupted run.
 class MeasuresTable : public Observer {
  public:
   /// If the simulation was resumed from a checkpoint, an existing table is continued and the memory of the
@@ -34,9 +34,10 @@ class MeasuresTable : public Observer {
   CsvFile csv_;
 };
 
-/// `--events`: one line per event, `tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id`, in the
-/// order of ticks and ids. The pose is the robot's at the end of the tick. The last two are empty if no other
-/// body is involved.
+/// Writes the table of --events: one line per event,
+/// `tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id`, in the order of ticks and ids. The pose
+/// is that of the robot at the end of the tick. `other` and `other_id` are empty if no other body is
+/// involved.
 class EventsTable : public Observer {
  public:
   /// Starts from the current state of the simulation. If it was resumed from a checkpoint, an existing table

@@ -51,7 +51,7 @@ void check_film(const PictureFiles& pictures) {
   if (pictures.look.background == "transparent")
     refuse_output(
         pictures.film,
-        "a film has no transparency: use --background paper, white or dark, or write pictures, as in "
+        "a film cannot be transparent: use --background paper, white or dark, or write pictures, as in "
         "--film frames/%06d.png");
   if (find_ffmpeg().empty()) refuse_output(pictures.film, k_no_ffmpeg);
 }

@@ -13,9 +13,9 @@
 
 namespace troupe::apps {
 
-/// A film that a child process, ffmpeg, encodes from pictures. It is written to a temporary file in the same
-/// folder and renamed when it is complete. An unfinished film leaves no file, unless the program is killed by
-/// SIGKILL; the next film of that name then replaces the remains.
+/// A film that a child process (ffmpeg) encodes from pictures. The film is written to a temporary file in the
+/// same folder, which is renamed when the film is complete. The temporary file of an unfinished film is
+/// removed, unless the program is killed by SIGKILL; the next film with the same name then replaces it.
 class Ffmpeg {
  public:
   /// Throws OutputError if ffmpeg is not found; the message names the package to install.
@@ -32,7 +32,7 @@ class Ffmpeg {
  private:
   [[noreturn]] void fail();
   void start(const std::string& program, const std::vector<std::string>& arguments);
-  /// Waits for the process and returns its exit code; 128 plus the number of the signal that ended it.
+  /// Waits for the process and returns its exit code, or 128 plus the number of the signal that ended it.
   int wait();
 
   std::filesystem::path film_;

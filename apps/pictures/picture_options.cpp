@@ -77,11 +77,11 @@ constexpr std::array k_looks = {"--size",   "--camera",   "--center",      "--an
                                 "--layers", "--color-by", "--color-range", "--background"};
 
 void add_files(CLI::App& app, PictureFiles& pictures) {
-  CLI::Option* const snapshot =
-      add_value(app, "--snapshot", "FILE", "Draw the last tick into a .png, or as a map into a .svg or .pdf",
-                [&pictures](const std::string& text) { set_snapshot(pictures, "--snapshot", text); });
+  CLI::Option* const snapshot = add_value(
+      app, "--snapshot", "FILE", "Draw the end of the run into a .png, or as a map into a .svg or .pdf",
+      [&pictures](const std::string& text) { set_snapshot(pictures, "--snapshot", text); });
   add_value(app, "--snapshot-at", "T,...",
-            "Draw these simulated times instead, s; {time} in the name stands for the time",
+            "Draw at these simulated times, s, instead of the end; {time} in FILE becomes the time",
             [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); })
       ->needs(snapshot);
   add_film_options(app, pictures);
@@ -124,7 +124,8 @@ std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t 
 
 void add_film_options(CLI::App& app, PictureFiles& pictures) {
   CLI::Option* const film =
-      add_value(app, "--film", "FILE.mp4", "Film the run with ffmpeg; frames/%06d.png writes single pictures",
+      add_value(app, "--film", "FILE.mp4",
+                "Write a film with ffmpeg; a name like frames/%06d.png writes numbered pictures instead",
                 [&pictures](const std::string& text) {
                   pictures.film = text;
                   const bool is_film = pictures.film.extension() == ".mp4" || is_frames(text);
@@ -155,22 +156,24 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--size", "WxH", "Size of pictures in pixels (default: 1280x720)",
             [&look](const std::string& text) { set_picture_size(look, text); });
   add_value(app, "--camera", "C",
-            "top (default), fit, perspective, follow:all, follow:NAME, or window (that of the world)",
+            "top (default), fit, perspective, follow:all, follow:NAME, or window (as in the world file)",
             [&look](const std::string& text) {
               look.camera = text;
               if (const Result<> known = check_camera(text); !known)
                 throw CLI::ValidationError("--camera", known.error().text);
             });
-  add_value(app, "--center", "X,Y", "Centre of the picture, m (default: all is in the picture)",
+  add_value(app, "--center", "X,Y",
+            "Point at the centre of the picture, m (default: the picture shows the whole world)",
             [&look](const std::string& text) { set_center(look, text); });
   add_value(app, "--angle", "PITCH[,YAW]",
-            "Degrees: pitch 0 straight down to 90 level, yaw counter-clockwise",
+            "View angles in degrees: pitch 0 (straight down) to 90 (level), yaw counter-clockwise",
             [&look](const std::string& text) { set_angle(look, text); });
-  add_value(app, "--across", "M", "Width that the picture shows at its centre, m",
+  add_value(app, "--across", "M", "Width of the region that the picture shows, measured at its centre, m",
             [&look](const std::string& text) {
               look.across_m = number_within("--across", text, k_farthest_m, "a length in metres");
             });
-  add_value(app, "--layers", "A,-B,...", "Layers to draw in addition to the robots, or not to; listed below",
+  add_value(app, "--layers", "A,-B,...",
+            "Layers to draw in addition to the default layers, and, with -, layers to omit; see below",
             [&look](const std::string& text) {
               look.layers = text;
               const Result<> known = text.empty() ? Error{"an empty list"} : check_layers(text);
@@ -185,7 +188,7 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a value of the state",
             [&look](const std::string& text) { look.color_by = text; });
   add_value(app, "--color-range", "LOW,HIGH",
-            "Values at the ends of the colour scale (default: of each picture)",
+            "Values at the ends of the colour scale (default: smallest and largest of each picture)",
             [&look](const std::string& text) {
               look.color_range = two_numbers(text, false);
               if (!look.color_range || (*look.color_range)[0] >= (*look.color_range)[1])
@@ -232,12 +235,14 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures) {
 
 std::string picture_help() {
   std::string text =
-      "Pictures: --camera top draws a map, fit a map of the area with robots. perspective, follow:all (the "
-      "area with\n"
-      "robots) and follow:NAME (one robot in the centre) draw solids. window is the camera of the world's "
-      "window.\n"
-      "--center, --angle and --across change any of them. A .svg or .pdf holds vector graphics, of maps "
-      "only.\n"
+      "Cameras (--camera): top draws a map of the whole world, and fit a map of the region that contains the "
+      "robots.\n"
+      "perspective, follow:all (the region with robots) and follow:NAME (one robot in the centre) draw "
+      "bodies as solids "
+      "from\n"
+      "an oblique angle. window draws the view of the window in the world file. --center, --angle and "
+      "--across change the\n"
+      "view of any camera. A .svg or .pdf contains vector graphics, and can show maps only.\n"
       "Layers (those in brackets are drawn only if --layers names them; -NAME omits a layer):\n";
   for (const PictureLayer& layer : picture_layers())
     text += fmt::format("  {:<13} {}\n", layer.on ? std::string(layer.name) : fmt::format("[{}]", layer.name),

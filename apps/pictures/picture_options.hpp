@@ -12,11 +12,11 @@ class App;
 
 namespace troupe::apps {
 
-/// The pictures that a run writes, and their look.
+/// The pictures and the film that a run writes.
 struct PictureFiles {
   std::filesystem::path snapshot;     ///< empty: none
   std::vector<double> snapshot_at_s;  ///< world times, s; empty: at the end
-  std::filesystem::path film;         ///< a film, or frames with `%06d` for their number; empty: none
+  std::filesystem::path film;         ///< film file, or picture files with `%06d`; empty: none
   double fps = 30;
   double film_speed = 1;  ///< simulated seconds per second of film
   PictureOptions look;
@@ -31,13 +31,13 @@ bool is_frames(const std::filesystem::path& film);
 /// The file of a frame, counted from 0.
 std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame);
 
-/// Adds --snapshot, --snapshot-at, --film and add_look_options(); `pictures` must outlive `app`. Errors are
-/// CLI::ParseError.
+/// Adds --snapshot, --snapshot-at, --film and the options of add_look_options(); `pictures` must outlive
+/// `app`. Parsing throws CLI::ParseError for invalid values.
 void add_picture_options(CLI::App& app, PictureFiles& pictures);
 
 // Parts for other commands that draw. `option` is the name of the option in that command.
 
-/// Adds the options of the look of pictures: --size, --camera, --layers, ...
+/// Adds the options that set how pictures look: --size, --camera, --layers, ...
 void add_look_options(CLI::App& app, PictureOptions& look);
 /// Adds --film, --fps and --film-speed.
 void add_film_options(CLI::App& app, PictureFiles& pictures);
@@ -46,7 +46,7 @@ void set_times(PictureFiles& pictures, const char* option, const std::string& te
 /// Throws CLI::ValidationError if several times are given without {time} in the name.
 void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option);
 
-/// The cameras and the values of --layers, for a command's help.
+/// Returns the list of cameras and of layers (--camera, --layers), for the help of a command.
 std::string picture_help();
 
 }  // namespace troupe::apps

@@ -33,15 +33,16 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_render_footer = R"(
-Draws a world at its start, a checkpoint at the time it was saved, a recording at its end. --at draws other times: a
-world is run until then, a checkpoint is resumed, and of a recording the last frame that is not later is drawn. For
-worlds and checkpoints, --for S means --at S, and is the end of their films. A recording needs no other file, but shows
-only recorded fields (troupe run --record-fields): scans need ranges, outlines of stalled robots need stall.
+Draws a world, a checkpoint or a recording. By default, a world is drawn at its start, a checkpoint at the time at which
+it was saved, and a recording at its end. --at draws other times: a world is run and a checkpoint is resumed until then;
+of a recording, the last frame at or before the time is drawn. For worlds and checkpoints, --for S has the effect of
+--at S, and a film ends at S. A recording needs no other file, but its pictures show only recorded fields (troupe run
+--record-fields): scans need ranges, and outlines of stalled robots need stall.
 )";
 
 constexpr const char* k_examples = R"(
-Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM, files
-written until then are complete.
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM; all
+files that were written until then are complete.
 
 Examples:
   troupe render worlds/cave-simple.json -o cave.png --camera perspective
@@ -50,8 +51,8 @@ Examples:
   troupe render day.h5 --film day.mp4 --film-speed 60 --layers trails
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
-/// Draws the given times in order, or the current time. If a signal stops the run before a time, that time is
-/// not drawn.
+/// Draws one picture for each of the given times, in order, or one picture of the current time if none is
+/// given. If a signal stops the run, the remaining times are not drawn.
 template <class TakeAt>
 void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
   const std::vector<fs::path> files = snapshot_files(options.pictures);
@@ -63,7 +64,7 @@ void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_a
   }
 }
 
-/// Steps to a time, or until a signal.
+/// Steps to a simulated time, or until a signal arrives.
 void run_until(Simulation& simulation, double time_s, Progress& progress,
                const std::function<void()>& after_each) {
   while (simulation.tick() < engine::ticks_until(time_s, simulation.tick_s()) && !stop_requested()) {
@@ -103,7 +104,7 @@ void film_simulation(const RenderOptions& options, Simulation& simulation) {
   fmt::print("{}\n", film.result());
 }
 
-/// Shows earlier frames to `pictures`, which need them for trails and coverage.
+/// Passes earlier frames of the recording to `pictures`, which need them for the layers trails and coverage.
 void see_history(RecordedRun& run, Pictures& pictures) {
   if (pictures.history_s() == 0) return;
   const std::size_t last = run.frame_index();
@@ -118,9 +119,9 @@ void see_history(RecordedRun& run, Pictures& pictures) {
 void refuse_speed(const RenderOptions& options) {
   const std::string list = "," + options.pictures.look.layers + ",";
   if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;
-  throw InputError(
-      fmt::format("{}: error: the layer \"speed\" is for worlds and checkpoints, not for recordings",
-                  options.world.string()));
+  throw InputError(fmt::format(
+      "{}: error: the layer \"speed\" can be drawn for worlds and checkpoints, but not for recordings",
+      options.world.string()));
 }
 
 void draw_recording(const RenderOptions& options, RecordedRun& run) {
@@ -154,8 +155,8 @@ void film_recording(const RenderOptions& options, RecordedRun& run) {
   fmt::print("{}\n", film.result());
 }
 
-/// Throws InputError if an option other than `allowed` was given: a checkpoint or a recording already fixes
-/// it.
+/// Throws InputError if an option other than `allowed` was given, because the checkpoint or recording already
+/// determines its value.
 void refuse_given(const RenderOptions& options, std::span<const std::string_view> allowed,
                   std::string_view what) {
   for (const std::string& option : options.given)
@@ -177,7 +178,7 @@ void render_checked(const RenderOptions& options) {
   const PictureFiles& wanted = options.pictures;
   std::vector<fs::path> outputs = snapshot_files(wanted);
   outputs.push_back(wanted.film);
-  check_outputs({{options.world, "the input"}}, outputs);
+  check_outputs({{options.world, "the file to draw"}}, outputs);
   check_film(wanted);
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (!is_checkpoint && is_hdf5(options.world)) {
@@ -209,7 +210,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->option_text(" ")
       ->required();
   add_value(command, "-o,--output", "FILE",
-            "Output, a .png, .svg or .pdf; {time} in the name stands for the simulated time",
+            "Picture to write, a .png, .svg or .pdf; {time} in FILE is replaced by the simulated time",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });
   CLI::Option* const at =
       add_value(command, "--at", "T,...", "Simulated times to draw, s",

@@ -17,9 +17,10 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_plot_footer = R"(
-DIR is the folder of a sweep whose study has "series": true. Each line is the mean over the runs that have a value at
-that time; the band around it is one standard deviation of those runs. Without --by there is one line per combination
-of the parameters that differ.
+Plots a measure over time. DIR is the folder of a sweep whose study has "series": true. At each time, a line shows the
+mean over all runs that have a value at this time; the band around the line shows one standard deviation of these runs
+above and below the mean. Without --by there is one line per combination of values of the parameters that vary between
+runs.
 
 Needs python3 with matplotlib: the interpreter in TROUPE_PYTHON, else the first python3 on PATH.
 
@@ -46,8 +47,8 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
       ->option_text(" ")
       ->required();
   add_text(command, "--measure", "NAME", "Measure to plot (default: the first)", options.measure);
-  add_text(command, "--by", "NAME,...", "Parameters with a line per value (default: those that differ)",
-           options.by);
+  add_text(command, "--by", "NAME,...",
+           "Parameters with one line per combination of their values (default: those that vary)", options.by);
   add_text(command, "--title", "TEXT", "Title above the plot", options.title);
   add_value(command, "-o,--out", "FILE", "Output, a .png, .svg or .pdf (default: DIR/MEASURE.png)",
             [&options](const std::string& text) { options.out = file_name("--out", text); });

@@ -11,7 +11,7 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe plot`. For empty ones python/troupe/plot.py has defaults.
+/// Options of `troupe plot`. Options that are empty have the defaults of python/troupe/plot.py.
 struct PlotOptions {
   std::filesystem::path folder;
   std::string measure;

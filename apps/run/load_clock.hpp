@@ -7,9 +7,9 @@
 
 namespace troupe::apps {
 
-/// Measures how a run's ticks load the workers, from the callbacks on_phase(), on_loop() and on_task() of a
-/// simulation. Loops between ticks (hashes, measures) are not counted. Reads a clock twice per task; a task
-/// takes tens of microseconds.
+/// Measures how evenly the ticks of a run load the worker threads. Its functions are called from the
+/// callbacks on_phase(), on_loop() and on_task() of a simulation. Parallel loops between ticks (hashes,
+/// measures) are not counted. The cost is two clock readings per task; a task takes tens of microseconds.
 class LoadClock {
  public:
   /// Call with true when a tick begins and with false when it has ended.
@@ -38,10 +38,12 @@ class LoadClock {
     mark(worker.begin, begins, worker.busy_s);
   }
 
-  /// Fraction of the ticks' wall time outside parallel loops, 0 to 1. More workers do not shorten it.
+  /// Fraction of the wall time of all ticks that was spent outside parallel loops, from 0 to 1. More worker
+  /// threads do not shorten this part.
   double serial_share() const { return ticks_s_ > 0 ? 1 - loops_s_ / ticks_s_ : 0; }
-  /// The busiest worker's time in the tasks of a loop divided by the mean of all `threads` workers, summed
-  /// over all loops: 1 if all have equal work, `threads` if one worker did everything.
+  /// The time of the busiest worker in the tasks of a parallel loop, summed over all loops, divided by the
+  /// mean time of all `threads` workers: 1 if all workers had equal work, `threads` if one worker did
+  /// everything.
   double imbalance(unsigned threads) const { return busy_s_ > 0 ? threads * longest_s_ / busy_s_ : 0; }
 
  private:

@@ -9,7 +9,8 @@
 
 namespace troupe::apps {
 
-/// Sums the wall time of each phase. An object of this class is a callback for on_phase() of a world.
+/// Sums the wall time of each phase over all ticks. Pass an object of this class to on_phase() of a world as
+/// the callback.
 class PhaseClock {
  public:
   using Clock = std::chrono::steady_clock;

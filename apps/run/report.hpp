@@ -16,7 +16,7 @@ struct Report {
   std::string title;
   Statistics statistics;
   Simulation::Hashes hashes;
-  std::uint64_t first_tick = 0;  ///< first tick of this part of the run; counters are since tick 0
+  std::uint64_t first_tick = 0;  ///< tick at which the run began or was resumed; counters are since tick 0
   double tick_s = 0;
   double end_s = 0;        ///< requested end, world time, s
   bool stopped = false;    ///< stopped before end_s by a signal or --wall-limit

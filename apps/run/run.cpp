@@ -41,17 +41,18 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
       if (output->empty()) continue;
       const std::string name = with_world(output->string(), world);
       if (options.worlds.size() > 1 && name == output->string())
-        throw InputError(fmt::format(
-            "troupe run: error: several worlds need different outputs: write {} in the name, as in {}-{}; it "
-            "stands for the world's name",
-            k_world_mark, k_world_mark, output->filename().string()));
+        throw InputError(
+            fmt::format("troupe run: error: several worlds need different outputs: write {} in the name, as "
+                        "in {}-{}; it is replaced by the name of the world",
+                        k_world_mark, k_world_mark, output->filename().string()));
       *output = name;
     }
   }
   return each;
 }
 
-/// Checks inputs and outputs: before loading, and again after it, because a world may name a recording.
+/// Checks that inputs and outputs are different files and can be written. It is called before loading, and
+/// again after it, because a world file may name a recording.
 void check_files(const std::vector<RunOptions>& each) {
   std::vector<Input> inputs;
   std::vector<fs::path> outputs;
@@ -78,7 +79,8 @@ Runs load(const std::vector<RunOptions>& each) {
   return runs;
 }
 
-/// The world whose next tick ends first, since tick lengths may differ. Null if all have reached their ends.
+/// Returns the world whose next tick ends first, because tick lengths may differ between worlds. Null if all
+/// worlds have reached their ends.
 WorldRun* next_of(const Runs& runs) {
   WorldRun* next = nullptr;
   for (const auto& run : runs)
@@ -86,7 +88,7 @@ WorldRun* next_of(const Runs& runs) {
   return next;
 }
 
-/// Steps all worlds to their ends or until `is_over`.
+/// Steps all worlds to their ends, or until `is_over` returns true.
 void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool show_progress) {
   const WorldRun& last = **std::ranges::max_element(
       runs, {}, [](const auto& run) { return run->report().end_s; });  // the progress bar shows this one

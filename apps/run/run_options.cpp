@@ -18,28 +18,31 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_run_footer = R"(
-End: --for S is a world time in seconds, counted from tick 0. It overrides the world's quit_time; one of the two must be
-given. The run ends with the first tick whose time is S or later.
+End: --for S is a world time in seconds, counted from tick 0. It overrides the quit_time of the world; one of the two
+must be given. The run ends with the first tick whose time is S or later.
 
---session repeats a session of troupe view: its acts are applied at their ticks. Without --for the run ends where the
-session ended. A session whose first line describes another run is refused, and so is an act that is not possible.
+--session repeats a session of troupe view: the acts of its user (moving, removing or steering robots) are applied at
+the same ticks as in the session. Without --for the run ends at the tick at which the session ended. The program exits
+with an error if the first line of the session describes another run, or if an act is not possible.
 
-Several worlds run side by side, each to its own end, in the order of the times of their ticks. All are loaded before
-the first tick, and they do not interact. The names of outputs must then contain {world}, which stands for the world's
-name: --hash-log {world}.log. The summaries are printed in turn, with --json one line each.
+Several worlds run side by side, each to its own end; in each turn, the world with the earliest time makes its next
+tick. All worlds are loaded before the first tick, and they do not interact. The names of outputs must then contain
+{world}, which is replaced by the name of the world: --hash-log {world}.log. A summary is printed for each world; with
+--json, each summary is one line.
 
-A run is as fast as possible by default. --rate 1 limits it to real time, --rate world to the world's speedup.
+A run is as fast as possible by default. --rate 1 limits it to real time, and --rate world to the speedup that the world
+sets.
 
 Outputs are checked before the first tick. Errors and warnings name the file and line: maze.world:41: error: ...
-Results depend only on the world, --seed, --raytracer, --robots, --spare, --session and --set, not on --threads,
---tile-size or --simd.
+Results depend only on the world, --seed, --raytracer, --robots, --spare, --session and --set. They do not depend on
+--threads, --tile-size or --simd.
 
 A checkpoint contains the state and the world. troupe resume needs no other file and continues with the same bits as an
-uninterrupted run. It is written to a temporary file and then renamed, so that the last checkpoint survives a kill at
-any time. An existing file is refused without --force.
+uninterrupted run. Each checkpoint is written to a temporary file that then replaces the previous one, so a valid
+checkpoint exists even if the program is killed at any time. If the file exists before the run, --force is required.
 
 Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or
---wall-limit: the tick is finished, and the summary and all files, including the checkpoint, are written.
+--wall-limit: the current tick was finished, and the summary and all files, including the checkpoint, were written.
 )";
 
 constexpr const char* k_run_examples = R"(
@@ -64,15 +67,16 @@ std::string resume_footer() {
     changeable.replace(at, 2, ";\n  ");
   return fmt::format(R"(
 Continues a run from its checkpoint with the same bits as an uninterrupted run, on any number of threads and without the
-world's files. --for S is a world time, counted from tick 0 as in troupe run. The outputs are those of run. An existing
-hash log, recording or table is continued after the checkpoint's tick, without gaps or repetitions; a new one begins at
-that tick. --checkpoint may name the same checkpoint without --force.
+files of the world. --for S is a world time in seconds, counted from tick 0 as in troupe run. The outputs are those of
+troupe run. An existing hash log, recording or table is continued after the tick of the checkpoint, without gaps or
+repetitions; a new file begins at that tick. --checkpoint may name the checkpoint that is resumed, without --force.
 
---set changes values that keep the layout of the state, from this tick on; h5dump -d /world CHECKPOINT prints the stored
-world:
+--set changes values of the stored world from this tick on. The command h5dump -d /world CHECKPOINT prints the stored
+world. Only values that do not change the layout of the state can be changed:
   {}
 
-A file that is not a checkpoint, was cut off, is damaged, or comes from a newer version is refused with the reason.
+The program exits with an error if the file is not a checkpoint, was cut off, is damaged, or was written by a newer
+version of Troupe.
 
 Exit codes: those of troupe run.
 
@@ -84,7 +88,7 @@ Examples:
                      changeable);
 }
 
-/// Adds the options of threads and outputs, which `run` and `resume` share.
+/// Adds the options for threads and outputs, which `run` and `resume` have in common.
 void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
@@ -101,14 +105,14 @@ void add_output_options(CLI::App& app, RunOptions& options) {
 
 void add_session_option(CLI::App& app, RunOptions& options) {
   add_value(app, "--session", "FILE.jsonl",
-            "Repeat the acts of a session of troupe view, with the same bits (docs/live.md)",
+            "Repeat the user's acts from a session file of troupe view (docs/live.md)",
             [&options](const std::string& text) { options.session = text; });
 }
 
-/// Adds the options that concern wall time.
+/// Adds the options that relate simulated time to real time (--rate, --clock).
 void add_clock_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--rate", "R|world",
-            "Limit the speed to R times real time; world: to its speedup (default: no limit)",
+            "Limit to R times real time, or with world to the speedup that the world sets (default: none)",
             [&options](const std::string& text) {
               constexpr double k_least = 0.001;
               const std::optional<double> rate = finite(text);
@@ -120,7 +124,7 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
               options.rate = rate.value_or(0);
             });
   app.add_flag("--clock", options.clock,
-               "Print the time during the run, one line every 100 ticks or as set in the world")
+               "Print the simulated time every 100 ticks, or at the interval that the world sets")
       ->disable_flag_override();
 }
 
@@ -155,7 +159,7 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
   resume
       .add_option_function<std::string>(
           "CHECKPOINT", [&options](const std::string& text) { options.worlds = {text}; },
-          "Checkpoint of a run: troupe run --checkpoint")
+          "Checkpoint that troupe run --checkpoint wrote")
       ->option_text(" ")
       ->required();
   add_end_option(resume, options);

@@ -14,13 +14,14 @@ namespace troupe::apps {
 
 /// Options of `troupe run` and `troupe resume`.
 struct RunOptions : WorldOptions {
-  /// All worlds of the command line, or the checkpoint; `world` is the one of a single WorldRun.
+  /// All worlds of the command line, or the checkpoint. In the options of a single WorldRun, `world` is its
+  /// world.
   std::vector<std::filesystem::path> worlds;
   RunOutputs outputs;
   std::filesystem::path checkpoint;          ///< empty: none
   std::optional<double> checkpoint_every_s;  ///< simulated time; not given: only at the end
-  std::optional<double> wall_limit_s;        ///< wall time
-  std::filesystem::path record;              ///< empty: that of the world, if any
+  std::optional<double> wall_limit_s;        ///< real time after which the run stops
+  std::filesystem::path record;              ///< empty: the one named in the world, if any
   RecordingOptions recording;
   std::filesystem::path session;  ///< session to repeat; empty: none
   bool force = false;             ///< replace existing outputs
@@ -35,9 +36,10 @@ struct RunOptions : WorldOptions {
   bool quiet = false;
 };
 
-/// Placeholder in the names of outputs for the world's name, without folder and extension.
+/// Placeholder in the names of outputs, which is replaced by the name of the world without folder and
+/// extension.
 inline constexpr std::string_view k_world_mark = "{world}";
-/// The name with the placeholder replaced.
+/// Returns `name` with the placeholder replaced by the name of the world.
 std::string with_world(std::string name, const std::filesystem::path& world);
 
 /// Adds the options of `run`; parsing fills `options`, which must outlive `command`.

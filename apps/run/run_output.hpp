@@ -29,17 +29,17 @@ class RunOutput {
 
   /// Adds its options to `run` or `resume`. Parsing fills this object and `options`; both must outlive `app`.
   virtual void add_options(CLI::App& app, RunOptions& options) = 0;
-  /// The names of its files and folders, which may contain {world}; empty names are not written. `options` is
-  /// the object that holds this output.
+  /// The names of its files and folders, which may contain {world}. A file with an empty name is not written.
+  /// options: the object that contains this output.
   virtual std::vector<std::filesystem::path*> names(RunOptions& options) = 0;
   /// The files that it will write; the caller checks that they are writable. Throws OutputError for other
   /// errors in its names. Creates nothing.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
   /// Takes the name of the file from the loaded world if the command line has none. Throws InputError.
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
-  /// Called before any file is opened, so that errors in drawing, measuring or writing are reported before
-  /// the run. Null if there is nothing to open. `simulation` outlives the opened observers. Throws
-  /// InputError.
+  /// Checks the output before any file is opened, so that errors in drawing, measuring or writing are
+  /// reported before the run. Returns a function that opens the files; null if there is nothing to open.
+  /// `simulation` outlives the opened observers. Throws InputError.
   virtual OpenOutput prepare(const RunOptions& options, Simulation& simulation,
                              std::uint64_t end_tick) const = 0;
 };
@@ -66,7 +66,7 @@ class RunOutputs {
   std::vector<std::filesystem::path*> names(RunOptions& options);
   std::vector<std::filesystem::path> files(const RunOptions& options) const;
   void take_names_from_world(RunOptions& options, const Simulation& simulation) const;
-  /// The functions that open them, in the order in which they observe a tick.
+  /// The functions that open the outputs, in the order in which their observers observe a tick.
   std::vector<OpenOutput> prepare(const RunOptions& options, Simulation& simulation,
                                   std::uint64_t end_tick) const;
 

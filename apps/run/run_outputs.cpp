@@ -23,7 +23,7 @@ struct Row {
   int order;
 };
 
-// In the order of --help.
+// All outputs, in the order of their options in --help.
 constexpr std::array k_rows{
     Row{checkpoint_output, 9}, Row{hash_log_output, 2}, Row{pictures_output, 7}, Row{profile_output, 3},
     Row{camera_output, 5},     Row{record_output, 1},   Row{measures_output, 4}, Row{events_output, 6},

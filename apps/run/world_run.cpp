@@ -38,7 +38,8 @@ Simulation load(const RunOptions& options) {
   return Simulation(options.world, given);
 }
 
-/// As end_of(), but without --for a run ends at the end of its session.
+/// Returns the end of the run as end_of() does; but if a session is repeated and --for is not given, the end
+/// of the session.
 double end_of_run(const RunOptions& options, const Simulation& simulation, const SessionReplay* session) {
   if (!options.for_s && session && session->end_tick())
     return static_cast<double>(*session->end_tick()) * simulation.tick_s();
@@ -165,7 +166,7 @@ void WorldRun::print_summary(bool is_one_of_several) const {
     if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
       fmt::print(stderr, "{}\n", warning);
   if (session_ && session_->left() > 0 && !options_.quiet)
-    fmt::print(stderr, "{}: warning: the run ended before the last {} of the session's acts\n",
+    fmt::print(stderr, "{}: warning: the run ended before the last {} acts of the session were applied\n",
                options_.session.string(), session_->left());
   if (options_.json)
     fmt::print("{}", summary_json(report_));

@@ -51,11 +51,13 @@ class WorldRun {
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
   /// Finishes the observers and fills in the report.
   void finish();
-  /// For when another part of the run failed: writes the checkpoint, if there is one. Ignores further errors.
+  /// Is called if another part of the run failed: writes the checkpoint, if one was requested. Ignores
+  /// further errors.
   void save_at_least() const;
 
   const Report& report() const { return report_; }
-  /// Prints the summary on standard output, as text or JSON; with the world's name if it is one of several.
+  /// Prints the summary on standard output, as text or JSON. is_one_of_several: the run has several worlds,
+  /// so the summary begins with the name of the world.
   void print_summary(bool is_one_of_several) const;
   /// Calls after_summary() of the observers.
   void after_summary() const;

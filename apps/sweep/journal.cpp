@@ -32,8 +32,8 @@ std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {
 
 [[noreturn]] void refuse_other_study(const fs::path& file) {
   throw OutputError(
-      fmt::format("{}: error: these runs are of another study, a changed world or another version of the "
-                  "program: choose another folder with -o, or remove this one",
+      fmt::format("{}: error: these runs are of another study, of a world that was changed since, or of "
+                  "another version of the program: choose another folder with -o, or remove this folder",
                   file.string()));
 }
 

@@ -21,13 +21,14 @@ struct SweepOutcome {
   std::string state_hash;
 };
 
-/// The finished runs of one process, one line of JSON each. A line is on the disk before the process starts
-/// the next run, so that a killed sweep loses only its unfinished runs.
+/// A file with the results of the finished runs of one process, one line of JSON per run. Each line is on the
+/// disk before the process starts the next run, so that a killed sweep loses only its unfinished runs.
 class SweepJournal {
  public:
-  /// Opens or creates a journal and drops an incomplete last line. `study` identifies the study, its world
-  /// and the program, and must equal that of the journal. Throws OutputError, also if another process writes
-  /// the journal.
+  /// Opens or creates a journal, and removes an incomplete last line. study: a text that identifies the
+  /// study, its world and the version of the program; it must equal the text that is stored in the journal.
+  /// Throws OutputError if it differs, if the file cannot be written, or if another process writes the
+  /// journal.
   SweepJournal(const std::filesystem::path& file, std::string_view study);
   ~SweepJournal();
   SweepJournal(const SweepJournal&) = delete;

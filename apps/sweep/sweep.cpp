@@ -45,15 +45,16 @@ using worldio::Statistic;
 using worldio::Study;
 
 constexpr const char* k_sweep_footer = R"(
-A study names a world, the parameters that vary between runs (a grid or random samples), seeds and measures
-(docs/sweeps.md). Runs are made in parallel, each on one thread, and saved in DIR when they finish. To continue a sweep
-that was stopped or killed, call it again. When all runs are finished, DIR holds the table with one row per run,
-table.csv and table.h5, and with "series": true the measures over time, series.csv, which troupe plot draws. The tables
-depend neither on the number of parallel runs nor on interruptions.
+A study is a JSON file that names a world, the parameters that vary between runs (a grid or random samples), seeds and
+measures (docs/sweeps.md). Runs are made in parallel, each on one thread. The result of each run is saved in DIR when
+it finishes. To continue a sweep that was stopped or killed, give the same command again. When all runs are finished,
+DIR contains the table with one row per run (table.csv and table.h5). If the study has "series": true, DIR also contains
+the measures over time (series.csv), which troupe plot draws. The tables depend neither on the number of parallel runs
+nor on interruptions.
 
 With --part, several machines share a study, as in a SLURM array of eight jobs:
   sbatch --array=1-8 --wrap 'troupe sweep study.json -o results --part $SLURM_ARRAY_TASK_ID/8'
-The process that finishes last writes the table.
+The process that finishes last writes the tables.
 
 Exit codes: 0 finished (with --part: this part); 1 runs failed, see the messages and the table's column `error`; 2 bad
 study or usage; 3 stopped by Ctrl-C or SIGTERM.
@@ -71,7 +72,8 @@ SimulationOptions options_of(const Study& study, const Study::Run& run, const Sw
   return simulation;
 }
 
-/// The statistics of each column over the sampled values. Missing values (NaN) count only as the last value.
+/// Statistics of each column over the sampled values. Missing values (NaN) are ignored, except by the
+/// statistic `last`.
 class Statistics {
  public:
   explicit Statistics(std::size_t columns) : columns_(columns) {}
@@ -128,7 +130,7 @@ struct Made {
   std::string series;  ///< its rows of series.csv; empty if the study has no series
 };
 
-/// Makes a run; nothing if a signal stopped it.
+/// Makes one run and returns its results; nothing if a signal stopped the run.
 std::optional<Made> make(const Study& study, std::size_t index, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(index), options));
   Measures measures(simulation, study.measures);
@@ -160,8 +162,8 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
 }
 
 /// Loads the world of the first run, so that errors in the world are reported before any run. Returns a hash
-/// of the study, its world with images, and the version, which does not depend on where the files are; and
-/// the columns of the measures.
+/// of the study, of its world including images, and of the version of the program, and the columns of the
+/// measures. The hash does not depend on the folders of the files.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(0), options));
   const Measures measures(simulation, study.measures);
@@ -235,7 +237,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       if (!error.empty()) failed.emplace(runs[i], error);
       if (!made) continue;
       try {
-        // Before the journal, so that every run in the journal has its rows.
+        // Written before the entry in the journal, so that the rows of every run in the journal exist.
         if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
         journal.add(made->outcome);
         count.add_one();
@@ -315,7 +317,7 @@ ExitCode sweep_checked(const SweepOptions& options) {
       fmt::print(": {}{}\n", csv.string(),
                  study.series ? ", " + (options.folder / "series.csv").string() : std::string());
     else
-      fmt::print("; the table is written when all are done\n");
+      fmt::print("; the table is written when all runs are done\n");
   }
   if (stop_requested()) return k_stopped;
   return table.failed.empty() ? k_finished : k_failed;
@@ -335,7 +337,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
               if (text.empty() || text.starts_with('-')) refuse("--out", text, "the name of a folder");
               options.folder = text;
             });
-  add_value(command, "--threads", "N", "Parallel runs (default: one per available processor)",
+  add_value(command, "--threads", "N", "Number of parallel runs (default: one per available processor)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
   add_value(command, "--part", "I/N", "Make only every N-th run, beginning with the I-th",
             [&options](const std::string& text) {
@@ -345,7 +347,8 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
                   slash == text.npos ? std::nullopt : number<std::size_t>(text.substr(slash + 1));
               if (!part || !parts || *part < 1 || *part > *parts || *parts > worldio::k_most_runs)
                 refuse("--part", text,
-                       fmt::format("a part of several, from 1/N to N/N, N at most {}", worldio::k_most_runs));
+                       fmt::format("a part I/N, with I from 1 to N and N at most {}, as in --part 2/8",
+                                   worldio::k_most_runs));
               options.part = *part;
               options.parts = *parts;
             });

@@ -45,7 +45,8 @@ std::string plain(const std::string& json) {
   return quoted ? json.substr(1, json.size() - 2) : json;
 }
 
-/// The column of a parameter from its JSON texts, one per run; a column of numbers if all are numbers.
+/// Makes the column of a parameter from its JSON texts, one per run: a column of numbers if all texts are
+/// numbers, else of texts.
 Column parameter_column(const std::string& name, const Texts& values) {
   Numbers numbers;
   Texts texts;

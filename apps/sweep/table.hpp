@@ -32,7 +32,7 @@ void write_csv(const SweepTable& table, const std::filesystem::path& file);
 /// `measures` are the columns of Measures. Replaces the file only when it is complete. Throws OutputError.
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
                   const std::filesystem::path& folder);
-/// The file with the rows of one run, until write_series() joins them.
+/// The file with the rows of one run, until write_series() concatenates the rows of all runs.
 std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
 /// Appends the row of one sample.
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);

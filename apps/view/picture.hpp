@@ -10,8 +10,8 @@
 
 namespace troupe::apps {
 
-/// The state of a running world that viewers see. Copied by the stepping thread, encoded by the server's
-/// thread.
+/// The part of the state of a running world that viewers see. The thread that steps the world fills it, and
+/// the thread of the server encodes it.
 struct Picture {
   std::uint64_t number = 0;  ///< number of the picture, from 1
   std::string state;         ///< members of the JSON text that is sent with it to every client

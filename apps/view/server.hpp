@@ -24,9 +24,9 @@ class ViewBackend {
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
   /// A client has disconnected.
   virtual void closed(std::uint64_t client) = 0;
-  /// The newest picture, encoded for this client; nothing if it was already sent.
+  /// Returns the newest picture, encoded for this client; nothing if it was already sent to the client.
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
-  /// The server has refused `what`, a request or a message.
+  /// The server has refused a request or a message. what: description of it, "a binary message".
   virtual void refused(const std::string& what) = 0;
 };
 
@@ -51,12 +51,13 @@ class ViewServer {
   /// Closes every connection; the backend is not called any more when this returns.
   void stop();
   std::uint16_t port() const;
-  /// Sends a text. May be called on any thread. A client that does not read is disconnected when too many
-  /// texts wait.
+  /// Sends a text. May be called on any thread. A client that does not read its texts is disconnected when
+  /// too many of them are queued.
   void send(std::uint64_t client, std::string text);
   /// Announces a new picture. May be called on any thread.
   void offer();
-  /// A client has drawn a picture, so that another may be sent. Call it on the server's thread.
+  /// Tells the server that a client has drawn a picture, so that the next picture may be sent to it. Call it
+  /// on the server's thread.
   void drawn(std::uint64_t client);
 
  private:

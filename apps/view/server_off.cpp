@@ -9,7 +9,8 @@ namespace troupe::apps {
 struct ViewServer::Impl {};
 
 ViewServer::ViewServer(const Options&, ViewBackend&) {
-  throw std::runtime_error("troupe view: error: this program was built without the live view (TROUPE_VIEW)");
+  throw std::runtime_error(
+      "troupe view: error: this program was built without the live view: configure it with -DTROUPE_VIEW=ON");
 }
 ViewServer::~ViewServer() = default;
 void ViewServer::start() {}

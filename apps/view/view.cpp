@@ -47,7 +47,7 @@ std::string make_token() {
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-/// The members of an object, without its braces.
+/// The JSON text of the members of an object, without the braces around them.
 std::string members_of(const Json& json) {
   std::string text = text_of(json);
   return text.substr(1, text.size() - 2);
@@ -198,7 +198,8 @@ void View::run() {
   session_.end(simulation_);
 }
 
-/// Waits until the next tick is due, or while the world is paused, and executes messages.
+/// Executes the messages of viewers while waiting until the next tick is due, or, if the world is paused,
+/// until it continues.
 void View::before_tick() {
   for (;;) {
     take_messages();

@@ -23,12 +23,12 @@
 
 namespace troupe::apps {
 
-/// Rates that a viewer may ask for, times real time; 0 is as fast as possible.
+/// Smallest and largest rate that a viewer may request, times real time; 0 means as fast as possible.
 inline constexpr double k_least_rate = 0.001;
 inline constexpr double k_most_rate = 1e6;
 
-/// Shows a simulation in browsers and executes their commands. The simulation's thread calls run(); it never
-/// waits for a viewer. docs/live.md describes the protocol.
+/// Shows a simulation in browsers and executes the commands that viewers send. run() steps the simulation on
+/// the calling thread and never waits for a viewer. docs/live.md describes the protocol.
 class View : private ViewBackend {
  public:
   struct Options {
@@ -46,9 +46,9 @@ class View : private ViewBackend {
   std::string look_address() const { return address_of(look_token_); }
   const std::filesystem::path& session() const { return session_.file(); }
 
-  /// Steps the simulation as viewers command, beginning with the first viewer that may steer, until `is_over`
-  /// or the world's `stop_when`. Throws as Simulation::step() does, and std::runtime_error if the session
-  /// cannot be written.
+  /// Waits for the first viewer that may steer, and then steps, pauses and changes the simulation as viewers
+  /// command, until `is_over` returns true or a condition of the world's `stop_when` holds. Throws as
+  /// Simulation::step() does, and std::runtime_error if the session cannot be written.
   void run();
 
  private:

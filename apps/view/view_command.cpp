@@ -24,16 +24,17 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_view_footer = R"(
-Shows the world in a browser: the program prints the address of a page on this machine. The page plays, pauses and
-single-steps the world and selects, inspects, drags, turns, drives, disables, removes and adds robots. The run begins
-when the first page is opened, at --rate times real time, and ends with Ctrl-C.
+Shows the world in a browser. The program prints the address of a page on this machine. In the page, a user can play,
+pause and single-step the world, and can select, inspect, drag, turn, drive, disable, remove and add robots. The run
+begins when the first page is opened, at --rate times real time, and ends with Ctrl-C.
 
-The address contains a token that grants full control; a second address is read-only. To view a world on another
-machine, run ssh -L 8000:127.0.0.1:PORT HOST and open http://127.0.0.1:8000/#TOKEN.
+The first address contains a token that grants full control; the second address is read-only. To view a world that runs
+on another machine (HOST), run ssh -L 8000:127.0.0.1:PORT HOST and open http://127.0.0.1:8000/#TOKEN.
 
-WORLD may be a checkpoint (troupe run --checkpoint), which continues where it was saved. All acts are written to
-WORLD.session.jsonl (then WORLD.session-2.jsonl, ...), and troupe run WORLD --session WORLD.session.jsonl repeats them
-with the same bits; for a checkpoint, troupe resume --session does. See docs/live.md.
+WORLD may also be a checkpoint (troupe run --checkpoint); the run then continues from it. All acts of the user, such as
+moving a robot, are written to the session file WORLD.session.jsonl (if it exists: WORLD.session-2.jsonl, ...). The
+command troupe run WORLD --session WORLD.session.jsonl repeats the run with these acts, with the same bits. For a
+checkpoint, troupe resume --session does so. See docs/live.md.
 
 Exit codes: 0 ended by --for or the world's stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C or SIGTERM.
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Two thousand robots disperse through a hospital, driven from Python: the controller `expand` in NumPy.
+"""Two thousand robots disperse through a hospital, driven by the controller `expand`, rewritten in Python with NumPy.
 
     python3 python/examples/disperse.py [WORLD [SECONDS]]
 
-A second simulation runs the world's own controller in C++ for comparison: both have the same state, to the last bit, at
-every tick.
+For comparison, a second simulation runs the same world with its controller in C++. The states of the two simulations
+are bit-identical at every tick.
 """
 
 import json
@@ -14,12 +14,12 @@ import time
 import numpy as np
 import troupe
 
-# Least reading of each of the twelve beams with which the robot drives, m; -1: any.
+# The robot drives only if the range of each of its twelve beams exceeds this threshold, m; -1: no threshold.
 CLEARANCES = np.array([0.5, 0.5 / 1.5, 0.5 / 3, 0.5 / 5, -1, -1, -1, -1, -1, 0.5 / 5, 0.5 / 3, 0.5 / 1.5])
 
 
 def disperse(swarm, directions):
-    """Turns each robot to the vector sum of its ranges, and drives it while the way ahead is clear."""
+    """Turns each robot towards the vector sum of its ranges, and drives it forward while the way ahead is clear."""
     sin, cos = directions
     ranges = swarm.ranges()
     x = troupe.math.ordered_sum(ranges * cos)
@@ -30,7 +30,7 @@ def disperse(swarm, directions):
 
 
 def load(file, **options):
-    """The world in a file, without its robots' controllers."""
+    """Loads a world file without the controllers of its robots."""
     with open(file) as text:
         world = json.load(text)
     for kind in world["types"].values():

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A robot learns to roam a hospital without stalling, by the cross-entropy method: policies are drawn from a normal
-distribution, which is then fitted to the best of them. Needs the package gymnasium.
+"""A robot learns to roam a hospital without stalling, by the cross-entropy method: in each generation, policies are
+drawn from a normal distribution, which is then fitted to the best of these policies. Needs the package gymnasium.
 
     python3 python/examples/learn_to_roam.py [GENERATIONS [WORLD]]
 
-Each policy of a generation drives the robot of one copy of a VectorEnv. Seeds are fixed and the arithmetic is that of
-troupe.math, so a run prints the same numbers on every machine.
+Each policy of a generation drives the robot in one copy of the world (VectorEnv). Seeds are fixed and the arithmetic is
+that of troupe.math, so a run prints the same numbers on every machine.
 """
 
 import sys
@@ -32,7 +32,8 @@ class Roam(troupe.envs.Task):
 
 
 def act(policies, observations):
-    """Applies one policy per copy. A policy has one row per action: weights of the ranges, and a constant."""
+    """Returns the actions of one policy per copy. A policy is a matrix with one row per action: a weight for each
+    range, and a constant."""
     inputs = np.concatenate([observations / 2 - 0.5, np.ones((len(observations), 1))], axis=1)
     return troupe.math.ordered_sum(policies * inputs[:, np.newaxis, :])
 

@@ -1,4 +1,4 @@
-"""Massively multi-robot simulation, the same bits on any number of threads.
+"""Simulation of very large robot swarms, with results that have the same bits on any number of threads.
 
     import troupe
 
@@ -6,16 +6,17 @@
     simulation.run_for(10)
     print(f"{simulation.state_hash():016x}")
 
-See docs/python.md. `troupe.math` has functions with the same bits as those of C++ controllers, `troupe.envs` has
-environments for reinforcement learning.
+See docs/python.md. The module `troupe.math` has mathematical functions whose results have the same bits as in C++
+controllers. The module `troupe.envs` has environments for reinforcement learning.
 """
 
 try:
     from . import _core
 except ModuleNotFoundError as missing:
     raise ModuleNotFoundError(
-        f"{missing}: it is compiled; build it (cmake --build build/release --target troupe_python), and import the "
-        "package from build/release/lib/python3/dist-packages or from where it is installed") from missing
+        f"{missing}: this part of the package is written in C++; build it (cmake --build build/release --target "
+        "troupe_python), and import the package from build/release/lib/python3/dist-packages or from the folder in "
+        "which it is installed") from missing
 
 from . import math
 from ._core import (

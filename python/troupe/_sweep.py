@@ -75,16 +75,20 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
 
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
           threads: Optional[int] = None, name: str = "study.json", **options: Any) -> "pandas.DataFrame":
-    """Makes all runs of a study, each on one thread and several at a time, and returns a pandas data frame.
+    """Makes all runs of a study and returns a pandas data frame. Each run uses one thread; several runs are made in
+    parallel.
 
-    study    a study file (docs/sweeps.md), or a dict with its content, whose "world" may be a file or a dict
-    returns  one row per run: run, the parameters, seed, ticks, time_s, the measures, stopped_by, state_hash, error. With
-             `series`, or "series": true in the study, one row per sample: run, the parameters, seed, time_s, the measures
-    name     file name of a dict in errors; relative paths are resolved from its folder
-    threads  number of runs at a time; by default one per processor that the process may use
+    study    the name of a study file (docs/sweeps.md), or a dict with the content of a study file, whose "world" may be
+             a file name or a dict
+    series   whether measures over time are returned; None: "series" of the study decides
+    threads  number of parallel runs; None: one per processor that the process may use
+    name     if `study` is a dict: the file name in error messages; relative paths are resolved from its folder
     options  search_path and plugin_path, as in Simulation
-    errors   InputError for an invalid study or world. A failed run is a row whose `error` states the reason; in a series
-             it has no rows
+    returns  one row per run with the columns run, the parameters, seed, ticks, time_s, the measures, stopped_by,
+             state_hash and error. With series: one row per sample, with the columns run, the parameters, seed, time_s
+             and the measures
+    errors   InputError for an invalid study or world. If a single run fails, its column `error` states the reason; in a
+             series, a failed run has no rows
     """
     try:
         import pandas

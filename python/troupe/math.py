@@ -1,8 +1,10 @@
-"""Functions on numbers and arrays with the same bits as in Troupe's C++, on every processor and compiler.
+"""Mathematical functions of numbers and arrays whose results have the same bits as in Troupe's C++ code.
 
-NumPy's own sin, cos, arctan2, exp and log differ between processors in their last bits; its +, -, *, / and sqrt do not,
-but the order of its sums depends on the length. Use these functions for a controller that must decide the same on every
-machine, or the same as one in C++. Arrays are broadcast; results are float64, and scalars for scalar arguments.
+Results are also the same on every processor and with every compiler. The results of NumPy's sin, cos, arctan2, exp and
+log differ between processors in their last bits. NumPy's +, -, *, / and sqrt do not, but the order in which its sum()
+adds depends on the length of the array. Use the functions of this module for a controller that must make the same
+decisions on every machine, or the same decisions as a controller in C++. Angles are in radians. Array arguments are
+broadcast. Results are float64 arrays, or numbers if all arguments are numbers.
 """
 
 from __future__ import annotations
@@ -20,10 +22,10 @@ __all__ = ["atan2", "cos", "exp", "log", "ordered_sum", "sin", "sincos", "sqrt",
 
 
 def sincos(radians: npt.ArrayLike) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Sine and cosine, with the bits of sin() and cos(), faster than two calls."""
+    """Returns (sine, cosine) with the same bits as sin() and cos(), but faster than two calls."""
     return _sincos(np.asarray(radians, dtype=np.float64))
 
 
 def ordered_sum(values: npt.ArrayLike, axis: int = -1) -> npt.NDArray[np.float64]:
-    """The sum along an axis in the order of a loop in C++: 0 + v[0] + v[1] + ..."""
+    """Returns the sum along an axis, added in ascending order of the index: 0 + v[0] + v[1] + ..."""
     return _ordered_sum(np.moveaxis(np.asarray(values, dtype=np.float64), axis, -1))

@@ -1,7 +1,7 @@
 """Draws a measure of a sweep over time: mean and standard deviation over runs, one line per value of a parameter.
 
-`troupe plot` runs this file; from Python: troupe.plot.draw("results", "coverage", by="robots", out="coverage.png").
-It needs matplotlib and Python's standard library only.
+`troupe plot` runs this file. In Python, call troupe.plot.draw("results", "coverage", by="robots", out="coverage.png"),
+where "results" is the folder of the sweep. The module needs matplotlib and Python's standard library only.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ OWN_COLUMNS = ("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "er
 
 
 class PlotError(ValueError):
-    """The requested data do not exist or cannot be drawn."""
+    """Raised if the requested data do not exist or cannot be drawn. The text states file and reason."""
 
 
 def _read(file: str) -> Tuple[List[str], List[List[str]]]:
@@ -61,14 +61,20 @@ def _order(value: _Key) -> List[Tuple[int, float, str]]:
 
 def series_by(folder: _File, measure: Optional[str] = None,
               by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, _Points]]:
-    """Returns the measure, the parameters that distinguish lines, and values of these -> [(time_s, mean, deviation, runs)].
+    """Reads the tables of a sweep and averages a measure over its runs.
 
-    deviation: sample standard deviation (n - 1), 0 for one run. Raises PlotError.
+    folder   the folder of the sweep
+    measure  name of the measure; None: the first in series.csv
+    by       names of parameters, separated by commas; runs with equal values of these parameters are averaged to one
+             line. None: all parameters that vary
+    returns  the name of the measure, the names of these parameters, and a dict: values of the parameters -> list of
+             (time_s, mean, sample standard deviation with n - 1 or 0 for one run, number of runs)
+    errors   PlotError
     """
     table_head, table = _read(os.path.join(folder, "table.csv"))
     series_file = os.path.join(folder, "series.csv")
     if not os.path.exists(series_file):
-        raise PlotError(f'{series_file}: error: there is no such file: give "series": true in the study, and run the sweep again')
+        raise PlotError(f'{series_file}: error: there is no such file: set "series": true in the study, and run the sweep again')
     head, series = _read(series_file)
     if head[:2] != ["run", "time_s"] or len(head) < 3:
         raise PlotError(f"{series_file}: error: this is not the series of a sweep: it must begin with run,time_s")
@@ -93,8 +99,8 @@ def series_by(folder: _File, measure: Optional[str] = None,
             key = tuple(values[row[0]][name] for name in names)
             lines.setdefault(key, {}).setdefault(time_s, []).append(number)
     if len(lines) > MOST_LINES:
-        raise PlotError(f"error: {' and '.join(names)} give {len(lines)} lines, at most {MOST_LINES} can be distinguished: "
-                        f"choose parameters with --by: {', '.join(parameters)}")
+        raise PlotError(f"error: {' and '.join(names)} give {len(lines)} lines, but at most {MOST_LINES} can be distinguished: "
+                        f"choose fewer parameters with --by: {', '.join(parameters)}")
     if not lines:
         raise PlotError(f'error: no run has a value of "{measure}"')
     result: Dict[_Key, _Points] = {}
@@ -109,7 +115,8 @@ def series_by(folder: _File, measure: Optional[str] = None,
 
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
          title: Optional[str] = None) -> str:
-    """Draws a .png, .svg or .pdf and returns its file name. Raises PlotError, and ImportError without matplotlib."""
+    """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. The parameters are
+    those of series_by(). Raises PlotError, and ImportError if matplotlib is missing."""
     measure, names, lines = series_by(folder, measure, by)
     file = os.fspath(out) if out else os.path.join(folder, f"{measure}.png")
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):

@@ -87,8 +87,8 @@ TEST_F(CheckProgram, BadInputIsExitCode2) {
   EXPECT_EQ(error_of({"check", "room.world"}),
             "room.world: error: no end time: give --for SECONDS, or set quit_time in the world\n");
   EXPECT_EQ(error_of({"check", "room.world", "--for", "1", "--threads", "2", "--tile-size", "3"}),
-            "troupe check: error: only one variant, nothing to compare: give several --threads or "
-            "--tile-size, --amnesia, --reach, or --controllers\n");
+            "troupe check: error: there is only one variant and nothing to compare: give several numbers to "
+            "--threads or --tile-size, or give --amnesia, --reach or --controllers\n");
 }
 
 /// A sensor that counts the bodies within 1 m, and declares a reach of its own.

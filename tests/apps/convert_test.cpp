@@ -70,7 +70,7 @@ TEST_F(ConvertCommand, AFileThatIsThereIsReplacedOnlyWithForce) {
   EXPECT_EQ(troupe({"convert", "w.world", "w.json", "--force"}).code, 0);
   EXPECT_THAT(read("w.json"), StartsWith("{\n  \"troupe\": 1,\n"));
   EXPECT_THAT(refused({"convert", "w.world", "w.world", "--force"}).err,
-              HasSubstr("w.world: error: cannot be written: it is the world"));
+              HasSubstr("w.world: error: cannot be written: it is the world, which is read as input"));
 }
 
 TEST_F(ConvertCommand, NothingIsWrittenOfAWorldThatIsWrong) {

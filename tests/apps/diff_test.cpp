@@ -94,12 +94,11 @@ TEST_F(Diff, ALogMayBeginLater) {
 
 TEST_F(Diff, OtherDomainsAreComparedOnlyWhenToldTo) {
   const std::string clang = header("GNU 12.2.0; Release -O3", "Clang 14.0.6; Debug -Og") + lines(0, 3);
-  EXPECT_EQ(
-      error_of(clang),
-      "b.log:2: error: compiler is \"Clang 14.0.6\", but in a.log \"GNU 12.2.0\": different determinism "
-      "domain; --across-domains compares them anyway\n"
-      "b.log:2: error: flags is \"Debug -Og\", but in a.log \"Release -O3\": different determinism domain; "
-      "--across-domains compares them anyway\n");
+  EXPECT_EQ(error_of(clang),
+            "b.log:2: error: compiler is \"Clang 14.0.6\", but in a.log \"GNU 12.2.0\": the results may "
+            "differ; --across-domains compares them anyway\n"
+            "b.log:2: error: flags is \"Debug -Og\", but in a.log \"Release -O3\": the results may differ; "
+            "--across-domains compares them anyway\n");
   EXPECT_THAT(error_of(header("x86_64", "aarch64") + lines(0, 3)),
               HasSubstr("instruction set is \"aarch64\""));
   EXPECT_THAT(error_of(header("0.1.0", "0.2.0") + lines(0, 3)), HasSubstr("version is \"troupe 0.2.0\""));
@@ -118,22 +117,23 @@ TEST_F(Diff, AnotherInstructionSetOfTheKernelsIsNoOtherDomainOrRun) {
 TEST_F(Diff, OtherRunsAreComparedOnlyWhenToldTo) {
   const std::string seed = header("# seed: 1", "# seed: 7") + lines(0, 3);
   EXPECT_EQ(error_of(seed),
-            "b.log:4: error: seed is \"7\", but in a.log \"1\": different run; --across-runs compares them "
+            "b.log:4: error: seed is \"7\", but in a.log \"1\": these are different runs; --across-runs "
+            "compares them "
             "anyway\n");
   EXPECT_THAT(
       error_of(header("room", "hall") + lines(0, 3)),
-      StartsWith("b.log:3: error: world is \"hall.json\", but in a.log \"room.json\": different run"));
+      StartsWith(
+          "b.log:3: error: world is \"hall.json\", but in a.log \"room.json\": these are different runs"));
   EXPECT_THAT(error_of(header() + "# set /a: 3\n" + lines(0, 3)),
-              StartsWith("b.log:10: error: set /a is \"3\", but in a.log \"\": different run"));
+              StartsWith("b.log:10: error: set /a is \"3\", but in a.log \"\": these are different runs"));
   EXPECT_EQ(diff(header() + lines(0, 3), seed, {"--across-runs"}).code, 0);
   EXPECT_EQ(diff(header() + lines(0, 3), header("worlds/room", "/elsewhere/room") + lines(0, 3)).code, 0);
 }
 
 TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
-  EXPECT_EQ(
-      error_of(header() + lines(0, 1) + "2 0123"),
-      "b.log:12: error: the last line is incomplete: the log was cut off; remove this line to compare the "
-      "others\n");
+  EXPECT_EQ(error_of(header() + lines(0, 1) + "2 0123"),
+            "b.log:12: error: the last line is incomplete: the log was cut off; remove this line to compare "
+            "the other lines\n");
   const std::string form =
       " is not a line of a hash log; expected TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex "
       "digits each\n";

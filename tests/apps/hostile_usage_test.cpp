@@ -136,7 +136,7 @@ TEST_F(HostileUsage, SweepsRefuseWhatCannotBeWrittenBeforeTheirRuns) {
   }
   // Run 1, and run 0 once more where the sum wraps around.
   EXPECT_THAT(troupe({"sweep", "study.json", "-o", "o2", "--part", "2/18446744073709551615"}).err,
-              HasSubstr("is not a part of several, from 1/N to N/N, N at most 1000000"));
+              HasSubstr("is not a part I/N, with I from 1 to N and N at most 1000000"));
   EXPECT_FALSE(fs::exists(path("o2")));
 }
 

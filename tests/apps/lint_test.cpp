@@ -85,57 +85,59 @@ TEST_F(LintTest, CountsOverlapsBeyondAHundred) {
 
 TEST_F(LintTest, ReportsFloorPlansThatBlockNothingAndWhoStandsInThem) {
   write("gate.pgm", k_gate);
-  EXPECT_THAT(findings("w.world",
-                       "model( name \"cave\"\n  size [4 4 1] bitmap \"gate.pgm\"\n  obstacle_return 0 )\n"
-                       "position( name \"out\" )\n"
-                       "position( name \"in\" pose [-1.5 0 0 0] )\n"),
-              ElementsAre("w.world:1: warning: floor plan \"cave\" blocks nothing: it is no obstacle",
-                          "w.world:5: warning: \"in\" stands in floor plan \"cave\", which does not block it",
-                          "w.world: 2 findings"));
   EXPECT_THAT(
-      findings("high.world",
-               "model( name \"cave\" pose [5 0 3 0] size [4 4 1] bitmap \"gate.pgm\" )\n"
-               "position( size [0.4 0.4 0.25] )\n"),
-      ElementsAre("high.world:1: warning: floor plan \"cave\" blocks nothing: it stands from 3 to 4 m, the "
-                  "robots from 0 to 0.25 m",
-                  "high.world: 1 finding"));
+      findings("w.world",
+               "model( name \"cave\"\n  size [4 4 1] bitmap \"gate.pgm\"\n  obstacle_return 0 )\n"
+               "position( name \"out\" )\n"
+               "position( name \"in\" pose [-1.5 0 0 0] )\n"),
+      ElementsAre(
+          "w.world:1: warning: floor plan \"cave\" blocks no robot: it is not an obstacle",
+          "w.world:5: warning: \"in\" starts inside a wall of floor plan \"cave\", which does not block it",
+          "w.world: 2 findings"));
+  EXPECT_THAT(findings("high.world",
+                       "model( name \"cave\" pose [5 0 3 0] size [4 4 1] bitmap \"gate.pgm\" )\n"
+                       "position( size [0.4 0.4 0.25] )\n"),
+              ElementsAre("high.world:1: warning: floor plan \"cave\" blocks no robot: its height is 3 to 4 "
+                          "m, but the robots are at 0 to 0.25 m",
+                          "high.world: 1 finding"));
   EXPECT_THAT(
       findings("ghost.world",
                "model( name \"cave\" pose [5 0 0 0] size [4 4 1] bitmap \"gate.pgm\" )\n"
                "position( obstacle_return 0 )\n"),
-      Contains("ghost.world:1: warning: floor plan \"cave\" blocks nothing: no robot is an obstacle"));
+      Contains("ghost.world:1: warning: floor plan \"cave\" blocks no robot: no robot is an obstacle"));
   expect_nothing("right.world", "model( size [4 4 1] bitmap \"gate.pgm\" )\nposition()\n");
 }
 
 TEST_F(LintTest, ReportsFloorPlansInJson) {
   write("gate.pgm", k_gate);
-  EXPECT_THAT(findings("w.json",
-                       R"({ "troupe": 1, "floorplans": [
+  EXPECT_THAT(
+      findings("w.json",
+               R"({ "troupe": 1, "floorplans": [
   {"name": "cave", "bitmap": "gate.pgm", "size_m": [4, 4, 1], "margins": "keep", "obstacle": false} ],
   "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}}},
   "models": [ {"name": "r0", "type": "bot"},
     {"name": "r1", "type": "bot", "pose": {"x_m": -1.5}} ] })"),
-              ElementsAre("w.json:2: warning: floor plan \"cave\" blocks nothing: it is no obstacle",
-                          "w.json:5: warning: \"r1\" stands in floor plan \"cave\", which does not block it",
-                          "w.json: 2 findings"));
+      ElementsAre(
+          "w.json:2: warning: floor plan \"cave\" blocks no robot: it is not an obstacle",
+          "w.json:5: warning: \"r1\" starts inside a wall of floor plan \"cave\", which does not block it",
+          "w.json: 2 findings"));
 }
 
 TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
   const std::string high =
       R"({"name": "eye", "kind": "ranger", "pose": {"z_m": 1.5}, "transducers": [{"range_max_m": 5}]})";
-  EXPECT_THAT(
-      findings("high.json", json_world(high)),
-      ElementsAre("high.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it looks at a height of 1.5 "
-                  "m, visible bodies are at 0 to 1 m",
-                  "high.json: 1 finding"));
+  EXPECT_THAT(findings("high.json", json_world(high)),
+              ElementsAre("high.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it is at a height "
+                          "of 1.5 m, but visible bodies are at 0 to 1 m",
+                          "high.json: 1 finding"));
   expect_nothing("tall.json", json_world(high, "2"));
 
   EXPECT_THAT(findings("near.json", json_world(R"({"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1},
       "transducers": [{"range_max_mm": 5, "samples": 3}]})")),
-              Contains(HasSubstr("sees nothing: its beams of 0.005 m end inside of its own body")));
+              Contains(HasSubstr("sees nothing: its beams of at most 0.005 m end inside its own body")));
 
   EXPECT_THAT(findings("none.json", json_world(R"({"name": "eye", "kind": "ranger", "transducers": []})")),
-              ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it has no beam",
+              ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it has no beams",
                           "none.json: 1 finding"));
 
   // No robot sees itself; it does see another robot of its kind.
@@ -169,17 +171,17 @@ TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
   // No finder finds its own body.
   EXPECT_THAT(findings("none.json", world("", "")),
               ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: no other body has a "
-                          "fiducial_return with its key, 0",
+                          "fiducial_return with the finder's key, 0",
                           "none.json: 1 finding"));
   const std::string marked = ", \"fiducial_return\": 2";
   expect_nothing("post.json", world(marked, ""));
   EXPECT_THAT(findings("key.json", world(marked, ", \"key\": 3")),
-              Contains(HasSubstr("no other body has a fiducial_return with its key, 3")));
+              Contains(HasSubstr("no other body has a fiducial_return with the finder's key, 3")));
   expect_nothing("keys.json", world(marked + ", \"fiducial_key\": 3", ", \"key\": 3"));
 
   const std::string high = R"(, "pose": {"z_m": 0.9})";
   EXPECT_THAT(findings("high.json", world(marked, high)),
-              Contains(HasSubstr("sees nothing: it looks at a height of 0.9 m, marked bodies are at 0 to "
+              Contains(HasSubstr("sees nothing: it is at a height of 0.9 m, but marked bodies are at 0 to "
                                  "0.5 m")));
   expect_nothing("flat.json", world(marked, high + ", \"ignore_zloc\": true"));
   // At this height there is but its own mark.
@@ -228,7 +230,7 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
                   "drives",
                   "w.world:12: warning: scount: this property is obsolete, ignored as in Stage",
                   "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body has a "
-                  "fiducial_return with its key, 0",
+                  "fiducial_return with the finder's key, 0",
                   "w.world: 11 findings"));
 }
 

@@ -185,7 +185,7 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
       {{"--snapshot", "p.png", "--color-by", "velocity.q"},
        "room.world: error: unknown value \"velocity.q\"; known: "},
       {{"--snapshot", "p-{time}.png", "--snapshot-at", "0.2,0.8"},
-       "room.world: error: --snapshot-at 0.8: the run goes from 0 s to 0.5 s"},
+       "room.world: error: --snapshot-at 0.8: give times within the run, which goes from 0 s to 0.5 s"},
       {{"--snapshot", "p.png", "--snapshot-at", "0.2,0.3"},
        "troupe run: error: --snapshot-at: several pictures need different names: write {time} in the name, "
        "as in --snapshot p-{time}.png; see"},
@@ -198,7 +198,8 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
       {{"--snapshot", "p.png", "--background", "pink"},
        "--background: unknown background \"pink\"; known: dark, paper, transparent, white"},
       {{"--film", "f.mp4", "--background", "transparent"},
-       "f.mp4: error: cannot be written: a film has no transparency: use --background paper, white or dark"},
+       "f.mp4: error: cannot be written: a film cannot be transparent: use --background paper, white or "
+       "dark"},
       {{"--snapshot", "p.svg", "--angle", "30"},
        "room.world: error: p.svg: .svg and .pdf need a view from straight above"},
   };

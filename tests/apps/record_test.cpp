@@ -195,7 +195,7 @@ TEST_F(Record, AFrameEverySoManySeconds) {
 TEST_F(Record, AnExistingFileStaysWithoutForce) {
   write("run.h5", "precious");
   EXPECT_THAT(error_of({"run", "room.world", "--for", "1", "--record", "run.h5"}),
-              HasSubstr("run.h5: error: exists already; --force replaces it"));
+              HasSubstr("run.h5: error: the file exists; --force replaces it"));
   EXPECT_EQ(read("run.h5"), "precious");
   record("run.h5", {"--force"});
   EXPECT_EQ(recording("run.h5").frames(), 21u);
@@ -218,7 +218,8 @@ TEST_F(Record, WrongInputIsRefusedBeforeAnythingIsWritten) {
               HasSubstr("need --record FILE.h5 or a world with `record`"));
   EXPECT_THAT(with({"none/run.h5"}),
               HasSubstr("none/run.h5: error: cannot be written: there is no folder none"));
-  EXPECT_THAT(with({"room.world"}), HasSubstr("room.world: error: cannot be written: it is the world"));
+  EXPECT_THAT(with({"room.world"}),
+              HasSubstr("room.world: error: cannot be written: it is the world, which is read as input"));
   EXPECT_THAT(with({"run.h5", "--hash-log", "run.h5"}), HasSubstr("another output has the same name"));
 }
 
@@ -236,7 +237,7 @@ TEST_F(Record, AsTheWorldSays) {
       0);
   EXPECT_THAT(recording("mine.h5").ticks(), ElementsAre(0, 10, 20));
   EXPECT_EQ(recording("mine.h5").arrays()[0].component, "velocity");
-  EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}), HasSubstr("world.h5: error: exists already"));
+  EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}), HasSubstr("world.h5: error: the file exists"));
 
   world(R"({"every_s": 0.5})");
   ASSERT_EQ(troupe({"run", "w.json", "--for", "2", "--quiet"}).code, 0);
@@ -276,7 +277,8 @@ TEST_F(Record, ARecordingOfAnotherRunDoesNotGoOn) {
   const Outcome refused = resume("other.h5");
   EXPECT_EQ(refused.code, k_bad_input);
   EXPECT_EQ(refused.err,
-            "other.h5: error: seed is \"7\", here it is \"1\": this is the recording of another run\n");
+            "other.h5: error: seed is \"7\" in the recording, \"1\" in this run: the recording belongs to "
+            "another run\n");
   EXPECT_EQ(read("other.h5"), other);
   EXPECT_THAT(resume("room.world").err, HasSubstr("room.world: error: has no complete HDF5 header"));
 
@@ -306,9 +308,9 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   record("a.h5", {"--record-fields", "pose,ranges"});
   record("first.h5", {"--record-fields", "all"});
   record("seed.h5", {"--seed", "7", "--record-fields", "all"});
-  EXPECT_THAT(
-      error_of({"diff", "a.h5", "seed.h5"}),
-      StartsWith("seed.h5: error: seed is \"7\", but in a.h5 \"1\": different run; --across-runs compares"));
+  EXPECT_THAT(error_of({"diff", "a.h5", "seed.h5"}),
+              StartsWith("seed.h5: error: seed is \"7\", but in a.h5 \"1\": these are different runs; "
+                         "--across-runs compares"));
   const Outcome other = troupe({"diff", "first.h5", "seed.h5", "--across-runs"});
   EXPECT_EQ(other.code, 1);
   EXPECT_THAT(other.out,

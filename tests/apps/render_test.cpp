@@ -202,17 +202,17 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
     return outcome.err;
   };
   EXPECT_EQ(refusal({"run.h5", "--layers", "scans"}),
-            "run.h5: error: the recording has no ranges: record them with --record-fields pose,ranges\n");
+            "run.h5: error: the recording has no ranges: record the run with --record-fields pose,ranges\n");
   EXPECT_EQ(refusal({"run.h5", "--layers", "energy"}),
-            "run.h5: error: the recording has no power packs: record them with --record-fields "
+            "run.h5: error: the recording has no power packs: record the run with --record-fields "
             "pose,power_pack\n");
   for (const char* layer : {"sights", "blobs", "grips", "links", "speed"})
     EXPECT_EQ(refusal({"run.h5", "--layers", layer}),
               "run.h5: error: the layer \"" + std::string(layer) +
-                  "\" is for worlds and checkpoints, not for recordings\n");
+                  "\" can be drawn for worlds and checkpoints, but not for recordings\n");
   EXPECT_THAT(refusal({"run.h5", "--color-by", "velocity.x"}),
               AllOf(HasSubstr("run.h5: error: unknown value \"velocity.x\"; known: pose.heading, pose.x, "),
-                    HasSubstr("; --record-fields chooses what is recorded\n")));
+                    HasSubstr("; troupe run --record-fields selects the fields that are recorded\n")));
   EXPECT_EQ(refusal({"run.h5", "--camera", "follow:missing"}),
             "run.h5: error: there is no model \"missing\" to follow\n");
   EXPECT_THAT(refusal({"run.h5", "--camera", "window"}),
@@ -224,13 +224,13 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
       refusal({"run.h5", "--for", "0.5"}),
       "run.h5: error: --for is only for worlds, and this is a recording; --at selects one of its times\n");
   EXPECT_EQ(refusal({"run.h5", "--at", "2"}),
-            "run.h5: error: 2 s is not recorded: the recording has 0 s to 1 s\n");
+            "run.h5: error: 2 s is not recorded: the recording contains 0 s to 1 s\n");
   ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
                     "velocity"})
                 .code,
             0);
   EXPECT_EQ(refusal({"v.h5"}),
-            "v.h5: error: the recording has no poses: --record-fields chooses what is recorded\n");
+            "v.h5: error: the recording has no poses: record the run with pose in --record-fields\n");
 }
 
 TEST_F(Render, BadInputIsOneLine) {

@@ -206,13 +206,13 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
       {{"resume", "c.h5"}, "c.h5: error: no end time: give --for SECONDS, or --set /quit_time_s=SECONDS"},
       {{"resume", "c.h5", "--for", "0.5"}, "c.h5: error: the run is already at 1 s, past its end at 0.5 s"},
       {{"resume", "c.h5", "--for", "2", "--hash-log", "c.h5"},
-       "c.h5: error: cannot be written: it is the checkpoint"},
+       "c.h5: error: cannot be written: it is the checkpoint, which is read as input"},
       {{"resume", "c.h5", "--for", "2", "--seed", "3"}, "troupe resume: error: unknown option \"--seed\""},
       {{"resume", "c.h5", "--for", "2", "--checkpoint-every", "1"}, "--checkpoint"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "no/c.h5"},
        "no/c.h5: error: cannot be written: there is no folder no"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "room.world", "--force"},
-       "room.world: error: cannot be written: it is the world"},
+       "room.world: error: cannot be written: it is the world, which is read as input"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "/dev/null", "--force"},
        "/dev/null: error: cannot be written: it is not a regular file"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "d.h5", "--checkpoint-every", "0"},
@@ -275,13 +275,13 @@ TEST_F(Resume, OptionsOfARecordingMayBeRepeatedButNotChanged) {
   const Outcome every = troupe(with(resume, {"--record-every", "0.2"}));
   EXPECT_EQ(every.code, 2);
   EXPECT_EQ(every.err,
-            "r.h5: error: the recording has a frame every 0.3 s, which cannot change: --record-every gives "
-            "0.2 s\n");
+            "r.h5: error: the recording has a frame every 0.3 s, which cannot change, but --record-every is "
+            "0.2 s: omit it\n");
   const Outcome fields = troupe(with(resume, {"--record-fields", "pose"}));
   EXPECT_EQ(fields.code, 2);
   EXPECT_EQ(fields.err,
-            "r.h5: error: the recording has the fields pose,stall, which cannot change: --record-fields "
-            "gives pose\n");
+            "r.h5: error: the recording has the fields pose,stall, which cannot change, but --record-fields "
+            "is pose: omit it\n");
   EXPECT_EQ(read("r.h5"), before);
 }
 

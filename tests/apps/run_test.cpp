@@ -332,7 +332,8 @@ TEST_F(Run, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {
       {{"--hash-log", "none/h.log"}, "none/h.log: error: cannot be written: there is no folder none"},
       {{"--snapshot", "none/p.png"}, "none/p.png: error: cannot be written: there is no folder none"},
       {{"--hash-log", "/"}, "/: error: cannot be written: it is a folder"},
-      {{"--hash-log", "./room.world"}, "./room.world: error: cannot be written: it is the world"},
+      {{"--hash-log", "./room.world"},
+       "./room.world: error: cannot be written: it is the world, which is read as input"},
       {{"--hash-log", "p.png", "--snapshot", "./p.png"},
        "./p.png: error: cannot be written: another output has the same name"},
   };

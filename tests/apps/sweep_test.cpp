@@ -55,7 +55,7 @@ TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
   EXPECT_EQ(table("four"), table("one"));
   const Outcome first = troupe({"sweep", "study.json", "-o", "parts", "--part", "2/2"});
   EXPECT_EQ(first.code, 0) << first.err;
-  EXPECT_EQ(first.out, "3 of 6 runs done; the table is written when all are done\n");
+  EXPECT_EQ(first.out, "3 of 6 runs done; the table is written when all runs are done\n");
   EXPECT_EQ(troupe({"sweep", "study.json", "-o", "parts", "--part", "1/2"}).out,
             "6 of 6 runs done: parts/table.csv\n");
   EXPECT_EQ(table("parts"), table("one"));
@@ -195,7 +195,7 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
     EXPECT_THAT(files(), ElementsAre("study.json", "w.json"));
   };
   refused({"sweep", "study.json"}, "-o DIR is required");
-  refused({"sweep", "study.json", "-o", "out", "--part", "3/2"}, "\"3/2\" is not a part of several");
+  refused({"sweep", "study.json", "-o", "out", "--part", "3/2"}, "\"3/2\" is not a part I/N");
   refused({"sweep", "w.json", "-o", "out"}, "missing \"troupe_study\"");
   std::string study(k_study);
   study.replace(study.find("/populations/0/count"), 20, "/populations/7/count");

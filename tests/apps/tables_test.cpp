@@ -293,15 +293,16 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   };
   Outcome outcome = with({"coverage"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(
-      lines_of(outcome.err),
-      ElementsAre("m.csv: error: the table cannot be continued: the checkpoint was saved without these "
-                  "measures and lacks their memory; choose another file"));
+  EXPECT_THAT(lines_of(outcome.err),
+              ElementsAre("m.csv: error: the table cannot be continued: the checkpoint was saved without "
+                          "these measures and has no data of their earlier ticks; choose another file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err,
-              HasSubstr("m.csv: error: cannot be written: to continue it, its first line must be "
-                        "tick,time_s,order"));
+  EXPECT_THAT(
+      outcome.err,
+      HasSubstr(
+          "m.csv: error: cannot be written: to continue it after the checkpoint, its first line must be "
+          "tick,time_s,order"));
   EXPECT_EQ(read("m.csv"), before);
 }
 

@@ -137,8 +137,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--thraeds", "2"}),
                    in_run("unknown option \"--thraeds\" (did you mean \"--threads\"?)")},
         WrongUsage{room({"-q"}), in_run("unknown option \"-q\"")},
-        WrongUsage{room({"--for"}), in_run("--for takes one value, once")},
-        WrongUsage{room({"--for", "1", "--for", "2"}), in_run("--for takes one value, once")},
+        WrongUsage{room({"--for"}), in_run("--for must be given once, with one value")},
+        WrongUsage{room({"--for", "1", "--for", "2"}), in_run("--for must be given once, with one value")},
         WrongUsage{room({"--for", "ten"}),
                    in_run("--for: \"ten\" is not a time in seconds, from 0 to 1e+12")},
         WrongUsage{room({"--for", "10s"}),
@@ -179,8 +179,9 @@ INSTANTIATE_TEST_SUITE_P(
                               "for; this processor can use " +
                                   usable_targets())},
         WrongUsage{room({"--raytracer", "Grid"}), in_run("--raytracer: \"Grid\" is not exact or grid")},
-        WrongUsage{room({"--tile-size", "0"}), in_run("--tile-size: \"0\" is not a length in metres, above 0 "
-                                                      "(tiles are never smaller than the cells they hold)")},
+        WrongUsage{room({"--tile-size", "0"}),
+                   in_run("--tile-size: \"0\" is not a length in metres, above 0 "
+                          "(the smallest tile is one cell of the spatial index)")},
         WrongUsage{room({"--snapshot", "room.jpg"}),
                    in_run("--snapshot: \"room.jpg\" is not the name of a picture, as in --snapshot "
                           "crowd.png, crowd.svg or "
@@ -240,8 +241,8 @@ INSTANTIATE_TEST_SUITE_P(
                    in_command("check", "--threads: \"two\" is not a number of threads, 1 to 1024")},
         WrongUsage{{"check", "room.world", "--tile-size", "auto,-1"},
                    in_command("check",
-                              "--tile-size: \"-1\" is not a length in metres, above 0 (tiles are never "
-                              "smaller than the cells they hold)")},
+                              "--tile-size: \"-1\" is not a length in metres, above 0 (the smallest tile is "
+                              "one cell of the spatial index)")},
         WrongUsage{{"check", "room.world", "--hash-log", "a.log"},
                    in_command("check", "unknown option \"--hash-log\"")},
         WrongUsage{{"diff", "a.log"}, in_command("diff", "B is required")},

@@ -157,7 +157,7 @@ TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
   EXPECT_THAT(
       error_of(stage_world("walker"), {}).substr(world.size()),
       AllOf(testing::StartsWith(":3: error: unknown controller \"walker\"; known: "),
-            EndsWith(" (did you mean \"wander\"?); no --plugin-path is given to search for walker.so")));
+            EndsWith(" (did you mean \"wander\"?); no folder to search for walker.so: give --plugin-path")));
   EXPECT_THAT(error_of(stage_world("../plugins/walker"), options({folder_of("other")})),
               Not(HasSubstr(".so")))
       << "a name is no path";
@@ -178,20 +178,19 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
             about("nothing") +
                 "is not a Troupe plug-in: it has no symbol troupe_plugin, which TROUPE_CONTROLLER and "
                 "TROUPE_DEVICE define");
-  EXPECT_THAT(error_of("undefined_symbol"),
-              AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
-                    HasSubstr("no_such_function"), EndsWith(" (link it with troupe::plugin)")));
+  EXPECT_THAT(
+      error_of("undefined_symbol"),
+      AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
+            HasSubstr("no_such_function"), EndsWith(" (link it with the CMake target troupe::plugin)")));
   EXPECT_THAT(error_of("another_version"),
-              MatchesRegex(about("another_version") +
-                           "was built for troupe 99.1.0 .interface 5., this is troupe 0.2.0 "
-                           ".interface 5.: rebuild it"));
+              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 5., but this "
+                                                      "program is troupe 0.2.0 .interface 5.: rebuild it"));
   EXPECT_THAT(error_of("old_interface"),
-              MatchesRegex(about("old_interface") +
-                           "was built for troupe 0.2.0 .interface 3., this is troupe 0.2.0 .interface 5.: "
-                           "rebuild it"));
+              MatchesRegex(about("old_interface") + "was built for troupe 0.2.0 .interface 3., but this "
+                                                    "program is troupe 0.2.0 .interface 5.: rebuild it"));
   EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
-                           "was built with libc.., vectorized Eigen, Troupe with libstdc..*"));
+                           "was built with libc.., vectorized Eigen, but Troupe with libstdc..*"));
   EXPECT_THAT(error_of("other_headers"), HasSubstr("was built with other headers of troupe 0.2.0"));
   EXPECT_THAT(error_of("contracting"), HasSubstr("-ffp-contract=off"));
   EXPECT_THAT(error_of("empty"), EndsWith("has no controller, sensor or device"));
@@ -200,9 +199,10 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
     EXPECT_THAT(error_of(number),
                 EndsWith("cannot list its kinds: it threw an exception that is no std::exception"));
   EXPECT_THAT(error_of("null"), EndsWith("cannot be used: troupe_plugin returns null"));
-  EXPECT_THAT(error_of("clash"), EndsWith("has two of the name \"clash:idle\", each a controller"));
+  EXPECT_THAT(error_of("clash"),
+              EndsWith("has two kinds with the name \"clash:idle\", each a controller: rename one"));
   EXPECT_THAT(error_of("expand:expand"),
-              EndsWith("has a controller \"expand\", but Troupe has one of that name: rename it"));
+              EndsWith("has a controller \"expand\", but Troupe ships one with this name: rename it"));
   EXPECT_EQ(error_of("swarm", "plugins"),
             "error: " + file("plugins", "swarm") +
                 "has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy");
@@ -439,15 +439,18 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_EQ(error(room("beam_ranger:sonic")),
             at("3", "/kind") + plugins +
                 "/beam_ranger.so has no sensor or device \"beam_ranger:sonic\"; it has: beam_ranger");
-  EXPECT_THAT(error(room("another_version"), "unusable"),
-              MatchesRegex(at("3", "/kind") +
-                           "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                           "99.1.0 .interface 5., this is troupe 0.2.0 .interface 5.: rebuild it"));
+  EXPECT_THAT(
+      error(room("another_version"), "unusable"),
+      MatchesRegex(at("3", "/kind") +
+                   "sensor or device \"another_version\": .*another_version.so was built for troupe "
+                   "99.1.0 .interface 5., but this program is troupe 0.2.0 .interface 5.: rebuild it"));
   EXPECT_THAT(
       error(room("ranger:ranger"), "unusable"),
-      EndsWith("ranger.so has a sensor or device \"ranger\", but Troupe has one of that name: rename it"));
-  EXPECT_THAT(error(room("twice"), "unusable"),
-              EndsWith("twice.so has two of the name \"twice\", each a sensor or device"));
+      EndsWith(
+          "ranger.so has a sensor or device \"ranger\", but Troupe ships one with this name: rename it"));
+  EXPECT_THAT(
+      error(room("twice"), "unusable"),
+      EndsWith("twice.so has two kinds with the name \"twice\", each a sensor or device: rename one"));
   EXPECT_THAT(error(room("unprepared"), "unusable"),
               EndsWith("unprepared.so has a sensor or device \"unprepared\" without `prepare`"));
   EXPECT_EQ(error(room("beam_ranger", {}, "devices")),
@@ -526,11 +529,12 @@ TEST_F(PluginsResumed, GoOn) {
 }
 
 TEST_F(PluginsResumed, WithAnotherBuildNeedToBeToldSo) {
-  EXPECT_THAT(fault_of_resume("other"),
-              AllOf(testing::StartsWith(
-                        (folder_ / "c.h5").string() + ": error: " + file("other", "walker") +
-                        "is another build of plug-in \"walker\" than the one that the run was saved with"),
-                    EndsWith("--across-plugins resumes it")));
+  EXPECT_THAT(
+      fault_of_resume("other"),
+      AllOf(testing::StartsWith(
+                (folder_ / "c.h5").string() + ": error: " + file("other", "walker") +
+                "is another build of plug-in \"walker\" than the one that the checkpoint was written with"),
+            EndsWith("give --across-plugins to resume it anyway")));
   Simulation simulation = resumed("other", true);
   EXPECT_THAT(simulation.warnings(), ElementsAre(HasSubstr(": warning: ")));
   simulation.run_for(0.6);

@@ -78,7 +78,7 @@ TEST_F(PluginProgram, TakesFoldersFromTheCommandLineThenFromTheEnvironment) {
   EXPECT_THAT(
       none.err,
       AllOf(StartsWith("w.json:2: error: /types/bot/controller/kind: unknown controller \"walker\"; known: "),
-            EndsWith("; no --plugin-path is given to search for walker.so\n")));
+            EndsWith("; no folder to search for walker.so: give --plugin-path\n")));
   EXPECT_THAT(files(), ElementsAre("w.json"));
   EXPECT_EQ(run({"--plugin-path", ":"}).code, 2);
 }
@@ -138,12 +138,12 @@ TEST_F(PluginProgram, GoesOnFromACheckpoint) {
   EXPECT_EQ(resume({"--hash-log", "parts.log", "--plugin-path", path}).code, 0);
   EXPECT_EQ(troupe({"diff", "whole.log", "parts.log"}).code, 0);
 
-  EXPECT_EQ(
-      resume({}).err,
-      "c.h5: error: the run needs plug-in \"walker\": no --plugin-path is given to search for walker.so\n");
+  EXPECT_EQ(resume({}).err,
+            "c.h5: error: the run needs plug-in \"walker\": no folder to search for walker.so: give "
+            "--plugin-path\n");
   const Outcome other = resume({"--plugin-path", folder_of("other")});
   EXPECT_EQ(other.code, 2);
-  EXPECT_THAT(other.err, HasSubstr("--across-plugins resumes it"));
+  EXPECT_THAT(other.err, HasSubstr("give --across-plugins to resume it anyway"));
   const Outcome across =
       resume({"--plugin-path", folder_of("other"), "--across-plugins", "--hash-log", "parts.log"});
   EXPECT_EQ(across.code, 0) << across.err;

@@ -330,15 +330,16 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   constexpr std::invalid_argument* k_argument = nullptr;
   constexpr std::out_of_range* k_name = nullptr;
   is_wrong(
-      k_argument, [](auto& s, auto&) { s.copies = 0; }, "0 copies: give 1 to 1000000");
+      k_argument, [](auto& s, auto&) { s.copies = 0; }, "0 copies of the world: give 1 to 1000000");
   is_wrong(
-      k_argument, [](auto& s, auto&) { s.ticks = 0; }, "0 ticks a step");
+      k_argument, [](auto& s, auto&) { s.ticks = 0; }, "0 ticks per step");
   is_wrong(
       k_argument, [](auto& s, auto&) { s.seconds = NAN; }, "episodes of nan s");
   is_wrong(
       k_argument, [](auto& s, auto&) { s.teams.clear(); }, "has no teams");
   is_wrong(
-      k_argument, [](auto& s, auto& t) { s.teams.push_back(t); }, "team \"bots\" is given twice");
+      k_argument, [](auto& s, auto& t) { s.teams.push_back(t); },
+      "team \"bots\" occurs twice: names must be unique");
   is_wrong(
       k_argument,
       [](auto& s, auto& t) {
@@ -352,7 +353,7 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       k_name, [](auto&, auto& t) { t.arrays[0].parts[0].field = "rangs"; }, "did you mean \"ranges\"?");
   is_wrong(
       k_name, [](auto&, auto& t) { t.arrays[2].parts[0].name = "gaol"; },
-      "there is no model \"gaol\", and no \"gaol0\" for \"r0\"");
+      "the target \"gaol\" is no model, and there is no model \"gaol0\" as the target of \"r0\"");
   is_wrong(
       k_name, [](auto&, auto& t) { t.actions[0].command = "forwards"; }, "unknown command of a drive");
   is_wrong(
@@ -362,13 +363,14 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       "unknown array of team \"bots\" \"gold\"");
   is_wrong(
       k_argument, [](auto&, auto& t) { t.rewards[0].of.column = 4; },
-      "column 4 of array \"goal\", which has 4");
+      "there is no column 4 in array \"goal\", which has 4 columns");
   is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "stalls"; }, "unknown measure \"stalls\"");
   is_wrong(
-      k_argument, [](auto&, auto& t) { t.arrays[1].raw = true; }, "raw needs exactly one part");
+      k_argument, [](auto&, auto& t) { t.arrays[1].raw = true; },
+      "an array with \"raw\" must have exactly one part");
   is_wrong(
-      k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].count = 0; }, "the 0 nearest robots");
+      k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].count = 0; }, "count is 0 nearest robots");
 
   BatchEnv batch(world, spec_of(2));
   EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::logic_error>(HasSubstr("call reset() before")));
@@ -380,7 +382,7 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   EXPECT_EQ(batch.simulation(0).state_hash(), before);
   const std::vector<std::uint8_t> three(3);
   EXPECT_THAT([&] { batch.reset(three); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("has 3 values: give 2, one per copy")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("has 3 elements: give 2, one per copy")));
 }
 
 }  // namespace

@@ -334,15 +334,17 @@ TEST_F(Checkpoint, OfAnotherVersionIsResumedOnlyWhereThatIsWanted) {
   };
   made_by("troupe 0.0.1" + here.substr(here.find(" (")));
   EXPECT_THAT(error_of(file_),
-              StartsWith(file_.string() + ": error: troupe 0.0.1 made this checkpoint, this is troupe "));
+              StartsWith(file_.string() +
+                         ": error: troupe 0.0.1 wrote this checkpoint, but this program is troupe "));
   const Simulation resumed = Simulation::resume(file_, {.across_versions = true});
   EXPECT_EQ(resumed.state_hash(), simulation.state_hash());
   EXPECT_THAT(resumed.warnings(),
-              ::testing::ElementsAre(HasSubstr("run.h5: warning: made by troupe 0.0.1 (")));
+              ::testing::ElementsAre(HasSubstr("run.h5: warning: written by troupe 0.0.1 (")));
 
   made_by(here.substr(0, here.find(" (")) + " (another compiler)");
-  EXPECT_THAT(Simulation::resume(file_).warnings(),
-              ::testing::ElementsAre(HasSubstr("the bits are the same for every compiler and processor")));
+  EXPECT_THAT(
+      Simulation::resume(file_).warnings(),
+      ::testing::ElementsAre(HasSubstr("results are the same bits for all compilers and processors")));
 }
 
 TEST_F(Checkpoint, AStateThatIsNotTheOneThatWasSavedIsNotTakenUp) {

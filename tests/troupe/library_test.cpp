@@ -190,7 +190,7 @@ TEST(WorldBuilder, AKeyThatIsSaidTwiceIsAnError) {
 
 TEST(WorldBuilder, RefusesWhatNoFileCanSay) {
   EXPECT_EQ(message_of<std::invalid_argument>([] { Setting(std::nan("")); }),
-            "numbers of a world must be finite, found nan");
+            "numbers in a world must be finite, found nan");
   EXPECT_THROW(WorldBuilder().wall({1, 1}, {1, 1}), std::invalid_argument);
   EXPECT_EQ(Setting("a \"b\"\n\\").json(), R"("a \"b\"\u000a\\")");
   EXPECT_EQ(Setting(std::numeric_limits<std::uint64_t>::max()).json(), "18446744073709551615");
@@ -237,7 +237,8 @@ TEST(OnTick, MayDriveAndPut) {
 TEST(OnTick, MayNotStepAndItsExceptionsComeOutOfTheStep) {
   Simulation simulation(yard());
   simulation.on_tick([](Simulation& s) { s.step(); });
-  EXPECT_EQ(message_of<std::logic_error>([&] { simulation.step(); }), "step() in a callback of on_tick()");
+  EXPECT_EQ(message_of<std::logic_error>([&] { simulation.step(); }),
+            "step() is not allowed in a callback of on_tick()");
   EXPECT_EQ(simulation.tick(), 1u);
   simulation.on_tick(nullptr);
   simulation.on_tick([](Simulation& s) { s.on_tick(nullptr); });
@@ -350,14 +351,15 @@ TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
       {"on_tick()", [&](Model&) { simulation.on_tick(nullptr); }},
       {"subscribe()", [&](Model&) { all.subscribe(); }}};
   for (const auto& act : acts)
-    EXPECT_EQ(refused_in_for_each(simulation, act.second),
-              act.first +
-                  " in a call of for_each() for \"r0\": the calls run in parallel and may change only "
-                  "the commands of their own robot; collect such changes and apply them after "
-                  "for_each()");
+    EXPECT_EQ(
+        refused_in_for_each(simulation, act.second),
+        act.first +
+            " is not allowed in for_each(), here for \"r0\": its calls run in parallel and may change only "
+            "the commands of their own robot; collect such changes and apply them after "
+            "for_each()");
   EXPECT_EQ(simulation.state_hash(), before);
   EXPECT_THAT(refused_in_for_each(simulation, [&](Model&) { other.set_speed(1, 0); }),
-              HasSubstr("a command for \"r2\" in a call of for_each() for \"r0\""));
+              HasSubstr("a command for \"r2\" is not allowed in for_each(), here for \"r0\""));
   other.set_pose({.x = -3, .y = 7});  // it is over
 }
 
@@ -418,7 +420,7 @@ TEST(Cast, RefusesWhatIsNoRay) {
   EXPECT_THROW(simulation.cast({}, -1), std::invalid_argument);
   EXPECT_THROW(simulation.cast({}, 1, &stranger), std::logic_error);
   EXPECT_EQ(message_of<std::out_of_range>([&] { simulation.model(BodyId(99)); }),
-            "no model with id 99: there are 3");
+            "no model with id 99: the world has 3 bodies, whose ids begin at 0");
 }
 
 // ---- every sensor
@@ -481,7 +483,7 @@ TEST(Readings, SayWhatThereIsInstead) {
       message_of<std::out_of_range>([&] { robot.readings<float>("depth", "came"); }),
       HasSubstr("\"r0\" has no device \"came\"; it has: eye, blobs, skin, cam, floor, sun, talk, lamp"));
   EXPECT_EQ(message_of<std::invalid_argument>([&] { robot.readings<double>("depth"); }),
-            "\"depth\" of \"cam\" of \"r0\" is float32, not float64");
+            "field \"depth\" of device \"cam\" of \"r0\" has the type float32, not float64");
 }
 
 TEST(Commands, ReachADevice) {
@@ -490,10 +492,9 @@ TEST(Commands, ReachADevice) {
   robot.command<models::LedCommand>("lamp").show(1, 0, 0.5f);
   simulation.run_for(0.2);
   EXPECT_THAT(robot.readings<float>("shown_color"), ElementsAre(1, 0, 0.5f));
-  EXPECT_THAT(
-      message_of<std::invalid_argument>([&] { robot.command<models::GripperCommand>("lamp"); }),
-      HasSubstr("\"lamp\" of \"r0\" takes commands of kind led: shows, red, green, blue, in 16 bytes; "
-                "not: order, in 1 bytes"));
+  EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<models::GripperCommand>("lamp"); }),
+              HasSubstr("\"lamp\" of \"r0\" takes commands of kind led, with the fields shows, red, green, "
+                        "blue in 16 bytes; the given struct has order in 1 bytes"));
   struct Another {  // as large as an LED's, and no LED's
     std::uint8_t mode = 0;
     std::array<float, 3> goal{};
@@ -507,7 +508,7 @@ TEST(Commands, ReachADevice) {
   EXPECT_EQ(asked.fields[1].name, "red");
   EXPECT_THROW(robot.asked("cam"), std::out_of_range);
   EXPECT_THAT(message_of<std::out_of_range>([&] { robot.command<models::LedCommand>("cam"); }),
-              HasSubstr("\"r0\" has no device that takes such commands \"cam\"; it has: "));
+              HasSubstr("\"r0\" has no device that takes this command struct \"cam\"; it has: "));
 }
 
 // ---- recordings and pictures
@@ -520,7 +521,7 @@ TEST_F(LibraryFilesTest, ARunIsRecordedUntilItIsSaidToStop) {
   simulation.run_for(0.2);
   simulation.record(folder_ / "run.h5", {.fields = {"pose", "ranges"}, .every_s = 0.2});
   EXPECT_THAT(message_of<std::logic_error>([&] { simulation.record(folder_ / "other.h5"); }),
-              HasSubstr("other.h5: the run is recorded already"));
+              HasSubstr("other.h5: this run is already being recorded; call stop_recording() first"));
   simulation.on_tick(
       [](Simulation& s) { s.find("r0").set_pose({.x = -0.1 * static_cast<double>(s.tick())}); });
   simulation.run_for(0.4);

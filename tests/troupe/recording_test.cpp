@@ -125,9 +125,9 @@ TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {
   EXPECT_THAT(error_of<std::runtime_error>(resume),
               HasSubstr("run.h5: error: /frames/tick ends before tick 6, but the run continues at tick 15"));
   Simulation other(world_, {.robots = {{"r", 7}}});
-  EXPECT_THAT(
-      error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),
-      HasSubstr("run.h5: error: robots is \"8\", here it is \"7\": this is the recording of another run"));
+  EXPECT_THAT(error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),
+              HasSubstr("run.h5: error: robots is \"8\" in the recording, \"7\" in this run: the recording "
+                        "belongs to another run"));
 }
 
 TEST_F(RecordingTest, ForgottenToCloseIsClosedAllTheSame) {
@@ -146,7 +146,7 @@ TEST_F(RecordingTest, RefusesWhatIsThereAndWhatTheWorldDoesNotHave) {
   Simulation simulation(world_);
   write("run.h5", "precious");
   EXPECT_THAT(error_of<InputError>([&] { Recording(folder_ / "run.h5", simulation); }),
-              HasSubstr("exists already"));
+              HasSubstr("the file exists"));
   EXPECT_EQ(content(folder_ / "run.h5"), "precious");
   EXPECT_THAT(error_of<InputError>([&] { Recording(folder_ / "new.h5", simulation, {.fields = {"rangs"}}); }),
               HasSubstr("new.h5: error: unknown field \"rangs\"; known: "));

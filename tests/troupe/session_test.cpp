@@ -225,7 +225,7 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
   EXPECT_THAT(refusal({.kind = Kind::add, .whom = "b", .pose = {3, 3, 0, 0}}), HasSubstr("can be added at"));
   EXPECT_THAT(refusal({.kind = Kind::command, .whom = "b0", .device = "gun"}), HasSubstr("gun"));
   EXPECT_THAT(refusal({.kind = Kind::command, .whom = "b0", .device = "lamp", .values = {{"shows", {300}}}}),
-              HasSubstr("cannot be 300"));
+              HasSubstr("cannot represent 300"));
   EXPECT_THAT(refusal({.kind = Kind::command, .whom = "b0", .device = "lamp", .values = {{"off", {1}}}}),
               HasSubstr("takes no command \"off\"; known: "));
 }
@@ -236,8 +236,10 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
   const std::string move = R"({"tick":3,"n":1,"do":"remove","robot":"b0"})"
                            "\n";
   EXPECT_EQ(error(good + move), "");
-  EXPECT_THAT(error(good, 6),
-              HasSubstr("s.jsonl:1: error: the session is of another run: seed is 5, here 6"));
+  EXPECT_THAT(
+      error(good, 6),
+      HasSubstr(
+          "s.jsonl:1: error: the session belongs to another run: seed is 5 in the session, 6 in this run"));
   std::string other = good;
   other.replace(other.find("\"hash\":\"") + 8, 4, "0000");
   EXPECT_THAT(error(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 with state hash 0000"));
@@ -286,9 +288,10 @@ TEST_F(Sessions, SpareBodiesComeBehindAllOthersAndAreAdded) {
   EXPECT_THROW(simulation.act({.kind = Kind::add, .whom = "b", .pose = {9, 0, 0, 0}}), ActRefused);
   const fs::path session = SessionLog(folder_, simulation).file();
   Simulation other = world(1);
-  EXPECT_THAT([&] { const SessionReplay replay(session, other); },
-              ::testing::ThrowsMessage<InputError>(
-                  HasSubstr(":1: error: the session is of another run: spare is 2, here 1")));
+  EXPECT_THAT(
+      [&] { const SessionReplay replay(session, other); },
+      ::testing::ThrowsMessage<InputError>(HasSubstr(
+          ":1: error: the session belongs to another run: spare is 2 in the session, 1 in this run")));
 }
 
 TEST_F(Sessions, AreNeverReplaced) {

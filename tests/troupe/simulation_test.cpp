@@ -336,7 +336,7 @@ TEST_F(SimulationTest, WhatHasNoDriveCannotBeDriven) {
   Model wall = simulation.find("wall");
   EXPECT_EQ(message_of<std::logic_error>([&] { wall.set_speed(1, 0); }), "\"wall\" has no drive");
   EXPECT_EQ(message_of<std::logic_error>([&] { static_cast<void>(wall.speed()); }),
-            "\"wall\" has no drive and no sensor");
+            "\"wall\" is static: it has no drive and no sensor");
   EXPECT_THROW(static_cast<void>(wall.stalled()), std::logic_error);
 }
 
@@ -379,7 +379,7 @@ TEST_F(SimulationTest, ASensorThatDoesNotRunSaysSoUntilSubscribed) {
   Simulation simulation = json();
   Model robot = simulation.find("r0");
   EXPECT_EQ(message_of<std::logic_error>([&] { static_cast<void>(robot.ranges("top")); }),
-            "sensor \"top\" of \"r0\" does not run: subscribe to the robot first");
+            "sensor \"top\" of \"r0\" does not run: call subscribe() before the first step");
   simulation.subscribe("r0");
   simulation.step();
   EXPECT_THAT(robot.ranges("top"), ElementsAre(FloatEq(1.9F)));
@@ -416,7 +416,7 @@ TEST_F(SimulationTest, SubscriptionsComeBeforeTheFirstStep) {
   Simulation simulation = json();
   simulation.step();
   EXPECT_EQ(message_of<std::logic_error>([&] { simulation.subscribe("r0"); }),
-            "subscribe before the first step");
+            "subscribe() must be called before the first step");
 }
 
 TEST_F(SimulationTest, SubscribingToWhatIsNotThereIsAnError) {
@@ -487,7 +487,7 @@ TEST_F(SimulationTest, RunForGoesOnFromWhereItIs) {
 TEST_F(SimulationTest, RunForRefusesWhatIsNoTime) {
   Simulation simulation = json();
   EXPECT_EQ(message_of<std::invalid_argument>([&] { simulation.run_for(-1); }),
-            "run_for(-1): give a time in seconds from 0 to 1e+12");
+            "run_for(-1): give a time from 0 to 1e+12 s");
   EXPECT_THROW(simulation.run_for(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
   EXPECT_THROW(simulation.run_for(std::numeric_limits<double>::infinity()), std::invalid_argument);
   EXPECT_EQ(simulation.tick(), 0u);
@@ -708,7 +708,7 @@ TEST_F(SimulationTest, ASnapshotThatCannotBeWrittenIsAnError) {
 TEST_F(SimulationTest, WithoutRenderASnapshotIsAnError) {
   const Simulation simulation = json();
   EXPECT_EQ(message_of<std::runtime_error>([&] { simulation.snapshot(folder_ / "room.png"); }),
-            "this build draws no pictures: it was configured with TROUPE_RENDER=OFF");
+            "this build cannot draw pictures: configure it with -DTROUPE_RENDER=ON");
   EXPECT_FALSE(fs::exists(folder_ / "room.png"));
 }
 

@@ -159,7 +159,7 @@ TEST(Swarms, GiveReadingsOfSensorsThatRun) {
   Swarm bots = simulation.swarm("bot");
   std::vector<float> nape(bots.size());
   EXPECT_THAT(message_of<std::logic_error>([&] { bots.ranges(nape, "nape"); }),
-              HasSubstr("sensor \"nape\" of \"b0\" does not run: subscribe to the robot first"));
+              HasSubstr("sensor \"nape\" of \"b0\" does not run: call subscribe() before the first step"));
   bots.subscribe();
   simulation.step();
   bots.ranges(nape, "nape");
@@ -178,15 +178,16 @@ TEST(Swarms, SayWhatIsWrong) {
   EXPECT_EQ(message_of<std::out_of_range>([&] { bots.ranges(ranges, "ear"); }),
             "\"b0\" has no ranger \"ear\"; it has: eye, nape");
   EXPECT_EQ(message_of<std::invalid_argument>([&] { static_cast<void>(simulation.swarm().beams("eye")); }),
-            "robots with different rangers: 3 beams of \"b0\", 5 of \"t0\"; take a swarm of one type");
+            "robots with different rangers: the ranger of \"b0\" has 3 beams, that of \"t0\" has 5; use a "
+            "swarm of one type");
   ranges.pop_back();
   EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.ranges(ranges); }),
-            "a span of 8 elements for 3 robots with 3 beams each");
+            "found a span of 8 elements for 3 robots with 3 beams each: give robots x beams elements");
   EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.set_speeds(std::vector<Model::Speed>(2)); }),
-            "2 elements for a swarm of 3 robots: give one per robot");
+            "found 2 elements for a swarm of 3 robots: give one per robot");
   EXPECT_EQ(message_of<std::invalid_argument>(
                 [&] { bots.set_speeds(std::vector<Model::Speed>(3), std::vector<std::uint8_t>(4)); }),
-            "4 elements of `where` for a swarm of 3 robots: give one per robot");
+            "found 4 elements of `where` for a swarm of 3 robots: give one per robot");
   const double nan = std::numeric_limits<double>::quiet_NaN();
   bots.set_speeds(std::vector<Model::Speed>(3, {nan, 0, 0}));
   EXPECT_THAT(message_of<std::runtime_error>([&] { simulation.step(); }), HasSubstr("\"b0\""));

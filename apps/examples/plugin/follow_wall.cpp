@@ -14,18 +14,18 @@ struct FollowWall {
     static constexpr void describe(troupe::Description<Params>& d) {
       using namespace troupe::facts;
       using enum troupe::Unit;
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "along the wall");
-      d.member<&Params::distance>("distance", meters, at_least(0), "from the wall");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed along the wall");
+      d.member<&Params::distance>("distance", meters, at_least(0), "distance to keep from the wall");
     }
   };
 
   Params params;
 
   static constexpr std::string_view text = "keep a wall at the left";
-  static constexpr std::array k_uses{std::string_view("ranger")};  // one that faces ahead and to the left
+  static constexpr std::array k_uses{std::string_view("ranger")};  // must face ahead and to the left
 
   struct Memory {
-    std::uint32_t corners = 0;  // number of walls met ahead
+    std::uint32_t corners = 0;  // number of times that a wall ahead made it turn
     bool turning = false;
     TROUPE_FIELDS(corners, turning)
   };

@@ -11,7 +11,7 @@
 namespace {
 
 struct BeamRanger {
-  /// Fractions of the beams are cut short by unmapped objects, return no echo, or read random values.
+  /// Fractions of beams that unmapped objects cut short, that return no echo, or that read random values.
   struct Params {
     troupe::Ranger::Params ranger;
     double short_share = 0.05;
@@ -21,7 +21,7 @@ struct BeamRanger {
 
     static constexpr void describe(troupe::Description<Params>& d) {
       using namespace troupe::facts;
-      d.part<&Params::ranger>();  // the parameters of Troupe's ranger, then those of this one
+      d.part<&Params::ranger>();  // first the parameters of Troupe's ranger, then these
       d.member<&Params::short_share>("short_share", within(0, 1), "fraction of beams that are cut short");
       d.member<&Params::short_rate>(
           "short_rate", above(0),

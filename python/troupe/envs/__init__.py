@@ -7,7 +7,7 @@
     envs = troupe.envs.VectorEnv(troupe.envs.Navigation(), num_envs=8 * 64)   # 64 copies of a world of 8 robots
     env = troupe.envs.ParallelEnv(troupe.envs.Navigation())                   # one agent per robot
 
-They need the package gymnasium, and ParallelEnv needs pettingzoo. See docs/learning.md.
+All environments need the package gymnasium; ParallelEnv also needs pettingzoo. See docs/learning.md.
 """
 
 from __future__ import annotations
@@ -37,13 +37,15 @@ _OF_TASK = ("robots", "size")
 
 
 def make_env(task: str, **options: Any) -> Env:
-    """Called by gymnasium.make(): passes robots and size to the task, other options to Env."""
+    """Makes an environment for gymnasium.make(). Passes the options `robots` and `size` to the task, and other options
+    to Env."""
     own = {key: options.pop(key) for key in _OF_TASK if key in options}
     return Env(TASKS[task](**own), **options)
 
 
 def make_vector_env(task: str, num_envs: int, robot: Optional[str] = "r0", **options: Any) -> VectorEnv:
-    """Called by gymnasium.make_vec(): one robot learns in each copy, as in make_env(), unless robot is None."""
+    """Makes an environment for gymnasium.make_vec(). In each copy of the world, the robot named `robot` learns; if it
+    is None, all robots learn."""
     own = {key: options.pop(key) for key in _OF_TASK if key in options}
     return VectorEnv(TASKS[task](**own), num_envs, robot=robot, **options)
 

@@ -1,4 +1,4 @@
-"""Batches of copies of a task's world, on which all environments of this package are built."""
+"""The class Batch: many copies of the world of a task, which step together. All environments of this package use it."""
 
 from __future__ import annotations
 
@@ -14,27 +14,30 @@ from .._core import BatchEnv, Simulation
 from .task import Task, Team, action_space, commands_of
 
 Flags = npt.NDArray[np.bool_]
-_ONLY = "observation"  # the name of the array of a team whose observation is one box
-_OF_SPACE = ("low", "high", "shape")  # members of a part that define its space
+_ONLY = "observation"  # name of the array of a team whose observation is a single Box
+_OF_SPACE = ("low", "high", "shape")  # members of a part that define its observation space
 
 
 class Batch:
-    """A troupe.BatchEnv with the functions of a task.
+    """Copies of the world of a task (a troupe.BatchEnv), with the observations, actions and rewards of the task.
 
-    robot    the name of one robot: only this robot learns, and the others run the controllers of the world
+    copies   number of copies of the world
+    threads  number of threads; 0: one per processor that the process may use. Changes no result
+    robot    name of a robot: only this robot learns, and the others run the controllers of the world file. None: all
+             robots of the teams learn
     options  options of troupe.Simulation
     """
 
     def __init__(self, task: Task, copies: int, *, threads: int = 0, robot: Optional[str] = None, **options: Any) -> None:
         if not isinstance(task, Task):
-            raise TypeError(f"task: give a troupe.envs.Task, not {task!r}")
+            raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
         self.task = task
         self.teams = [dataclasses.replace(team) for team in task.teams]
         if not self.teams:
-            raise ValueError(f"{type(task).__name__} has no teams")
+            raise ValueError(f"{type(task).__name__} has no teams: set its member teams to a list of one or more")
         if robot is not None:
             if len(self.teams) != 1:
-                raise ValueError(f"robot={robot!r} needs a task of one team, and this has {len(self.teams)}")
+                raise ValueError(f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}")
             self.teams[0].robots = robot
         for index, team in enumerate(self.teams):
             team.name = team.name or f"team{index}"
@@ -49,7 +52,7 @@ class Batch:
         }
         self.core = BatchEnv(simulation, spec)
         self.copies = copies
-        #: Data that a task stores about its copies, in addition to their worlds.
+        #: Data that a task stores about the copies, in addition to the states of their worlds.
         self.memory: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]
         self.observation_spaces: List[spaces.Space[Any]] = [
@@ -59,7 +62,8 @@ class Batch:
         self.world_seed = int(simulation.options["seed"])
 
     def array(self, name: str, team: int = 0) -> npt.NDArray[Any]:
-        """An array of the team, observed or not, after the last step: copies x robots x columns, read-only."""
+        """An array of a team, observed or not, in the state after the last step: copies x robots x columns,
+        read-only."""
         return self.core.array(name, team)
 
     def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
@@ -67,7 +71,8 @@ class Batch:
         self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
 
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
-        """actions: one array per team, whose first axes are copies x robots."""
+        """Advances all copies by one step. actions: one array per team, whose first axes are copies x robots. begins:
+        one bool per copy; copies with True begin their next episode instead of making a step."""
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
         for index, team in enumerate(self.teams):
             commands = self.task.act(self, index, commands_of(team, actions[index]))
@@ -87,7 +92,8 @@ class Batch:
             self.task.begin(self, begins)
 
     def observations(self, team: int = 0) -> Any:
-        """New copies of the observations: an array, or a dict of arrays, copies x robots x columns."""
+        """Returns the observations of a team as new arrays: an array, or a dict of arrays, of copies x robots x
+        columns."""
         observation = self.teams[team].observation
         if isinstance(observation, dict):
             return {name: self._observed(name, parts, team) for name, parts in observation.items()}
@@ -152,7 +158,8 @@ def _team_spec(team: Team) -> Dict[str, Any]:
 
 
 def _bounds(part: Dict[str, Any], rest: Optional[int], simulation: Simulation, robot: str) -> Any:
-    """Bounds of each column of a part: those that it states, or else those known for its kind."""
+    """Returns the lower and upper bounds of the columns of a part: its members low and high if given, or else the
+    bounds that its kind implies."""
     of = part.get("of", "reading")
     scale = abs(part.get("scale", 1.0))
     infinity = float("inf")

@@ -17,14 +17,15 @@ _PerAgent = Dict[str, Any]
 
 
 class ParallelEnv(_ParallelEnv):
-    """A task in which each robot of a team is an agent with the name of the robot. Teams may have different spaces.
+    """A task in which each robot of each team is an agent, with the name of the robot. Agents of different teams may
+    have different observation and action spaces.
 
-    episodes     end for all agents after task.seconds, and for one agent when its robot is finished or dies. A robot that
-                 is born later becomes an agent then
     render_size  width and height of pictures, pixels
     options      options of troupe.Simulation
-    seeds        reset(seed=s) begins the episode of seed s, a later reset() an episode whose seed is derived from s; the
-                 default is the seed of the world
+    episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished or
+                 dies. A robot that is born during an episode becomes an agent at that time
+    seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
+                 seed is derived from s. If no seed was ever given, the first seed is that of the world
     """
 
     metadata = {"name": "troupe_v0", "render_modes": ["rgb_array"], "render_fps": 10, "is_parallelizable": True}
@@ -46,7 +47,7 @@ class ParallelEnv(_ParallelEnv):
         for team, names in enumerate(self._batch.names):
             for row, name in enumerate(names):
                 if name in self._places:
-                    raise ValueError(f'agents have the names of their robots, and two robots are called "{name}"')
+                    raise ValueError(f'agents have the names of their robots, but two robots are called "{name}": rename one')
                 self._places[name] = (team, row)
         self.possible_agents = list(self._places)
         self.agents: List[str] = []
@@ -56,7 +57,7 @@ class ParallelEnv(_ParallelEnv):
 
     @property
     def batch(self) -> Batch:
-        """The batch of one copy that this environment runs."""
+        """The Batch with one copy of the world, which this environment uses."""
         if self._batch is None:
             raise RuntimeError("this environment was closed")
         return self._batch
@@ -68,15 +69,16 @@ class ParallelEnv(_ParallelEnv):
         return self._action_spaces[agent]
 
     def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[_PerAgent, _PerAgent]:
-        """Begins an episode. `options` is ignored."""
+        """Begins an episode and returns (observations, infos) of its agents. `options` is ignored."""
         self.batch.reset(seeds=[] if seed is None else [seed])
         self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
         self._met = {agent: False for agent in self.agents}
         return self._observations(self.agents), {agent: {} for agent in self.agents}
 
     def step(self, actions: _PerAgent) -> Tuple[_PerAgent, _PerAgent, _PerAgent, _PerAgent, _PerAgent]:
-        """The results are for the agents that could act and those born in this step. A missing action is all zeros. Raises
-        ValueError for the name of a robot that is not an agent now, and for actions of another shape."""
+        """Advances the world by one step. actions: one action per agent; the action of a missing agent is all zeros.
+        Returns (observations, rewards, terminations, truncations, infos) of all agents before the step and of those
+        born in it. Raises ValueError for a name that is not in `agents`, and for an action of a wrong shape."""
         batch = self.batch
         if not self.agents:
             return {}, {}, {}, {}, {}
@@ -91,7 +93,7 @@ class ParallelEnv(_ParallelEnv):
             team, row = self._places[agent]
             given = np.asarray(action)
             if given.shape != tables[team].shape[2:]:
-                raise ValueError(f"action of {agent}: give shape {tables[team].shape[2:]}, not {given.shape}")
+                raise ValueError(f"action of {agent}: must have the shape {tables[team].shape[2:]}, found {given.shape}")
             tables[team][0, row] = given
         batch.step(tables)
         told = [agent for agent in self.possible_agents if agent in self.agents or self._is_born(agent)]
@@ -123,7 +125,8 @@ class ParallelEnv(_ParallelEnv):
         return {agent: first_of(of_teams[team], 0, row) for agent, (team, row) in places.items()}
 
     def render(self) -> Optional[npt.NDArray[np.uint8]]:
-        """The world from above, height x width x 3, uint8; None unless the render mode is rgb_array."""
+        """Returns a picture of the world from above: height x width x 3, uint8, RGB. None unless the render mode is
+        rgb_array."""
         return None if self.render_mode is None else self.batch.core.picture(0, *self._render_size)
 
     def close(self) -> None:
@@ -132,5 +135,5 @@ class ParallelEnv(_ParallelEnv):
 
 
 def _same(space: Any) -> Any:
-    """A copy of the space, so that each agent's space has its own random generator."""
+    """Returns a copy of the space. Each agent needs its own, because a space contains a random generator."""
     return copy.deepcopy(space)

@@ -20,20 +20,20 @@ def check_render_mode(render_mode: Optional[str]) -> None:
 
 
 def first_of(observations: Any, *index: int) -> Any:
-    """The observation of one robot from arrays of many robots."""
+    """Returns the elements at `index` of an array of observations, or of each array in a dict of observations."""
     if isinstance(observations, dict):
         return {name: array[index] for name, array in observations.items()}
     return observations[index]
 
 
 class Env(gymnasium.Env[Any, Any]):
-    """A task for one robot. The other robots of its team run the controllers of the world.
+    """A task in which one robot learns. The other robots of its team run the controllers of the world file.
 
-    robot        name of the robot; by default the first of the team
+    robot        name of the robot that learns; None: the first robot of the team
     render_size  width and height of pictures, pixels
     options      options of troupe.Simulation
-    seeds        reset(seed=s) begins the episode of seed s, a later reset() an episode whose seed is derived from s; the
-                 default is the seed of the world
+    seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
+                 seed is derived from s. If no seed was ever given, the first seed is that of the world
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
@@ -62,7 +62,7 @@ class Env(gymnasium.Env[Any, Any]):
 
     @property
     def batch(self) -> Batch:
-        """The batch of one copy that this environment runs."""
+        """The Batch with one copy of the world, which this environment uses."""
         if self._batch is None:
             raise RuntimeError("this environment was closed")
         return self._batch
@@ -84,7 +84,8 @@ class Env(gymnasium.Env[Any, Any]):
         )
 
     def render(self) -> Optional[npt.NDArray[np.uint8]]:
-        """The world from above, height x width x 3, uint8; None unless the render mode is rgb_array."""
+        """Returns a picture of the world from above: height x width x 3, uint8, RGB. None unless the render mode is
+        rgb_array."""
         return None if self.render_mode is None else self.batch.core.picture(0, *self._render_size)
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Tasks: the observations, actions and rewards of the robots that learn."""
+"""The classes Team and Task, which define what robots learn: world, observations, actions and rewards."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ World = Union[str, "os.PathLike[str]", Dict[str, Any]]
 Part = Dict[str, Any]
 Parts = List[Part]
 
-#: Forward speed and turn rate of a drive.
+#: Two actions that command a drive: the forward speed from 0 to 0.5 m/s, and the turn rate from -1.5 to 1.5 rad/s.
 DRIVE: List[Part] = [
     {"command": "forward", "low": 0.0, "high": 0.5},
     {"command": "turn", "low": -1.5, "high": 1.5},
@@ -30,20 +30,24 @@ def _no_parts() -> Parts:
 
 @dataclasses.dataclass
 class Team:
-    """Robots that learn one policy. docs/learning.md lists the members of parts, actions, rewards and ends."""
+    """A group of robots that learn one policy. docs/learning.md lists the members of parts, actions, rewards and
+    ends."""
 
-    #: A type, a population or one robot, as in Simulation.swarm; empty: all robots.
+    #: Name of a type, of a population or of one robot, as in Simulation.swarm(); empty: all robots.
     robots: str = ""
-    #: A list of parts for a Box, or name -> list of parts for a Dict of boxes. A list of one part with "shape" keeps
-    #: the element type of its reading, for images.
+    #: The observation of a robot: a list of parts, whose columns are concatenated to a Box, or a dict with one such
+    #: list per name, for a Dict of boxes. If a list has one part with the member "shape", the Box has this shape and
+    #: the element type of the reading instead of float32; use this for images.
     observation: Union[Parts, Dict[str, Parts]] = dataclasses.field(default_factory=_no_parts)
-    #: The commands of an action: one number from -1 to 1 each.
+    #: The commands that an action sets. By default an action is a Box with one number from -1 to 1 per command.
     actions: List[Part] = dataclasses.field(default_factory=lambda: list(DRIVE))
-    #: Rows of such numbers: the action space is then Discrete, and an action is the index of a row.
+    #: If given, the action space is Discrete: an action is the index of a row in this list, and each row has one number
+    #: from -1 to 1 per command.
     choices: Optional[Sequence[Sequence[float]]] = None
-    #: The allowed values of each number of an action: the action space is then MultiDiscrete.
+    #: If given, the action space is MultiDiscrete: an action has one index per command, which selects a number from -1
+    #: to 1 in the list of this command.
     levels: Optional[Sequence[Sequence[float]]] = None
-    #: Arrays for rewards and ends that are not observed: name -> list of parts.
+    #: Arrays that rewards and ends use but that are not observed: a dict from names to lists of parts.
     arrays: Dict[str, Parts] = dataclasses.field(default_factory=dict)
     rewards: List[Part] = dataclasses.field(default_factory=list)
     ends: List[Part] = dataclasses.field(default_factory=list)
@@ -51,41 +55,43 @@ class Team:
 
 
 class Task:
-    """A world, the robots that learn in it, and how long an episode lasts.
+    """A world, the robots that learn in it, and the length of an episode.
 
-    To define a task, set these members, or derive from this class to override the functions below. They get the whole
-    batch: arrays are copies x robots x columns, and one call is for all copies.
+    To define a task, set these members, or derive a class that overrides some of the functions below. The functions are
+    called with the whole Batch: one call is for all copies of the world, and arrays have the shape copies x robots x
+    columns. The parameter `team` is the index of a team in `teams`.
     """
 
     world: World = {}
     teams: List[Team] = []
     ticks = 1  #: ticks of the world per step
-    seconds = 60.0  #: length of an episode in world time, s; it is then truncated
-    measures: List[str] = []  #: measures of each copy, for rewards and ends
-    max_return: Optional[float] = None  #: the greatest possible return, if known
+    seconds = 60.0  #: longest episode, world time, s; longer episodes are truncated
+    measures: List[str] = []  #: names of measures of each copy, for rewards and ends
+    max_return: Optional[float] = None  #: the largest possible sum of rewards of an episode, if known
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
-        """Called after the copies marked in `copies` have begun an episode."""
+        """Is called after some copies have begun an episode. copies: one bool per copy, True for these copies."""
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Maps the actions of the policy to commands, both from -1 to 1."""
+        """Converts the actions of the policies to commands. Both are numbers from -1 to 1, copies x robots x
+        commands."""
         return actions
 
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
-        """Copies x robots: rewards to add to those of Team.rewards; None for none. Called once per step."""
+        """Returns rewards that are added to those of Team.rewards, copies x robots, or None. Called once per step."""
         return None
 
     def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
-        """Copies x robots: robots that are finished, in addition to Team.ends; None for none."""
+        """Returns which robots are finished in addition to those of Team.ends: bools, copies x robots, or None."""
         return None
 
     def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
-        """Copies x robots x columns: columns to append to an observed array; None for none. They are added to the
-        observation space with the bounds -1 and 1."""
+        """Returns columns to append to the observed array `name`, copies x robots x columns, or None. In the
+        observation space, these columns have the bounds -1 and 1."""
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
-        """Actions of a simple hand-written rule, one row per row of the observations."""
+        """Returns the actions of a simple hand-written rule, one row per row of the observations."""
         raise NotImplementedError(f"{type(self).__name__} has no baseline")
 
 
@@ -99,12 +105,13 @@ def action_space(team: Team) -> "spaces.Space[Any]":
 
 
 def commands_of(team: Team, actions: Any) -> npt.NDArray[np.float64]:
-    """Converts actions of the team's space, with any leading axes, to numbers from -1 to 1."""
+    """Converts actions in the action space of the team, with any leading axes, to one number from -1 to 1 per
+    command."""
     if team.choices is not None:
         index = np.asarray(actions)
         table = np.asarray(team.choices, np.float64)
         if index.dtype.kind not in "iu" or (index < 0).any() or (index >= len(table)).any():
-            raise ValueError(f"actions: give whole numbers from 0 to {len(table) - 1}, not {actions!r}")
+            raise ValueError(f"actions: must be whole numbers from 0 to {len(table) - 1}, found {actions!r}")
         chosen: npt.NDArray[np.float64] = table[index]
         return chosen
     if team.levels is not None:
@@ -113,7 +120,7 @@ def commands_of(team: Team, actions: Any) -> npt.NDArray[np.float64]:
         for column, values in enumerate(team.levels):
             at = index[..., column]
             if index.dtype.kind not in "iu" or (at < 0).any() or (at >= len(values)).any():
-                raise ValueError(f"actions, column {column}: give whole numbers from 0 to {len(values) - 1}")
+                raise ValueError(f"actions, column {column}: must be whole numbers from 0 to {len(values) - 1}")
             columns.append(np.asarray(values, np.float64)[at])
         return np.stack(columns, axis=-1)
     return np.asarray(actions, np.float64)

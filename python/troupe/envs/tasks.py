@@ -1,4 +1,5 @@
-"""Six tasks of swarm robotics, with their worlds. docs/learning.md documents each, with the return of its baseline."""
+"""Six tasks of swarm robotics, with their worlds. docs/learning.md describes each task and states the return of its
+baseline."""
 
 from __future__ import annotations
 
@@ -15,12 +16,12 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 
-LIDAR_RANGE = 3.0  #: m
+LIDAR_RANGE = 3.0  #: largest range, m
 LIDAR_BEAMS = 12
 
 
 def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], seed: int = 1) -> Dict[str, Any]:
-    """A JSON world with a square, walled room. size: length of a side, m."""
+    """Returns a JSON world with a square room that has walls. size: length of a side, m."""
     half = size / 2
     wall = {"size_m": [0.1, size - 0.2, 0.5], "color": "gray50"}
 
@@ -40,7 +41,8 @@ def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], 
 
 
 def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, Any]:
-    """A robot with a differential drive and a lidar of 360 degrees. Without learning, the controller `wander` drives it."""
+    """A type of robots with a differential drive and a lidar of 360 degrees. Robots that do not learn run the
+    controller `wander`."""
     return {
         "size_m": [0.3, 0.3, 0.2],
         "color": color,
@@ -58,12 +60,14 @@ def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, 
 
 
 def marker_type(color: str, size: float = 0.2) -> Dict[str, Any]:
-    """A mark on the floor that is not an obstacle and that lidars do not detect."""
+    """A type of marks on the floor, which are not obstacles and which lidars do not detect. size: length of a side,
+    m."""
     return {"size_m": [size, size, 0.01], "color": color, "obstacle": False, "ranger_return": -1}
 
 
 def spread(name: str, kind: str, count: int, size: float) -> Dict[str, Any]:
-    """A population at uniformly random poses in a room of this size, m."""
+    """A population of the type `kind` at uniformly random poses in a square room. size: length of a side of the room,
+    m."""
     half = size / 2 - 0.5
     return {"name": name, "type": kind, "count": count, "place": {"rule": "uniform", "region_m": [[-half, -half], [half, half]]}}
 
@@ -73,7 +77,8 @@ def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
 
 
 def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
-    """Actions that turn towards the direction (x, y), and drive the faster the more it points ahead."""
+    """Returns actions that turn towards the direction (x, y) in the robot's frame. The forward speed is proportional to
+    the cosine of the direction's angle; speed: the speed straight ahead, from 0 to 1."""
     length = np.sqrt(x * x + y * y)
     safe = np.where(length > 0, length, 1.0)
     ahead, side = x / safe, y / safe
@@ -83,7 +88,8 @@ def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
 
 
 def away_from_walls(ranges: Floats, x: Floats, y: Floats, near: float = 0.25) -> Tuple[Floats, Floats]:
-    """The direction (x, y), turned away from lidar readings below `near`, a fraction of the range."""
+    """Returns the direction (x, y), turned away from obstacles whose lidar readings are below `near`. Readings and
+    `near` are fractions of the largest range."""
     beams = ranges.shape[-1]
     first = -np.pi * (beams - 1) / beams
     sin, cos = math.sincos(first + 2 * np.pi / beams * np.arange(beams))
@@ -92,11 +98,12 @@ def away_from_walls(ranges: Floats, x: Floats, y: Floats, near: float = 0.25) ->
 
 
 class Navigation(Task):
-    """Each robot drives to its own goal, by lidar, among the others.
+    """Each robot drives to its own goal and avoids walls and other robots.
 
-    observed  12 ranges / 3 m; the goal in the robot's frame: x, y, distance, divided by the room's size; speeds
-    reward    each step: the decrease of the distance to the goal, m, minus 0.05 while stalled; plus 5 on arrival within
-              0.3 m, which finishes the robot
+    observed  12 ranges, divided by 3 m; x, y and distance of the goal in the robot's frame, divided by the size of the
+              room; forward, left and turn speed
+    reward    in each step, the decrease of the distance to the goal, m, minus 0.05 if the robot is stalled. When the
+              robot arrives within 0.3 m of the goal, it gets 5 more and is finished
     """
 
     seconds = 60.0
@@ -134,9 +141,11 @@ class Navigation(Task):
 class Aggregation(Task):
     """Robots gather at any place.
 
-    observed  12 ranges / 3 m; the 4 nearest robots within 6 m: x and y / 6 m, cosine and sine of their relative headings,
-              and 1
-    reward    each step: -0.1 times the mean distance to the 4 nearest robots / 6 m; a missing neighbour counts as 6 m
+    observed  12 ranges, divided by 3 m; for each of the 4 nearest robots within 6 m: x and y in the robot's frame,
+              divided by 6 m, cosine and sine of its relative heading, and 1 (0 in all columns if there are fewer
+              robots)
+    reward    in each step, -0.1 times the mean of (distance / 6 m) to the 4 nearest robots; a missing robot counts as
+              6 m away
     """
 
     seconds = 60.0
@@ -168,8 +177,8 @@ class Aggregation(Task):
 class Dispersion(Task):
     """Robots spread out so that each has as much free space around it as possible.
 
-    observed  12 ranges / 3 m
-    reward    each step: 0.1 times the mean range / 3 m, minus 0.1 while stalled
+    observed  12 ranges, divided by 3 m
+    reward    in each step, 0.1 times the mean range divided by 3 m, minus 0.1 if the robot is stalled
     """
 
     seconds = 60.0
@@ -200,9 +209,11 @@ class Dispersion(Task):
 class Flocking(Task):
     """Robots drive together in one direction.
 
-    observed  12 ranges / 3 m; the 4 nearest robots within 3 m, as in Aggregation but divided by 3 m; speeds
-    reward    each step: 0.05 times the mean cosine of the relative headings of these neighbours (0 for a missing one),
-              plus 0.1 times the forward speed in m/s, minus 0.1 while stalled
+    observed  12 ranges, divided by 3 m; for each of the 4 nearest robots within 3 m: x and y in the robot's frame,
+              divided by 3 m, cosine and sine of its relative heading, and 1 (0 in all columns if there are fewer
+              robots); forward, left and turn speed
+    reward    in each step, 0.05 times the mean cosine of the relative headings of these 4 robots (0 for a missing one),
+              plus 0.1 times the forward speed in m/s, minus 0.1 if the robot is stalled
     """
 
     seconds = 60.0
@@ -241,10 +252,11 @@ class Flocking(Task):
 class Foraging(Task):
     """Robots repeatedly carry loads from a source to a nest.
 
-    observed  12 ranges / 3 m; the source and the nest in the robot's frame: x, y, distance, divided by the room's size;
-              1 with a load, -1 without
-    reward    each step: 0.1 times the decrease of the distance to the next place, m; plus 0.5 for taking a load and 1 for
-              delivering one. A place is reached within 0.6 m
+    observed  12 ranges, divided by 3 m; x, y and distance of the source and of the nest in the robot's frame, divided
+              by the size of the room; 1 if the robot has a load, else -1
+    reward    in each step, 0.1 times the decrease of the distance, m, to the nest (with a load) or to the source
+              (without); 0.5 for taking a load at the source, and 1 for delivering it at the nest. Taking and delivering
+              happen by themselves within 0.6 m
     """
 
     seconds = 90.0
@@ -272,7 +284,7 @@ class Foraging(Task):
         return loaded
 
     def _way(self, batch: "Batch") -> Floats:
-        """Distance of each robot to its next place: the nest with a load, else the source."""
+        """Distance of each robot to the place where it must drive, m: to the nest with a load, else to the source."""
         way = np.where(self._loaded(batch), batch.array("nest")[..., 2], batch.array("source")[..., 2])
         return way.astype(np.float64)
 
@@ -294,7 +306,7 @@ class Foraging(Task):
         return np.where(self._loaded(batch), 1.0, -1.0).astype(np.float32)[..., np.newaxis]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Drives straight to the next place, but turns away from near obstacles."""
+        """Drives straight to the nest with a load, else to the source, but turns away from near obstacles."""
         rows = np.asarray(observations, np.float64)
         n = LIDAR_BEAMS
         at = np.where(rows[..., -1:] > 0, rows[..., n + 3 : n + 6], rows[..., n : n + 3])
@@ -306,10 +318,11 @@ class Foraging(Task):
 class Pursuit(Task):
     """Robots catch a slower robot that wanders.
 
-    observed  12 ranges / 3 m; the prey in the robot's frame: x, y, distance, divided by the room's size; the 3 nearest
-              hunters within 6 m, as in Aggregation
-    reward    each step: the decrease of the distance to the prey, m; plus 5 on coming within 0.6 m of it, which finishes
-              the robot
+    observed  12 ranges, divided by 3 m; x, y and distance of the prey in the robot's frame, divided by the size of the
+              room; for each of the 3 nearest hunters within 6 m: x and y in the robot's frame, divided by 6 m, cosine
+              and sine of its relative heading, and 1 (0 in all columns if there are fewer hunters)
+    reward    in each step, the decrease of the distance to the prey, m. When the robot comes within 0.6 m of the prey,
+              it gets 5 more and is finished
     """
 
     seconds = 60.0

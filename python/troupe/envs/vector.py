@@ -16,18 +16,20 @@ from .task import Task
 
 
 class VectorEnv(_VectorEnv[Any, Any, Any]):
-    """Copies of a task's world, in which each robot is one environment: num_envs is copies * robots, and environment
-    c * robots + i is robot i of copy c.
+    """Many copies of the world of a task. Each robot of each copy is one environment: num_envs is copies * robots, and
+    environment c * robots + i is robot i of copy c.
 
-    robot           if given, only this robot learns in each copy, and the others run their controllers: num_envs is copies
-    autoreset_mode  as in Gymnasium. The episodes of all robots of a copy end together, when all are finished or the time
-                    is over. A robot that is finished earlier gets rewards of 0 from then on, and infos["finished"]
-                    marks it
+    robot           name of a robot: only this robot learns in each copy, the others run the controllers of the world
+                    file, and num_envs is the number of copies. None: all robots of the team learn
+    autoreset_mode  as in Gymnasium
     threads         number of threads; 0: one per processor that the process may use. Changes no result
     render_size     width and height of pictures, pixels
     options         options of troupe.Simulation
-    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, or item c of a list; seeds of later
-                    episodes are derived from it
+    episodes        the episodes of all robots of a copy end together, when all robots are finished or task.seconds have
+                    passed. From the step in which a robot is finished until then, infos["finished"] is True for it,
+                    and its rewards in later steps are 0
+    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, or element c if s is a list. The
+                    seeds of later episodes of the copy are derived from this seed
     """
 
     def __init__(
@@ -73,7 +75,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
 
     @property
     def batch(self) -> Batch:
-        """The batch of copies that this environment runs."""
+        """The Batch with the copies of the world, which this environment uses."""
         if self._batch is None:
             raise RuntimeError("this environment was closed")
         return self._batch
@@ -84,8 +86,9 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[Dict[str, Any]] = None,
     ) -> Tuple[Any, Dict[str, Any]]:
-        """options: reset_mask, one bool per environment: copies that begin an episode; by default all. Raises ValueError
-        for a mask that marks only some robots of a copy."""
+        """Begins an episode in some copies. options: {"reset_mask": array of one bool per environment}, True for all
+        environments of the copies that begin an episode; without it, all copies do. Raises ValueError for a mask that
+        marks only some robots of a copy."""
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else int(seed))
         which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
@@ -167,7 +170,8 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         return [None if each is None else int(each) for each in seed]
 
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
-        """Each copy from above, height x width x 3, uint8; None unless the render mode is rgb_array."""
+        """Returns one picture per copy, from above: height x width x 3, uint8, RGB. None unless the render mode is
+        rgb_array."""
         if self.render_mode is None:
             return None
         return tuple(self.batch.core.picture(copy, *self._render_size) for copy in range(self.copies))
