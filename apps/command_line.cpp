@@ -140,7 +140,9 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     fmt::print(stderr, "troupe: error: {}\n", error.what());
     return k_failed;
   } catch (...) {  // a plug-in may throw anything
-    fmt::print(stderr, "troupe: error: an exception that is not a std::exception\n");
+    fmt::print(
+        stderr,
+        "troupe: error: ended by an exception that is not a std::exception; plug-ins may throw such\n");
     return k_failed;
   }
 }

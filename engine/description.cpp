@@ -136,10 +136,11 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
   if (field.min > field.max) contradicts(name, "has a lower limit above its upper limit");
   if (field.columns != type.columns && (field.type != FieldType::numbers || type.columns > 0))
     contradicts(name, "contradicts the number of columns of its type");
-  if (required && field.optional) contradicts(name, "requires an optional member");
-  if (required && field.type == FieldType::record) contradicts(name, "requires a block that has defaults");
+  if (required && field.optional) contradicts(name, "makes an optional member required");
+  if (required && field.type == FieldType::record)
+    contradicts(name, "makes a block required that has defaults");
   Value fallback = fallback_of(field, object);
-  if (field.optional && fallback.given()) contradicts(name, "has an optional member with a default");
+  if (field.optional && fallback.given()) contradicts(name, "gives a default to an optional member");
   if (!required) field.fallback = std::move(fallback);
   table.fields.push_back(std::move(field));
 }

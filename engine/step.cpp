@@ -154,7 +154,8 @@ void World::for_running(std::span<const Row> rows, const BodyType::Device& devic
   });
 }
 
-/// Calls work(rows): once, or, with hide_beyond_reach(), once per row while what it must not see is hidden.
+/// Calls work(rows) once. If hide_beyond_reach() is on, calls work for each row separately, and hides during
+/// each call everything that is beyond the device's reach from that row.
 template <class Work>
 void World::for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
                        Work&& work) {

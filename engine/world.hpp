@@ -296,7 +296,7 @@ class World {
   /// false and changes nothing if the body is already in that condition or is not in the world. Throws
   /// std::logic_error if has_conditions() is false. Call this between steps.
   bool set_disabled(Row row, bool disabled);
-  /// Number of rows whose bodies are disabled or otherwise impaired.
+  /// Number of rows whose bodies are disabled, or impaired by a fault, such as a broken device.
   std::size_t impaired_count() const { return impaired_; }
 
   /// A row and a pose for its body.

@@ -11,8 +11,9 @@ float magnitude(const RayEdge& e) {
   return std::abs(e.ax) + std::abs(e.ay) + std::abs(e.bx) + std::abs(e.by);
 }
 
-/// Whether rounding could decide on which side of the edge's line the origin is, or whether the edge is
-/// behind.
+/// Whether `area` is so small that rounding errors could change its sign, which tells on which side of the
+/// edge's line the origin of the beam is, and so whether the edge is ahead of the origin. area: twice the
+/// signed area of the triangle of origin and edge, m^2; m: sum of the magnitudes of all coordinates.
 bool is_tiny(float area, float m) { return std::abs(area) <= k_tiny * (m * m); }
 
 float grazing_limit(const RayEdge& e) { return k_grazing * (std::abs(e.ex) + std::abs(e.ey)); }

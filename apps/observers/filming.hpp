@@ -24,7 +24,8 @@ namespace troupe::apps {
 class RunSpeed {
  public:
   explicit RunSpeed(double begin_s) : begin_s_(begin_s) {}
-  /// The speed when the run has reached this simulated time, s; 0 if no wall time has passed.
+  /// Mean speed from construction until now, in multiples of real time; 0 if no wall time has passed. time_s:
+  /// the simulated time that the run has reached now, s.
   double at(double time_s) const;
 
  private:

@@ -232,7 +232,9 @@ struct Chain {
     head_for(room, command);
   }
 
-  /// Place of the next link: in line with the last two links; after the nest, in the direction of the robot.
+  /// Place for the link that follows `last`, at the distance `spacing` from it, m, robot frame. It lies on
+  /// the line from `before`, the link before `last`, through `last`. If `last` is the nest, or `before` was
+  /// not heard, it lies in the direction from `last` to the robot.
   Vec2 beyond(const Post& last, const std::optional<Post>& before) const {
     const Vec2 way = before && last.number > 0 ? Vec2(last.place - before->place) : Vec2(-last.place);
     const double length = way.norm();

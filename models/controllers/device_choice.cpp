@@ -15,7 +15,7 @@ bool DeviceChoice::has_fan(const engine::DeviceInfo& device) {
 
 Error DeviceChoice::no_scanner() const {
   std::string text = fmt::format(
-      "needs a scanner: a ranger with {} or more beams, in one transducer or several, one of them within 30 "
+      "needs a scanner: a ranger with at least {} beams in total, at least one of which points within 30 "
       "degrees of straight ahead",
       k_least_samples);
   bool has_ranger = false;

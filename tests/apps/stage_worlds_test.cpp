@@ -50,7 +50,7 @@ TEST_F(Conformance14, AWorldThatDoesNotLoadIsExitCode2) {
           "bad.world:2: error: unexpected ','; the values of a tuple are separated by blanks: [1 2 3]",
           "parts.inc:3: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
           "quotes: foo \"bar\"",
-          "bad.world:3: error: \"pose\" needs 4 values [x y z heading]; here is 1"));
+          "bad.world:3: error: \"pose\" needs 4 values [x y z heading], found 1"));
 }
 
 std::string name_of(const ::testing::TestParamInfo<StageWorld>& test) {

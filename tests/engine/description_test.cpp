@@ -307,9 +307,9 @@ TEST(Description, FactsThatContradictOneAnotherAreTold) {
   EXPECT_THAT(contradiction<SameNames>(), HasSubstr("description of \"a\" gives this name to two members"));
   EXPECT_THAT(contradiction<NoNumber>(), HasSubstr("gives a unit to a member that is not a number"));
   EXPECT_THAT(contradiction<NothingBetween>(), HasSubstr("has a lower limit above its upper limit"));
-  EXPECT_THAT(contradiction<RequiredOptional>(), HasSubstr("requires an optional member"));
+  EXPECT_THAT(contradiction<RequiredOptional>(), HasSubstr("makes an optional member required"));
   EXPECT_THAT(contradiction<OtherColumns>(), HasSubstr("contradicts the number of columns of its type"));
-  EXPECT_THAT(contradiction<DefaultedOptional>(), HasSubstr("has an optional member with a default"));
+  EXPECT_THAT(contradiction<DefaultedOptional>(), HasSubstr("gives a default to an optional member"));
 }
 
 struct State {

@@ -267,8 +267,8 @@ TEST(Wander, NeedsMoreThanEightSamples) {
   Decision decide(Decision::scanner(8), "wander", test::registry().controller("wander")->params.defaults());
   EXPECT_EQ(
       decide.error,
-      "needs a scanner: a ranger with 9 or more beams, in one transducer or several, one of them within "
-      "30 degrees of straight ahead; \"sensor\" (8 beams) has too few beams");
+      "needs a scanner: a ranger with at least 9 beams in total, at least one of which points within 30 "
+      "degrees of straight ahead; \"sensor\" (8 beams) has too few beams");
 }
 
 TEST(Script, WaveFollowsItsLaw) {

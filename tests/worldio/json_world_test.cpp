@@ -398,11 +398,11 @@ TEST_P(JsonWorldError, SaysWhatAndWhere) {
 INSTANTIATE_TEST_SUITE_P(
     TopLevel, JsonWorldError,
     testing::Values(
-        Wrong{R"("troupe": 1,)", "", R"(maze.json:1: error: missing "troupe": the version of the format, 1)"},
+        Wrong{R"("troupe": 1,)", "", R"(maze.json:1: error: missing "troupe": 1, the version of the format)"},
         Wrong{R"("troupe": 1)", R"("troupe": 2)",
               "maze.json:2: error: /troupe: unknown format version 2: this program reads version 1"},
         Wrong{R"("troupe": 1)", R"("troupe": "1")",
-              R"(maze.json:2: error: /troupe: expected the version of the format, 1, found the text "1")"},
+              R"(maze.json:2: error: /troupe: expected 1, the version of the format, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
             R"(maze.json:3: error: unknown key "sede"; known: $schema, at, bounds_m, faults, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, stop_when, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},

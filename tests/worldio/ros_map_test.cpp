@@ -73,19 +73,19 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
   EXPECT_THAT(
       messages_,
       ElementsAre(
-          "maps/lab.yaml:1: error: \"image\" needs the path of an image; here is a list",
-          "maps/lab.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m; here is \"0\"",
+          "maps/lab.yaml:1: error: \"image\" needs the path of an image, found a list",
+          "maps/lab.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m, found \"0\"",
           "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw]: x and y from -100000 to 100000 m, yaw in "
-          "rad; here is "
+          "rad, found "
           "\"nan\"",
-          "maps/lab.yaml:5: error: \"occupied_thresh\" needs a probability from 0 to 1; here is \"65\"",
-          "maps/lab.yaml:4: error: \"negate\" needs 0 or 1; here is \"maybe\"",
+          "maps/lab.yaml:5: error: \"occupied_thresh\" needs a probability from 0 to 1, found \"65\"",
+          "maps/lab.yaml:4: error: \"negate\" needs 0 or 1, found \"maybe\"",
           "maps/lab.yaml:6: error: unknown mode \"tri\"; known: raw, scale, trinary"));
   EXPECT_FALSE(parse("image: a.png\nresolution: 0.05 m\norigin: [0, 0]\nfree_thresh: 0.9\n"));
   EXPECT_THAT(
       messages_,
       ElementsAre(
-          "maps/lab.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m; here is \"0.05 m\"",
+          "maps/lab.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m, found \"0.05 m\"",
           "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw], in m and rad",
           "maps/lab.yaml:4: error: \"free_thresh\" is 0.9, but must be at most \"occupied_thresh\", which is "
           "0.65"));

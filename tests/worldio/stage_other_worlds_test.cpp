@@ -215,7 +215,7 @@ TEST_F(StageOtherWorlds, CamerasAreAsLargeAsScreens) {
   EXPECT_THAT(messages(), IsEmpty());
   EXPECT_EQ(param(type_of(spec, 1).devices[0], "width").integer(), 1280);
   load_all("position( camera( resolution [5000 10] ) )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"resolution\" must be at most 4096; here is 5000"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"resolution\" must be at most 4096, found 5000"));
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ TEST_F(Conformance14, ErrorsInAnIncludedFileNameIt) {
       ElementsAre(
           "a.inc:4: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
           "quotes: foo \"bar\"",
-          "a.inc:3: error: \"size\" must be above 0 in every direction; here is 0",
+          "a.inc:3: error: \"size\" must be above 0 in every direction, found 0",
           "w.world:4: error: \"pose\" needs 4 values [x y z heading]; here are 2"));
 }
 
@@ -99,7 +99,7 @@ TEST_F(Conformance14, ShortTuples) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading]; here are 2",
-                  "w.world:2: error: \"size\" needs 3 values [x y z]; here is 1",
+                  "w.world:2: error: \"size\" needs 3 values [x y z], found 1",
                   "w.world:3: error: \"velocity_bounds\" needs 8 values [xmin xmax ymin ymax zmin zmax amin "
                   "amax]; here are 3"));
 }
@@ -275,13 +275,13 @@ TEST_F(StageParser, NumbersAreReadWhole) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world:1: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"1.2.3\"",
-          "w.world:2: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"--4\"",
-          "w.world:3: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"+\"",
-          "w.world:4: error: \"ranger_return\" needs a number such as 2, -0.5 or .25; here is \"nan\"",
+          "w.world:1: error: \"ranger_return\" needs a number such as 2, -0.5 or .25, found \"1.2.3\"",
+          "w.world:2: error: \"ranger_return\" needs a number such as 2, -0.5 or .25, found \"--4\"",
+          "w.world:3: error: \"ranger_return\" needs a number such as 2, -0.5 or .25, found \"+\"",
+          "w.world:4: error: \"ranger_return\" needs a number such as 2, -0.5 or .25, found \"nan\"",
           "w.world:5: error: \"ranger_return\": 99999999999999999999 is out of range; numbers must be from "
           "-2^53 to 2^53",
-          "w.world:6: error: \"noblocks\" needs a whole number; here is 0.5"));
+          "w.world:6: error: \"noblocks\" needs a whole number, found 0.5"));
   const auto spec = load("model( pose [+1 -.5 2. \"90\"] name 5 )");
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, -0.5, 2, k_pi / 2}));
   EXPECT_EQ(name_of(spec, 1), "5");

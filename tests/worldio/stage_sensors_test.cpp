@@ -90,7 +90,7 @@ TEST_F(StageSensors, ARadioIsAsThoseOfStage2) {
   load_all("position( wifi( model \"fries\" ) )");
   EXPECT_THAT(messages(), testing::Contains(testing::HasSubstr(
                               "\"model\" must be one of simple, friis, ITU indoor, log distance, "
-                              "raytrace (did you mean \"friis\"?); here is \"fries\"")));
+                              "raytrace (did you mean \"friis\"?), found \"fries\"")));
 }
 
 TEST_F(StageSensors, ARadioSaysInAWorldWhatItSaysInJson) {
@@ -129,9 +129,9 @@ TEST_F(StageSensors, WrongColoursAreErrors) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world:1: error: \"colors_count\" must be from 0 to 2, the number of \"colors\"; here is 3"));
+          "w.world:1: error: \"colors_count\" must be from 0 to 2, the number of \"colors\", found 3"));
   device("blobfinder( image [40.5 20] )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"image\" needs whole numbers; here is 40.5"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"image\" needs whole numbers, found 40.5"));
 }
 
 TEST_F(StageSensors, BumpersHaveALengthInCommonOrTheirOwn) {
@@ -153,7 +153,7 @@ TEST_F(StageSensors, WrongBumpersAreErrors) {
       ElementsAre(
           "w.world:1: error: bumper 1 has no length: give \"blength\", for all bumpers, or \"blength[1]\""));
   device("bumper( size [0.1 0.1 0.1] bcount 0 )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"bcount\" must be from 1 to 1000; here is 0"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"bcount\" must be from 1 to 1000, found 0"));
   device("bumper( size [0.1 0.1 0.1] )");
   EXPECT_THAT(
       messages(),

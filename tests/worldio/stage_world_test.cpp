@@ -80,11 +80,11 @@ TEST_F(StageWorld, RefusesWrongWorldProperties) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:4: error: unknown unit_length \"km\"; known: m, cm, mm",
                           "w.world:5: error: unknown unit_angle \"grad\"; known: degrees, radians",
-                          "w.world:1: error: \"interval_sim\" must be at least 0.001 ms; here is 0",
-                          "w.world:2: error: \"quit_time\" must be 0 (never) or above, in s; here is -1",
-                          "w.world:6: error: \"seed\" needs a whole number; here is 1.5"));
+                          "w.world:1: error: \"interval_sim\" must be at least 0.001 ms, found 0",
+                          "w.world:2: error: \"quit_time\" must be 0 (never) or above, in s, found -1",
+                          "w.world:6: error: \"seed\" needs a whole number, found 1.5"));
   load("seed -1");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"seed\" must be 0 or above; here is -1"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"seed\" must be 0 or above, found -1"));
 }
 
 TEST_F(StageWorld, TheResolutionIsOfTheGridEngine) {
@@ -96,7 +96,7 @@ TEST_F(StageWorld, TheResolutionIsOfTheGridEngine) {
   EXPECT_THAT(messages(), IsEmpty());
   load("resolution 0");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"resolution\" must be from 0.0001 to 100 m; here is 0"));
+              ElementsAre("w.world:1: error: \"resolution\" must be from 0.0001 to 100 m, found 0"));
 }
 
 TEST_F(StageWorld, SaysHowItIsToBeWatched) {
@@ -110,9 +110,9 @@ TEST_F(StageWorld, SaysHowItIsToBeWatched) {
   load("show_clock_interval 0 speedup \"fast\"\nshow_clock 0.5");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:2: error: \"show_clock\" needs a whole number; here is 0.5",
-                  "w.world:1: error: \"show_clock_interval\" must be from 1 to 1000000000 ticks; here is 0",
-                  "w.world:1: error: \"speedup\" needs a number such as 2, -0.5 or .25; here is \"fast\""));
+      ElementsAre("w.world:2: error: \"show_clock\" needs a whole number, found 0.5",
+                  "w.world:1: error: \"show_clock_interval\" must be from 1 to 1000000000 ticks, found 0",
+                  "w.world:1: error: \"speedup\" needs a number such as 2, -0.5 or .25, found \"fast\""));
 }
 
 TEST_F(StageWorld, TheFirstWindowIsKept) {
@@ -146,12 +146,12 @@ TEST_F(StageWorld, RefusesWrongWindows) {
   std::erase_if(found, [](const std::string& line) { return line.find("error") == line.npos; });
   EXPECT_THAT(found,
               testing::UnorderedElementsAre(
-                  "w.world:1: error: \"size\" needs 2 values [a b]; here is 1",
-                  "w.world:2: error: \"scale\" must be above 0 and at most 1e+06; here is 0",
-                  "w.world:3: error: \"interval\" must be above 0 and at most 1e+09; here is -3",
-                  "w.world:4: error: \"rotate\" needs a number such as 2, -0.5 or .25; here is \"two\"",
-                  "w.world:5: error: \"show_grid\" needs a whole number; here is 0.5",
-                  "w.world:6: error: \"screenshot_skip\" must be at least 1 and at most 1e+09; here is 0",
+                  "w.world:1: error: \"size\" needs 2 values [a b], found 1",
+                  "w.world:2: error: \"scale\" must be above 0 and at most 1e+06, found 0",
+                  "w.world:3: error: \"interval\" must be above 0 and at most 1e+09, found -3",
+                  "w.world:4: error: \"rotate\" needs a number such as 2, -0.5 or .25, found \"two\"",
+                  "w.world:5: error: \"show_grid\" needs a whole number, found 0.5",
+                  "w.world:6: error: \"screenshot_skip\" must be at least 1 and at most 1e+09, found 0",
                   "w.world:7: error: \"follow_model\" needs one value, not a tuple"));
 }
 
@@ -301,9 +301,9 @@ TEST_F(StageWorld, RefusesBrokenBlocks) {
       "model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [1 0] ) )\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: a block needs \"points\", the number of its vertices",
-                          "w.world:2: error: \"points\" must be from 3 to 100000; here is 2",
-                          "w.world:3: error: \"points\" needs a whole number; here is 3.5",
-                          "w.world:4: error: \"point[1]\" needs 2 values [x y]; here is 1",
+                          "w.world:2: error: \"points\" must be from 3 to 100000, found 2",
+                          "w.world:3: error: \"points\" needs a whole number, found 3.5",
+                          "w.world:4: error: \"point[1]\" needs 2 values [x y], found 1",
                           "w.world:5: error: \"z\" needs [min max], and min must not exceed max"));
 }
 
@@ -420,7 +420,7 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
       "model( bitmap \"a.yaml\" )\nmodel( bitmap \"b.yaml\" )\nmodel( bitmap \"c.yml\" )\nmodel( bitmap "
       "\"d.yml\" )");
   EXPECT_THAT(messages(),
-              ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m; here is \"0\"",
+              ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m, found \"0\"",
                           "b.yaml:2: error: cannot read the image no.pgm",
                           "w.world:3: error: the map c.yml has no occupied cell",
                           "w.world:4: error: cannot read the map d.yml"));
@@ -442,11 +442,11 @@ TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
       "1 1] )\nfiducial( block( points 3 point[0] [0 0] point[1] [1 0] point[2] "
       "[1 1] z [0 1] ) )");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"size\" must be above 0 in every direction; here is 0",
-                          "w.world:2: error: \"size\" must be above 0 in every direction; here is -1",
-                          "w.world:3: error: \"size\" must be above 0 in every direction; here is -1",
+              ElementsAre("w.world:1: error: \"size\" must be above 0 in every direction, found 0",
+                          "w.world:2: error: \"size\" must be above 0 in every direction, found -1",
+                          "w.world:3: error: \"size\" must be above 0 in every direction, found -1",
                           "w.world:4: error: \"size\" is larger than the world, which is 200 km wide",
-                          "w.world:5: error: \"size\" must be above 0 in every direction; here is 0"));
+                          "w.world:5: error: \"size\" must be above 0 in every direction, found 0"));
 }
 
 TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
@@ -550,7 +550,7 @@ TEST_F(StageWorld, ReturnsAndColours) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:3: warning: unknown colour \"rde\", replaced by red; colours are X11 "
                           "names (did you mean \"red\"?)",
-                          "w.world:4: error: \"color_rgba\" needs values from 0 to 1; here is 2"));
+                          "w.world:4: error: \"color_rgba\" needs values from 0 to 1, found 2"));
   EXPECT_FALSE(type_of(spec, 1).parts[0].returns.obstacle);
   EXPECT_EQ(type_of(spec, 1).parts[0].returns.ranger, 0.5f);
   EXPECT_EQ(spec.bodies[1].color, (Color{0, 0, 139 / 255.0f, 1}));
@@ -566,7 +566,7 @@ TEST_F(StageWorld, ReturnsAndColours) {
             (engine::Returns{.fiducial = -7, .fiducial_key = 3, .gripper = true, .blob = false}));
   EXPECT_EQ(type_of(seen, 2).parts[0].returns, engine::Returns{});
   EXPECT_THAT(messages(), ElementsAre("w.world:4: error: \"fiducial_return\" must be a whole number from "
-                                      "-2147483648 to 2147483647; here is 3000000000"));
+                                      "-2147483648 to 2147483647, found 3000000000"));
 }
 
 TEST_F(StageWorld, RandomColoursFollowFromSeedAndBody) {
@@ -676,8 +676,8 @@ TEST_F(StageWorld, RefusesWrongLasersAndNoOtherNames) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:4: warning: a laser has no property \"wibble\"; the property is ignored",
-                  "w.world:1: error: \"samples\" must be at least 1; here is 0",
-                  "w.world:2: error: \"range_max\" must be above 0 m; here is -1",
+                  "w.world:1: error: \"samples\" must be at least 1, found 0",
+                  "w.world:2: error: \"range_max\" must be above 0 m, found -1",
                   "w.world:3: error: \"range_min\", 9 m, must be at most \"range_max\", 8 m",
                   HasSubstr("w.world:5: error: \"map\" is neither a model type nor a macro defined above"),
                   testing::AllOf(HasSubstr("w.world:6: error: \"lasr\" is neither a model type"),
@@ -690,13 +690,12 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
       "ranger( sensor( fov 361 ) )\nranger( sensor( range 5 ) )\nranger( update_interval -1 sensor() )\n");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "w.world:1: error: \"samples\" must be at least 1; here is 0",
-          "w.world:2: error: \"range\" must be above 0 m; here is 0",
-          "w.world:3: error: \"range\" needs [min max] with min at most max",
-          HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
-          "w.world:5: error: \"range\" needs a tuple [min max]",
-          "w.world:6: error: \"update_interval\" must be 0 (every tick) or above, in ms; here is -1"));
+      ElementsAre("w.world:1: error: \"samples\" must be at least 1, found 0",
+                  "w.world:2: error: \"range\" must be above 0 m, found 0",
+                  "w.world:3: error: \"range\" needs [min max] with min at most max",
+                  HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
+                  "w.world:5: error: \"range\" needs a tuple [min max]",
+                  "w.world:6: error: \"update_interval\" must be 0 (every tick) or above, in ms, found -1"));
 }
 
 TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
@@ -705,12 +704,12 @@ TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
       "ranger( sensor( pose [1] range [3 2] ) )\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading]; here are 2",
-                          "w.world:2: error: \"size\" must be above 0 in every direction; here is -1",
-                          "w.world:3: error: \"range\" must be at least 0 m; here is -1",
-                          "w.world:3: error: \"range\" must be above 0 m; here is -2",
+                          "w.world:2: error: \"size\" must be above 0 in every direction, found -1",
+                          "w.world:3: error: \"range\" must be at least 0 m, found -1",
+                          "w.world:3: error: \"range\" must be above 0 m, found -2",
                           HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
-                          "w.world:5: error: \"samples\" must be at least 1; here is 0",
-                          "w.world:6: error: \"pose\" needs 4 values [x y z heading]; here is 1",
+                          "w.world:5: error: \"samples\" must be at least 1, found 0",
+                          "w.world:6: error: \"pose\" needs 4 values [x y z heading], found 1",
                           "w.world:6: error: \"range\" needs [min max] with min at most max"));
 }
 
@@ -794,9 +793,9 @@ TEST_F(StageWorld, RefusesWrongLocalisation) {
       "position( velocity [1 0 0] )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\"; here is \"gsp\"",
+      ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\", found \"gsp\"",
                   "w.world:2: error: \"odom_error\" needs 4 values [x y z a]; here are 3",
-                  "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\"; here is \"newer\"",
+                  "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\", found \"newer\"",
                   "w.world:4: error: each minimum of \"acceleration_bounds\" must be at most its maximum",
                   "w.world:5: error: \"velocity\" needs 4 values [x y z a]; here are 3"));
 }
@@ -807,7 +806,7 @@ TEST_F(StageWorld, RefusesWrongDrives) {
       messages(),
       ElementsAre("w.world:1: error: unknown drive \"onmi\"; known: car, diff, omni (did you mean \"omni\"?)",
                   "w.world:2: error: each minimum of \"velocity_bounds\" must be at most its maximum",
-                  "w.world:3: error: \"wheelbase\" must be above 0; here is 0"));
+                  "w.world:3: error: \"wheelbase\" must be above 0, found 0"));
 }
 
 TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
@@ -878,15 +877,15 @@ TEST_F(StageWorld, RefusesWrongArguments) {
           "w.world:3: error: controller \"expand\" has no parameter \"spede\"; known: speed, gain, "
           "clearance, "
           "clearances, cone, invert, hold_on_axis (did you mean \"speed\"?)",
-          "w.world:4: error: controller \"expand\": \"speed\" needs a number; here is \"fast\"",
-          "w.world:5: error: controller \"expand\": \"cone\" must be at least 0 rad; here is \"-1\"",
-          "w.world:6: error: controller \"expand\": \"invert\" needs true or false; here is \"2\"",
+          "w.world:4: error: controller \"expand\": \"speed\" needs a number, found \"fast\"",
+          "w.world:5: error: controller \"expand\": \"cone\" must be at least 0 rad, found \"-1\"",
+          "w.world:6: error: controller \"expand\": \"invert\" needs true or false, found \"2\"",
           HasSubstr("w.world:7: error: controller \"script\": \"law\" must be one of timed, wave, line"),
           "w.world:8: error: controller \"script\": \"legs\" cannot be given in a .world file, only in JSON; "
           "here "
           "is \"1\"",
           "w.world:9: error: controller \"expand\": \"clearances\" needs numbers separated by commas, "
-          "without blanks; here is \"1,,2\""));
+          "without blanks, found \"1,,2\""));
 }
 
 TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {

@@ -83,7 +83,7 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   if (const YAML::Node image = node["image"]; !image) {
     error(0, "a map needs \"image\", the path of its image");
   } else if (!image.IsScalar() || image.Scalar().empty()) {
-    error(image, fmt::format("\"image\" needs the path of an image; here is {}", shown(image)));
+    error(image, fmt::format("\"image\" needs the path of an image, found {}", shown(image)));
   } else {
     map.image = file_.parent_path() / image.Scalar();
     map.where_image = {file_number_, line_of(image.Mark())};
@@ -102,7 +102,7 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     const std::string text = negate.IsScalar() ? negate.Scalar() : "";
     map.negate = text == "1" || text == "true";
     if (!map.negate && text != "0" && text != "false")
-      error(negate, fmt::format("\"negate\" needs 0 or 1; here is {}", shown(negate)));
+      error(negate, fmt::format("\"negate\" needs 0 or 1, found {}", shown(negate)));
   }
   if (const YAML::Node mode = node["mode"]) {
     const std::string name = mode.IsScalar() ? mode.Scalar() : "";
@@ -137,7 +137,7 @@ std::optional<double> MapReader::number(const YAML::Node& value, std::string_vie
                                         std::string_view what) {
   const std::optional<double> given = value.IsScalar() ? yaml_number(value.Scalar()) : std::nullopt;
   if (given && *given >= min && *given <= max) return given;
-  error(value, fmt::format("\"{}\" needs {}; here is {}", key, what, shown(value)));
+  error(value, fmt::format("\"{}\" needs {}, found {}", key, what, shown(value)));
   return {};
 }
 

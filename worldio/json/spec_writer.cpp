@@ -123,7 +123,7 @@ void list_numbers(const FieldTable& table, const void* object, Json& list) {
   }
 }
 
-/// Writes the structs of a spec by their tables.
+/// Converts the structs of a WorldSpec to JSON, field by field, as the FieldTable of each struct lists them.
 class SpecWriter {
  public:
   SpecWriter(const engine::WorldSpec& spec, const engine::Registry& registry)

@@ -844,7 +844,7 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   constexpr double k_most_tick_s = 3600;
   d.other<&WorldDocument::schema>(Form::name, "$schema", "path of the JSON Schema, for editors",
                                   "the path of the JSON Schema");
-  static const std::string version = fmt::format("the version of the format, {}", k_format_version);
+  static const std::string version = fmt::format("{}, the version of the format", k_format_version);
   d.other<>(Form::version, "troupe", "the version of the format").require(version);
   d.other<&WorldDocument::title>(Form::name, "title", "title of the world, for people", "the world's title");
   d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random draws");

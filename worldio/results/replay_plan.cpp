@@ -46,7 +46,7 @@ std::string name_of(const Array& array) { return fmt::format("{}/{}", array.comp
 /// Whether an array has the poses of a part that moves, which a page needs to draw the body.
 bool is_joint(const Array& array) { return array.component.starts_with("joint/"); }
 
-/// Whether a page needs an array to draw the bodies.
+/// Whether a page needs an array, besides those of the component "pose", to draw the bodies.
 bool is_appearance(const Array& array) {
   return is_joint(array) || array.field.name == engine::k_shown_color;
 }

@@ -126,7 +126,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   if (!count) return;
   if (*count < 3 || *count > k_most_points) {
     values_.error(values_.where(*points),
-                  fmt::format("\"points\" must be from 3 to {}; here is {}", k_most_points, *count));
+                  fmt::format("\"points\" must be from 3 to {}, found {}", k_most_points, *count));
     return;
   }
   std::int64_t written = 0;

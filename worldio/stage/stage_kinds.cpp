@@ -77,8 +77,8 @@ double StageKinds::period_s(const StageModel& model) {
     ms = values_.number(*property).value_or(k_default_ms);
     if (ms < 0)
       values_.error(values_.where(*property),
-                    fmt::format("\"update_interval\" must be 0 (every tick) or above, in ms; "
-                                "here is {}",
+                    fmt::format("\"update_interval\" must be 0 (every tick) or above, in ms, "
+                                "found {}",
                                 ms));
   }
   return ms / 1000;
@@ -95,7 +95,7 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
     const Result<> kept = check_limits(table.fields[at], value);
     if (!kept)
       values_.error(values_.where(property),
-                    fmt::format("\"{}\" {}; here is {}", values_.key(property), kept.error().text, value));
+                    fmt::format("\"{}\" {}, found {}", values_.key(property), kept.error().text, value));
     return static_cast<bool>(kept);
   };
   // The function `read` is called with the property and returns whether its value is right.
@@ -291,7 +291,8 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
     const Result<> kept = check_limits(field, si);
     if (kept) return si;
     values_.error(values_.where(property),
-                  fmt::format("\"{}\" {}; here is {}", values_.key(property), kept.error().text, *given));
+                  fmt::format("\"{}\" {}, found {}{}", values_.key(property), kept.error().text, *given,
+                              to_si == 1 ? "" : fmt::format(" (in SI units {:.6g})", si)));
     return {};
   };
   switch (field.type) {
@@ -308,7 +309,7 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
       if (!given) return {};
       if (*given == std::floor(*given)) return Value(static_cast<std::int64_t>(*given));
       values_.error(values_.where(property),
-                    fmt::format("\"{}\" needs whole numbers; here is {}", values_.key(property), *given));
+                    fmt::format("\"{}\" needs whole numbers, found {}", values_.key(property), *given));
       return {};
     }
     case FieldType::number: {
@@ -323,7 +324,7 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
       if (field.choices.empty() || std::ranges::find(field.choices, *given) != field.choices.end())
         return Value(std::string(*given));
       values_.error(values_.where(property),
-                    fmt::format("\"{}\" must be one of {}{}; here is \"{}\"", values_.key(property),
+                    fmt::format("\"{}\" must be one of {}{}, found \"{}\"", values_.key(property),
                                 comma_list(field.choices), did_you_mean(*given, field.choices), *given));
       return {};
     }
@@ -366,8 +367,7 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
     if (!given) return {};
     wheelbase = *given * values_.length_unit();
     if (!(wheelbase > 0)) {
-      values_.error(values_.where(*property),
-                    fmt::format("\"wheelbase\" must be above 0; here is {}", *given));
+      values_.error(values_.where(*property), fmt::format("\"wheelbase\" must be above 0, found {}", *given));
       return {};
     }
   }
@@ -454,7 +454,7 @@ bool StageKinds::localize(const StageModel& model, const FieldTable& table, Reco
     if (given && std::ranges::find(choices, *given) != choices.end()) return std::string(*given);
     if (given)
       values_.error(values_.where(*property),
-                    fmt::format("\"{}\" must be {}; here is \"{}\"", key,
+                    fmt::format("\"{}\" must be {}, found \"{}\"", key,
                                 fmt::format("\"{}\" or \"{}\"", choices[0], choices[1]), *given));
     is_right = false;
     return fallback;
@@ -565,8 +565,8 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
 bool StageKinds::set_argument(const Field& field, double to_si, std::string_view text,
                               std::string_view controller, Where where, Value& value) {
   const auto refuse = [&](std::string_view what) {
-    values_.error(where, fmt::format("controller \"{}\": \"{}\" {}; here is \"{}\"", controller, field.name,
-                                     what, text));
+    values_.error(
+        where, fmt::format("controller \"{}\": \"{}\" {}, found \"{}\"", controller, field.name, what, text));
     return false;
   };
   const auto number = [&]() -> std::optional<double> {

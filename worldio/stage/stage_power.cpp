@@ -53,7 +53,7 @@ double StagePower::watts(const StageModel& model, std::string_view key) {
   const StageProperty* property = model.find(document_, key);
   const double watts = property ? values_.number(*property).value_or(0) : 0;
   if (watts >= 0 && watts <= engine::k_most_watts) return watts;
-  values_.error(values_.where(*property), fmt::format("\"{}\" must be from 0 to {:g}, in W; here is {}", key,
+  values_.error(values_.where(*property), fmt::format("\"{}\" must be from 0 to {:g}, in W, found {}", key,
                                                       engine::k_most_watts, watts));
   return 0;
 }
@@ -74,9 +74,8 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
     if (!(kg >= 0 && kg <= engine::k_most_mass_kg))
-      values_.error(
-          values_.where(*property),
-          fmt::format("\"mass\" must be from 0 to {:g}, in kg; here is {}", engine::k_most_mass_kg, kg));
+      values_.error(values_.where(*property), fmt::format("\"mass\" must be from 0 to {:g}, in kg, found {}",
+                                                          engine::k_most_mass_kg, kg));
     else if (part == 0)
       mass_ = kg;
   }
@@ -108,7 +107,7 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
     const double joules = *given * amount.joules;
     if (joules > 1e12 || (amount.capacity_only && joules < 0)) {
       values_.error(values_.where(*property),
-                    fmt::format("\"{}\" must be {}at most 1e12 J; here is {}", amount.key,
+                    fmt::format("\"{}\" must be {}at most 1e12 J, found {}", amount.key,
                                 amount.capacity_only ? "0 or above, and " : "", *given));
       continue;
     }
@@ -141,7 +140,7 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
       set(kind->params, pack.params, "when_empty", std::string(*text));
     else
       values_.error(values_.where(*empty),
-                    fmt::format("\"when_empty\" must be \"stop\" or \"nothing\"; here is \"{}\"", *text));
+                    fmt::format("\"when_empty\" must be \"stop\" or \"nothing\", found \"{}\"", *text));
   }
   type.devices.push_back(std::move(pack));
 }

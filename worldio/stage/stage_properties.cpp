@@ -214,13 +214,15 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"sensor", "view", obsolete, ""},
 
     {"laser", "samples", honoured,
-     "number of beams, default 180; in older files, a `laser` is a ranger that is also its only sensor"},
+     "number of beams, default 180; in older files, a `laser` is a ranger without `sensor` blocks: it has "
+     "the properties of its only sensor itself"},
     {"laser", "fov", honoured, "default 180 degrees"},
     {"laser", "range", honoured, "[min max], instead of `range_min` and `range_max`"},
     {"laser", "range_min", honoured, "default 0; stored but not applied"},
     {"laser", "range_max", honoured, "default 8 m"},
     {"sonar", "samples", honoured,
-     "number of beams, default 1; in older files, a `sonar` is a ranger that is also its only sensor"},
+     "number of beams, default 1; in older files, a `sonar` is a ranger without `sensor` blocks: it has the "
+     "properties of its only sensor itself"},
     {"sonar", "fov", honoured, "default 0.1 rad"},
     {"sonar", "range", honoured, "[min max], instead of `range_min` and `range_max`"},
     {"sonar", "range_min", honoured, "default 0; stored but not applied"},

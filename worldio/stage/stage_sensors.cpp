@@ -23,7 +23,7 @@ bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKi
   const std::vector<std::string_view> given = values_.texts(*names);
   if (*used < 0 || static_cast<std::uint64_t>(*used) > given.size()) {
     values_.error(values_.where(*count),
-                  fmt::format("\"colors_count\" must be from 0 to {}, the number of \"colors\"; here is {}",
+                  fmt::format("\"colors_count\" must be from 0 to {}, the number of \"colors\", found {}",
                               given.size(), *used));
     return false;
   }
@@ -54,7 +54,7 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
   if (!count) return false;
   if (*count < 1 || *count > k_most) {
     values_.error(values_.where(*count_property),
-                  fmt::format("\"bcount\" must be from 1 to {}; here is {}", k_most, *count));
+                  fmt::format("\"bcount\" must be from 1 to {}, found {}", k_most, *count));
     return false;
   }
   const engine::FieldTable& table = engine::described<engine::BumperStripParams>();
@@ -98,7 +98,7 @@ bool StageKinds::add_radio_law(const StageModel& model, const engine::DeviceKind
       std::vector<std::string_view> known;
       for (const StageRadioLaw& one : stage_radio_laws()) known.push_back(one.model);
       values_.error(values_.where(*property),
-                    fmt::format("\"model\" must be one of {}{}; here is \"{}\"", comma_list(known),
+                    fmt::format("\"model\" must be one of {}{}, found \"{}\"", comma_list(known),
                                 did_you_mean(*given, known), *given));
       return false;
     }

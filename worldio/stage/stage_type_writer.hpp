@@ -13,7 +13,8 @@
 
 namespace troupe::worldio {
 
-/// The context of writing types, which is the same for all types of a world.
+/// The arguments of write_stage_type() that are the same for all types of a world. Holds references: the
+/// objects must outlive it.
 struct StagePlaces {
   const std::filesystem::path& folder;  ///< folder of the .world file
   const engine::Registry& registry;

@@ -72,8 +72,8 @@ std::optional<double> StageValues::number(const StageProperty& property, const S
                                        key(property), token.text));
     return {};
   }
-  error(where(property), fmt::format("\"{}\" needs a number such as 2, -0.5 or .25; here is \"{}\"",
-                                     key(property), token.text));
+  error(where(property),
+        fmt::format("\"{}\" needs a number such as 2, -0.5 or .25, found \"{}\"", key(property), token.text));
   return {};
 }
 
@@ -86,7 +86,7 @@ std::optional<std::int64_t> StageValues::integer(const StageProperty& property) 
   const std::optional<double> value = number(property);
   if (!value) return {};
   if (*value == std::floor(*value)) return static_cast<std::int64_t>(*value);
-  error(where(property), fmt::format("\"{}\" needs a whole number; here is {}", key(property), *value));
+  error(where(property), fmt::format("\"{}\" needs a whole number, found {}", key(property), *value));
   return {};
 }
 
@@ -160,7 +160,7 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
     }
     if (extent < 0) {
       error(where(property),
-            fmt::format("\"{}\" must be above 0 in every direction; here is {}", key(property), extent));
+            fmt::format("\"{}\" must be above 0 in every direction, found {}", key(property), extent));
       return {};
     }
   }
@@ -188,7 +188,7 @@ std::optional<Color> StageValues::color_rgba(const StageProperty& property) {
   if (!v) return {};
   for (const double part : *v)
     if (part < 0 || part > 1) {
-      error(where(property), fmt::format("\"{}\" needs values from 0 to 1; here is {}", key(property), part));
+      error(where(property), fmt::format("\"{}\" needs values from 0 to 1, found {}", key(property), part));
       return {};
     }
   const auto at = [&v](std::size_t i) { return static_cast<float>((*v)[i]); };

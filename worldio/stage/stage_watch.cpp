@@ -63,7 +63,7 @@ bool is_within(const Field& field, double value, double written, const StageProp
   if (value >= field.min && value <= field.max && !(field.above_min && value == field.min)) return true;
   const double to_written = value == 0 ? 1 : written / value;
   values.error(values.where(property),
-               fmt::format("\"{}\" must be {} {:g} and at most {:g}; here is {:g}", values.key(property),
+               fmt::format("\"{}\" must be {} {:g} and at most {:g}, found {:g}", values.key(property),
                            field.above_min ? "above" : "at least", field.min * to_written,
                            field.max * to_written, written));
   return false;
@@ -113,7 +113,7 @@ engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& v
       watch.clock_ticks = static_cast<std::uint64_t>(*ticks);
     else if (ticks)
       values.error(values.where(*property),
-                   fmt::format("\"show_clock_interval\" must be from 1 to {} ticks; here is {}",
+                   fmt::format("\"show_clock_interval\" must be from 1 to {} ticks, found {}",
                                engine::k_most_clock_ticks, *ticks));
   }
   // Stage reads 0 and below as "as fast as possible".

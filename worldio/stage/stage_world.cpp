@@ -194,7 +194,7 @@ void StageWorld::read_world() {
         spec_->tick_s = us / 1e6;
       else
         values_.error(values_.where(*property),
-                      fmt::format("\"interval_sim\" must be at least 0.001 ms; here is {}", *ms));
+                      fmt::format("\"interval_sim\" must be at least 0.001 ms, found {}", *ms));
     }
   if (const StageProperty* property = document_.world_property("resolution")) {
     spec_->resolution_where = values_.where(*property);
@@ -203,7 +203,7 @@ void StageWorld::read_world() {
         spec_->resolution_m = *metres;
       else
         values_.error(values_.where(*property),
-                      fmt::format("\"resolution\" must be from {} to {} m; here is {}",
+                      fmt::format("\"resolution\" must be from {} to {} m, found {}",
                                   engine::k_min_resolution_m, engine::k_max_resolution_m, *metres));
     }
   }
@@ -212,15 +212,14 @@ void StageWorld::read_world() {
       if (*seconds > 0) spec_->quit_time_s = *seconds;
       if (*seconds < 0)
         values_.error(values_.where(*property),
-                      fmt::format("\"quit_time\" must be 0 (never) or above, in s; here is {}", *seconds));
+                      fmt::format("\"quit_time\" must be 0 (never) or above, in s, found {}", *seconds));
     }
   if (const StageProperty* property = document_.world_property("seed"))
     if (const auto seed = values_.integer(*property)) {
       if (*seed >= 0)
         spec_->seed = static_cast<std::uint64_t>(*seed);
       else
-        values_.error(values_.where(*property),
-                      fmt::format("\"seed\" must be 0 or above; here is {}", *seed));
+        values_.error(values_.where(*property), fmt::format("\"seed\" must be 0 or above, found {}", *seed));
     }
   if (options_.seed) spec_->seed = *options_.seed;
   spec_->watch = read_stage_watch(document_, values_);
@@ -519,7 +518,7 @@ void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& p
         where,
         "\"size\" gives this model a height of 0: only bodies and beams at exactly its height meet it");
   else if (part.size.minCoeff() == 0)
-    values_.error(where, "\"size\" must be above 0 in every direction; here is 0");
+    values_.error(where, "\"size\" must be above 0 in every direction, found 0");
 }
 
 /// Whether the model has `noblocks 1`: no body, not even the default of its kind.
@@ -554,7 +553,7 @@ std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
   const auto given = values_.integer(property);
   if (!given || (Limits::min() <= *given && *given <= Limits::max())) return given;
   values_.error(values_.where(property),
-                fmt::format("\"{}\" must be a whole number from -2147483648 to 2147483647; here is {}",
+                fmt::format("\"{}\" must be a whole number from -2147483648 to 2147483647, found {}",
                             values_.key(property), *given));
   return {};
 }
