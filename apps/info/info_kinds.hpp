@@ -20,8 +20,9 @@ Summary summary_of_events(const std::filesystem::path& file);
 Summary summary_of_profile(const std::filesystem::path& file);
 Summary summary_of_recording(const std::filesystem::path& file);
 Summary summary_of_checkpoint(const std::filesystem::path& file);
-/// `json`: the text is JSON, not a Stage world. `plugins`: folders of plug-ins, in addition to those of the
-/// environment variables.
+/// The summary of a world file; `text` is its content. json: whether the text is JSON; otherwise it is a Stage
+/// world. plugins: folders that are searched for plug-ins before those of TROUPE_PLUGIN_PATH and STAGEPATH.
+/// Throws InputError if the world has errors.
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
                          const std::vector<std::filesystem::path>& plugins);
 
