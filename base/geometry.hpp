@@ -17,7 +17,8 @@ struct ZInterval {
   double max = 0;  ///< upper end; an interval with max < min is empty
 
   bool contains(double z) const { return min <= z && z <= max; }  ///< ends included
-  /// True if the open intervals meet: intervals that only touch do not overlap.
+  /// True if some height is above the lower end of each interval and below the upper end of each. Intervals
+  /// that only touch do not overlap.
   bool overlaps(const ZInterval& other) const { return min < other.max && other.min < max; }
   ZInterval shifted(double dz) const { return {min + dz, max + dz}; }  ///< moved up by dz metres
   friend bool operator==(const ZInterval&, const ZInterval&) = default;
