@@ -53,8 +53,9 @@ bool bounds_its_polygon(const Polygon& p, std::size_t j, const Vec2& edge) {
   return high > 0 && low >= -1e-9 * high;
 }
 
-/// Separating axes: two convex polygons share no area if and only if the line through an edge of one of them
-/// separates them. `> 0`, because polygons that only touch count as separated.
+/// Whether the line through an edge of p separates p from q. Two convex polygons share no area if and only if
+/// the line through an edge of one of them separates them. The comparison is `> 0`, because polygons that
+/// only touch count as separated.
 template <class P, class Q>
 bool separated_by_edges_of(const P& p, const Q& q) {
   for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++) {
