@@ -19,7 +19,7 @@ using engine::PartSpec;
 using engine::TypeSpec;
 using engine::World;
 
-constexpr double k_rounding = 1e-9;  // above the rounding errors of sines and cosines
+constexpr double k_rounding = 1e-9;  // margin for cosines, above the rounding errors of sines and cosines
 
 struct Finder {
   struct Params {
@@ -81,11 +81,13 @@ struct Target {
   Pose pose_world_part;
 };
 
-/// Finds the targets of finders. Each thread reuses one, so that a warm step allocates nothing.
+/// Finds the targets of finders. Each thread keeps one object of this class with its memory, so that searches
+/// after the first ones allocate nothing.
 class Search {
  public:
-  /// Returns the targets in sight of a row, the nearest first. Counts the rays that it casts. mount: the
-  /// frame in which the finder's pose is given
+  /// Returns the targets that the finder of the row `own` finds, the nearest first; valid until the next
+  /// call. Adds the number of rays that it casts to rays(). mount: the frame in which the finder's pose is
+  /// given.
   std::span<const Target> find(const World& world, const Finder& finder, Row own,
                                const engine::Mount& mount) {
     world_ = &world;
@@ -127,8 +129,8 @@ class Search {
   }
 
  private:
-  /// Adds a candidate if it is within range and field of view. extent: upper bound on the distance of the
-  /// target's surfaces from its origin, m; 0 if unknown
+  /// Adds a model to the candidates if its key is right and it is within range and field of view. extent:
+  /// upper bound on the distance of the model's surfaces from its origin, m; 0 if unknown.
   void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
                 double extent) {
     if (spec.returns.fiducial_key != finder_->params.key) return;
@@ -145,7 +147,8 @@ class Search {
     found_.push_back({range, body, part, bearing, &spec, pose_world_part});
   }
 
-  /// Removes the candidates that another surface hides.
+  /// Casts a ray towards each candidate and removes the candidates that are not in sight, see
+  /// fiducial_kind().
   void keep_seen() {
     rays_ += lines_.size();
     first_.resize(std::max(first_.size(), lines_.size()));
