@@ -226,8 +226,9 @@ inline constexpr std::size_t k_circle_padding = 16;
 /// hit before its limit and whose nearest point is from `low` to `high` away from the reference, metres.
 /// Writes the rows of the kept circles, and the beams that may hit them, to the first entries of `met`, and
 /// returns their number. Its margins are far above rounding errors, so that no circle that a beam hits is
-/// discarded. begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never
-/// hit limits      as limits_of() computes them
+/// discarded.
+/// begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never hit
+/// limits      as limits_of() computes them
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 

@@ -16,10 +16,13 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 
 /// Gives the beams of a transducer a width, as those of a sonar have. Each reading becomes the distance to
 /// the nearest surface point within the width of its beam, if that is less than the present reading, which
-/// was measured along the middle of the beam. The result is exact, not sampled with rays. own         the row
-/// of the body that carries the ranger mount       the frame in which the ranger's beams are given, relative
-/// to the world extras      the transducer ranges      the readings of the transducer, m intensities the
-/// intensities of the transducer, updated with the ranges; empty if it has none
+/// was measured along the middle of the beam. The result is exact, not sampled with rays.
+///
+/// own          the row of the body that carries the ranger
+/// mount        the frame in which the ranger's beams are given, relative to the world
+/// extras       the transducer
+/// ranges       the readings of the transducer, m
+/// intensities  the intensities of the transducer, updated with the ranges; empty if it has none
 void cast_cones(const engine::World& world, Row own, const engine::Mount& mount,
                 const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities);
 
