@@ -40,10 +40,10 @@ struct Shape {
   bool mirrored;
 };
 
-/// The segments of the beams up to their limits. The centre p of a circle, relative to the reference, is
-/// |p x d - aside| away from the line of a beam with direction d, and |p . d - middle| - half beyond the ends
-/// of its segment. Segments also end at distance `high` from the reference, the outer limit of this search,
-/// so that rounding errors do not grow with the length of a beam.
+/// The beams as segments that end at the limits of the beams. The centre p of a circle, relative to the
+/// reference, is |p x d - aside| away from the line of a beam with direction d, and |p . d - middle| - half
+/// beyond the ends of its segment. Segments also end at distance `high` from the reference, the outer limit
+/// of this search, so that rounding errors do not grow with the length of a beam.
 struct Parts {
   alignas(64) float aside[k_most_beams];   // offset of the beam's line from the reference
   alignas(64) float middle[k_most_beams];  // middle of the segment, along the beam
@@ -129,8 +129,8 @@ HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t beg
   const Floats rx = Set(k_f, static_cast<float>(reference.x()));
   const Floats ry = Set(k_f, static_cast<float>(reference.y()));
   const auto shift = static_cast<float>(0x1p-23 * (std::abs(reference.x()) + std::abs(reference.y())));
-  // The rounding errors of sides grow with |x| + |y|; this slack is ten times their bound. It depends only on
-  // the distance, so that adjacent bands leave no gap.
+  // The rounding errors of the distances of circles from beams grow with |x| + |y|; this slack is ten times
+  // their bound. It depends only on the distance, so that searches in adjacent intervals leave no gap.
   const auto slack = [&](float distance) { return k_cull_slack + shift + 3e-6f * distance; };
   const Floats margin = Set(k_f, slack(high));
   const Floats farthest = Set(k_f, high + slack(high));

@@ -54,9 +54,9 @@ struct Scan {
 /// The largest number of beams of a fan that is not a scan.
 inline constexpr std::size_t k_most_beams = 32;
 
-/// A fan of beams at one height. Beam i starts at (ox, oy), relative to the reference point, and has the unit
-/// direction (dx, dy); both have the orientation of the world frame. Each array has padded_beams(count)
-/// entries; those beyond count repeat the last beam.
+/// A fan of beams at one height. Beam i starts at (ox[i], oy[i]), relative to a reference point that is
+/// passed along with the fan, and has the unit direction (dx[i], dy[i]). Both are given along the axes of the
+/// world frame. Each array has padded_beams(count) entries; those beyond count repeat the last beam.
 struct Fan {
   const float* dx = nullptr;   ///< x of the directions
   const float* dy = nullptr;   ///< y of the directions
@@ -188,8 +188,8 @@ class EdgeBlock {
   std::size_t pieces_count_ = 0;
 };
 
-/// Rotates unit vectors (x, y) and rounds the results once to float. All arrays have padded_beams(count)
-/// entries.
+/// Rotates the vectors (x[i], y[i]), which are directions or origins of beams, and rounds each result once to
+/// float. All arrays have padded_beams(count) entries.
 void turn(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
           float* out_y);
 
@@ -209,7 +209,8 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
 /// entries; the other two arrays have fan.padded() entries.
 void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
-/// Circles that were not culled, and for each of them the beams that may hit it.
+/// The circles that may_meet() keeps: their rows, and the beams that may hit them. The other arrays are its
+/// working memory.
 struct MetCircles : CircleArrays {
   std::vector<BeamSet> beams;  ///< per circle: the beams that may hit it
 

@@ -44,9 +44,10 @@ struct Relative {
 ///
 /// relative_edge() sets an area to exactly 0 if it is only rounding noise, at most 2^-50 of its two terms.
 /// This function does not: such an area is tiny for every beam, whether it is 0 or noise, and
-/// project_carefully() computes it again. (Proof: let the origin be at o from the reference, and t = o x e.
-/// If |t| is so small that noise could change A - t, both are below k_tiny. If |t| is larger, the noise is
-/// less than half a float step of A - t.)
+/// project_carefully() computes it again. (Proof: let the origin of a beam be at o from the reference, and t
+/// = o x e, so that the area seen from the origin is A - t. If |t| is so small that noise could change A - t,
+/// this area is below the limit of k_tiny with and without the noise. If |t| is larger, the noise is less
+/// than half a float step of A - t.)
 template <bool kCommon>
 HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& out) {
   const auto rx = Set(k_d, reference.x());

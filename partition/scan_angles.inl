@@ -18,7 +18,7 @@ using namespace simd;
 constexpr Full<float> k_f;
 using Floats = Vec<Full<float>>;
 
-constexpr float k_quarter = 1.57079633f;  // of a turn, rad
+constexpr float k_quarter = 1.57079633f;  // a quarter of a turn, rad
 
 /// The angle of the direction (x, y) in [-pi, pi], rad. It is accurate to 1e-4 rad, which is enough to
 /// discard beams with a margin. For (0, 0) the result is arbitrary. source  Abramowitz and Stegun, Handbook

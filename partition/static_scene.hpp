@@ -17,10 +17,10 @@ namespace troupe::partition {
 /// A static solid in the world frame.
 struct FixedSolid {
   Solid solid;              ///< the solid, world frame
-  BodyId body;              ///< the body it belongs to
+  BodyId body;              ///< the body that the solid belongs to
   bool obstacle = true;     ///< whether it blocks motions
   float ranger_return = 1;  ///< intensity that rangers read; negative: rangers do not see it
-  std::uint32_t part = 0;   ///< the part of the body it belongs to
+  std::uint32_t part = 0;   ///< number of the part of this body that the solid belongs to
 };
 
 /// An index of edges by the cells that they cross. Each of these cells lists the whole edge. Edges are not
@@ -120,8 +120,8 @@ class StaticScene {
     return boxes_.any_near(Box::around(shape.position(), shape.shape().radius),
                            [&](std::uint32_t solid) { return swallows(solid, shape) && visit(solid); });
   }
-  /// Calls visit(edge) for obstacle edges that enter the shape until a call returns true. Returns whether a
-  /// call did.
+  /// Calls visit(edge) for each obstacle edge that enters the shape at a common height, for some edges more
+  /// than once, until a call returns true. Returns whether a call did.
   template <class Visit>
   bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 

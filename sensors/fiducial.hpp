@@ -11,7 +11,7 @@ namespace troupe::sensors {
 /// then number of the part. Entries after the last target are 0.
 enum FiducialField : std::size_t {
   k_fiducial_count,    ///< u32: number of targets in sight; may exceed `most_targets`, the number of entries
-  k_fiducial_id,       ///< i32 per target: its fiducial_return; 0 at range_max_id or farther
+  k_fiducial_id,       ///< i32 per target: its fiducial_return; 0 if it is range_max_id away or farther
   k_fiducial_body,     ///< u32 per target: its BodyId
   k_fiducial_range,    ///< f32 per target, m: horizontal distance to its origin
   k_fiducial_bearing,  ///< f32 per target, rad: bearing of its origin, sensor frame

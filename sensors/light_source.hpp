@@ -19,6 +19,7 @@ struct LightState {
 };
 
 /// The prepared data (engine::DeviceKind::Prepared::data) of a light. Light sensors find lights by this type.
+/// The members period_s, dutycycle and enabled say when the light is lit while no controller commands it.
 struct LightSource {
   /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
   /// in all directions.
@@ -26,7 +27,7 @@ struct LightSource {
   double intensity = 1;  ///< reading of a light sensor that faces the lit light from 1 m
   double period_s = 0;   ///< time from the start of one flash to the next; 0: the light does not blink
   double dutycycle = 0;  ///< fraction of each period in which it is lit; with period_s 0: above 0 means lit
-  bool enabled = false;  ///< false: it is dark. Once a controller has switched it, only its command counts
+  bool enabled = false;  ///< false: the light is dark
 };
 
 /// Returns the data of a device that is a light; null if the device is not a light.

@@ -12,9 +12,9 @@
 
 namespace troupe::sensors {
 
-/// The fields of a radio's readings, in order. The entries of arrays are the messages heard in the tick,
-/// sorted by the id of the sender; if a sender has several radios, its messages are in the order of these
-/// radios. Entries after the last message are 0.
+/// The fields of a radio's readings, in order. Arrays have one entry for each message heard in the tick. The
+/// messages are sorted by the id of the sending body; those of several radios of one body are in the order of
+/// these radios. Entries after the last message are 0.
 enum RadioField : std::size_t {
   k_radio_count,     ///< u32: number of messages heard
   k_radio_lost,      ///< u32: number of messages that arrived but exceed `most_heard` or `payload`
@@ -23,7 +23,7 @@ enum RadioField : std::size_t {
   k_radio_range,     ///< f32 per message, m: horizontal distance to the sending radio
   k_radio_bearing,   ///< f32 per message, rad: bearing of the sending radio, frame of this radio
   k_radio_strength,  ///< f32 per message: strength with which it arrived, dBm
-  k_radio_quality,   ///< f32 per message: from 0 at the limit of the range to 1 at distance 0
+  k_radio_quality,   ///< f32 per message: quality of the link, 0 (worst) to 1, see radio_kind()
   k_radio_length,    ///< u8 per message: its length, bytes
   k_radio_payload,   ///< u8 [payload] per message: its bytes; 0 after the last one
 };
@@ -64,10 +64,10 @@ class RadioPort {
   /// A message heard in this tick.
   struct Message {
     std::uint32_t sender = 0;               ///< id of the sending body
-    float range = 0;                        ///< distance to the sending radio, m
+    float range = 0;                        ///< horizontal distance to the sending radio, m
     float bearing = 0;                      ///< bearing of the sending radio, rad, frame of this radio
     float strength = 0;                     ///< strength with which it arrived, dBm
-    float quality = 0;                      ///< from 0 at the limit of the range to 1 at distance 0
+    float quality = 0;                      ///< quality of the link, 0 (worst) to 1, see radio_kind()
     std::span<const std::uint8_t> payload;  ///< the bytes of the message; valid until the controller returns
 
     /// Reads numbers from the payload, which must consist of exactly these types, one after another. If the
@@ -137,9 +137,9 @@ class RadioPort {
 ///
 /// heard     The listener is the radio that hears, the sender the radio that sent the message. A message
 ///           arrives if the following holds. The horizontal distance is at most the sender's `range` and at
-///           most the listener's `hears`. The strength, by the listener's `law`, is at least the listener's
-///           `sensitivity_dBm`. Nothing hides the sender. The sender's body is neither the listener's body
-///           nor a body that carries it or that it carries.
+///           most the listener's `hears` (its `range` if `hears` is 0). The strength is at least the
+///           listener's `sensitivity_dBm`. Nothing hides the sender. The sender's body is neither the
+///           listener's body nor a body that carries it or that it carries.
 /// hides     An outline hides the sender if the straight line between the two radios crosses the outline at a
 ///           height where the outline is, and if rangers see it. The listener's `walls` says whether static
 ///           geometry hides senders, its `bodies` whether other bodies do. The bodies of the two radios never

@@ -17,7 +17,7 @@ struct BeamGroup {
   std::vector<double> dx, dy;    ///< unit directions, body frame
   std::vector<double> ox, oy;    ///< origins relative to RangerBeams::reference, body frame, m
   std::vector<float> range_max;  ///< reading of a beam that hits nothing, m
-  std::vector<float> limits;     ///< partition::limits_of() for beams that have hit nothing yet, m
+  std::vector<float> limits;     ///< range_max plus the margins of partition::limits_of(), m
   float farthest = 0;            ///< the largest of the limits, m
   bool mirrored = false;         ///< whether beam i + count / 2 has the opposite direction of beam i
   /// True if the beams start at the reference and have equal angular steps. Only then are middle, fov and
@@ -35,17 +35,17 @@ struct BeamGroup {
 /// The noise, the lower limit and the beam width of one transducer. add_extras() applies them to the readings
 /// of the transducer after its beams have been cast.
 struct TransducerExtras {
-  std::size_t first = 0;          ///< column of its first reading
-  std::size_t count = 0;          ///< number of its readings
-  double range_max = 0;           ///< largest reading, m; readings with noise are clamped to it
-  double noise_stddev = 0;        ///< standard deviation of the error of a reading, m
-  double noise_relative = 0;      ///< standard deviation of a further error, as a fraction of the reading
+  std::size_t first = 0;      ///< column of its first reading
+  std::size_t count = 0;      ///< number of its readings
+  double range_max = 0;       ///< largest reading, m; readings with noise are clamped to it
+  double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
+  double noise_relative = 0;  ///< standard deviation of a further such error, as a fraction of the reading
   double noise_proportional = 0;  ///< a further error is uniform within plus and minus this fraction of it
   double least = 0;               ///< lower readings are raised to this value, m
   double beam_width = 0;          ///< if above 0: opening angle of each beam, rad
   Vec2 origin = Vec2::Zero();     ///< point where its beams start, body frame, m
   double z = 0;                   ///< height of its beams, body frame, m
-  std::vector<double> headings;   ///< headings of the beams if they have a width, body frame, rad
+  std::vector<double> headings;   ///< headings of the beams, body frame, rad; empty if they have no width
 };
 
 /// The beams of a ranger, prepared once from its parameters, for both ray engines. The body frame is that of
