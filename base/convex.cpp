@@ -58,9 +58,9 @@ struct Trapezoid {
   double top;
 };
 
-/// Limits the work of one cut. Every pair of sides may cross, and each crossing is a level at which all sides
-/// are cut: a few thousand maliciously chosen corners would take days. Realistic outlines need a thousandth
-/// of the limit.
+/// Limits the work of one cut; spend() throws std::length_error when the limit is reached. Every pair of
+/// sides may cross, and each crossing is a level at which all sides are cut. A few thousand maliciously
+/// chosen corners would take days. Realistic outlines need a thousandth of the limit.
 class Effort {
  public:
   void spend(std::size_t steps) {

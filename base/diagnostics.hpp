@@ -70,8 +70,8 @@ class Diagnostics {
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error. The k_most_errors-th error throws InputError with the errors so far, as throw_if_errors()
-  /// does, because to read on would only cost time and memory.
+  /// Adds an error. If it is the k_most_errors-th, throws InputError with the errors so far, as
+  /// throw_if_errors() does, because reading more of the input would only cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< limit per load, see error()
   /// Adds a warning.
@@ -108,8 +108,8 @@ class Diagnostics {
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// The message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean "diff"?)`.
 /// what: what the name stands for, here `drive`. known: the allowed names, of which the first 50 in
-/// alphabetical order are listed. If there are more than 2000, the message has no suggestion. If there is
-/// none, the message is `unknown drive "dif"; no drive exists`.
+/// alphabetical order are listed. If there are more than 2000, the message has no suggestion. If `known` is
+/// empty, the message is `unknown drive "dif"; no drive exists`.
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 /// The names joined as `a, b, c`.
 std::string comma_list(std::span<const std::string_view> names);

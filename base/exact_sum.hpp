@@ -12,7 +12,7 @@ namespace troupe {
 ///
 /// source  The sum is kept as an integer, in units of the smallest double: Neal, Fast exact summation using
 ///         small and large superaccumulators, arXiv:1505.05571, 2015.
-/// cost    some 5 ns per term
+/// cost    about 5 ns per term
 class ExactSum {
  public:
   /// Adds a term. With infinities or a NaN among the terms, the sum is what IEEE 754 addition gives: NaN for

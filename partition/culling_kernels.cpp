@@ -21,8 +21,8 @@ namespace {
 constexpr Rebind<std::uint32_t, Full<float>> k_u;
 
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits) {
-  // If the inverse range is 0, the quotient is infinite and the limit is range_max. Limits only cull, so
-  // their last bits do not matter.
+  // If the inverse range is 0, the quotient is infinite and the limit is range_max plus the margins. Limits
+  // only serve to discard edges that are too far away, so their last bits do not matter.
   Floats farthest = Zero(k_f);
   for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
     const Floats range = Min(Div(Set(k_f, 1.0f), LoadU(k_f, inverse + i)), LoadU(k_f, range_max + i));

@@ -86,7 +86,8 @@ class RayGrid {
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
 
-  /// Returns the first surface along a ray. Several threads may call it at once, but not during redraw().
+  /// Follows a ray through the cells and returns the first surface that it hits; range_max if it hits none.
+  /// Several threads may call it at once, but not during redraw().
   GridHit cast(const GridRay& ray) const;
 
   double resolution_m() const { return cells_.cell_m; }  ///< edge of a cell, metres
@@ -118,7 +119,7 @@ class RayGrid {
   };
   /// A region that is or was in use.
   struct Slot {
-    const Region* seen = nullptr;  // the one that rays see: live while bodies are in it, else fixed
+    const Region* seen = nullptr;  // the one that rays see: live while bodies are in it, else fixed or null
     std::unique_ptr<Region> fixed;
     std::unique_ptr<Region> live;
     std::uint64_t redrawn = 0;    // blocks of the live region that differ from the fixed one

@@ -79,7 +79,7 @@ using hn::Xor;
 
 using hn::MaxOfLanes;
 
-// On targets without an instruction for it, Highway 1.0.3 keeps the permutations of its Compress in an array
+// On targets without a compress instruction, Highway 1.0.3 keeps the permutations of its Compress in an array
 // inside the function. gcc 12 copies this array, up to a kilobyte, to the stack at every call, which took
 // three quarters of the time of a cull. Highway's CountTrue is a function call on SSSE3, the one target
 // without popcnt.
