@@ -1,4 +1,4 @@
-// Times the loops in which a tick spends its time:
+// Measures the speed of the loops in which a tick spends most of its time:
 //   build/release/bin/perf_kernels [--benchmark_filter=...]
 
 #include "base/diagnostics.hpp"
@@ -235,7 +235,8 @@ BENCHMARK(build_world)
     ->Name("load/world from its spec (items: robots)");
 
 /// Measures the sense phase. In each iteration, all sensors of every robot sense once, in the state after ten
-/// ticks. This includes the search for edges and bodies, the culls and the projection.
+/// ticks. This includes the search for edges and bodies, the tests that discard some of them, and the
+/// projection of the others on the beams.
 void sweep(benchmark::State& state, const char* world_file, std::size_t robots) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;

@@ -19,9 +19,9 @@ struct Timing {
   std::size_t robots = 0;
   double tick_s = 0;
   std::uint64_t ticks = 0;      ///< measured ticks in each repetition
-  std::uint64_t hash_tick = 0;  ///< the tick of `hash`, at the end of the first repetition
+  std::uint64_t hash_tick = 0;  ///< the tick at which `hash` is computed: the end of the first repetition
   std::uint64_t hash = 0;       ///< hash of the whole state, ranges included
-  bool repeatable = true;       ///< every repetition ended with the same hash
+  bool repeatable = true;       ///< false if another repetition had a different hash at hash_tick
   std::vector<double> wall_s;   ///< wall time of each repetition, s
   double beams_per_tick = 0;
   double rounds_per_tick = 0;  ///< rounds of conflict resolution, mean

@@ -62,7 +62,7 @@ struct Finder {
   Pose pose_body_sensor;
   Vec2 ahead = Vec2::UnitX();  // axis of view, body frame
   double range_min = 0;        // nearer targets are not found
-  double least_cos = 0;        // least cosine of the bearing of a target
+  double least_cos = 0;        // cosine of half the field of view
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   std::uint64_t sense(const DeviceBatch& batch) const;
@@ -178,7 +178,7 @@ class Search {
 void write(const Search& search, const Finder& finder, std::span<const Target> targets,
            engine::StateTable& state, std::size_t slot) {
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_fiducial_count)[0];
-  // Entries after those of the previous tick are 0 already.
+  // Entries after those of the previous tick are already 0.
   const std::size_t last =
       std::min<std::size_t>(finder.params.most_targets, std::max<std::size_t>(targets.size(), count));
   count = static_cast<std::uint32_t>(targets.size());

@@ -50,7 +50,7 @@ struct LightSensor {
 struct Seen {
   BodyId body;
   std::size_t device = 0;
-  Vec2 way = Vec2::Zero();  // displacement to it on the ground, sensor frame, m
+  Vec2 way = Vec2::Zero();  // horizontal displacement to the light, sensor frame, m
   double distance = 0;
   double intensity = 0;
 };

@@ -159,8 +159,8 @@ struct Link {
   const Speaker* speaker = nullptr;
 };
 
-/// The straight line between two radios. It starts at the radio with the lower id, so that both directions
-/// give the same result.
+/// The straight line between two radios. It starts at the radio on the body with the lower id, so that both
+/// directions give the same result.
 struct Line {
   Vec2 from, way;
   double z_from, z_way;
@@ -434,7 +434,7 @@ void Listener::find_links() {
   links_.resize(linked);
 }
 
-/// Computes the losses of links and removes those whose message does not arrive.
+/// Computes the losses of the links, and removes the links whose message does not arrive or is lost.
 void Listener::weaken_links() {
   if (radio_->params.walls != Walls::pass) find_walls();
   if (radio_->bodies_block()) find_blockers();
@@ -750,7 +750,7 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
               .pose_body_radio = pose_body_radio,
               .hears = params.hears == 0 ? params.range : params.hears};
   constexpr double k_light = 299792458;  // m/s
-  const double decade = 1 / log(10.0);   // decades per factor e
+  const double decade = 1 / log(10.0);   // decades in a factor of e
   const double hertz = params.frequency * 1e9;
   const double free_space = 20 * decade * log(4 * k_pi * hertz / k_light);  // dB, over the first metre
   switch (params.law) {

@@ -35,7 +35,7 @@ class Caster {
       array->resize(std::max(array->size(), most));
     if (ranger.common_origin)
       for (std::vector<float>* array : {&ox_, &oy_}) std::ranges::fill(*array, 0.0f);
-    // Culls may keep too many circles but never too few: their margins are above the rounding errors.
+    // The search may find too many circles but never too few: its margins are above the rounding errors.
     nearby_.begin(world.index(), world.scene().outlines(), world.geometry(),
                   ranger.reach * (1 + partition::k_range_slack) + 1e-6);
     for (std::size_t r = 0; r < batch.rows.size(); ++r) {
