@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// Prints file, line and condition and aborts if an internal invariant does not hold. Invalid input must be
-/// reported as an error instead. The check exists only in builds with TROUPE_ASSERTIONS, such as the Debug
-/// build; in all others the macro compiles to nothing.
+/// Checks an internal invariant. If `condition` is false, prints file, line and condition to standard error
+/// and aborts. Invalid input must be reported as an error instead. The check exists only in builds with
+/// TROUPE_ASSERTIONS, such as the Debug build; in all others the condition is not evaluated.
 #ifdef TROUPE_ASSERTIONS
 #define TROUPE_ASSERT(condition)                                                             \
   do {                                                                                       \

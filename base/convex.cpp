@@ -12,7 +12,8 @@ namespace {
 /// A right turn by less than this (radians) counts as straight on: collinear corners computed in floating
 /// point rarely lie exactly on one line.
 constexpr double k_straight = 1e-9;
-/// Corners whose heights differ by at most this fraction of the largest coordinate lie on one level.
+/// In this file heights and levels are y coordinates in the plane of the contours, not z. Corners whose
+/// heights differ by at most this fraction of the largest coordinate get the same level.
 constexpr double k_level = 1e-12;
 
 /// True if the path a, b, c turns left or goes straight on at b; false if it turns straight back.
@@ -35,7 +36,7 @@ Ring distinct(const Ring& ring) {
 
 // -- Trapezoids --
 
-/// A side of the region that is not horizontal.
+/// An edge of a contour that is not horizontal (parallel to the x axis).
 struct Side {
   Vec2 low;
   Vec2 high;
@@ -49,7 +50,7 @@ struct Side {
   }
 };
 
-/// A part of the region between two sides and two levels.
+/// A part of the region between two sides, which are given by their indices, and two levels.
 struct Trapezoid {
   std::size_t left;
   std::size_t right;
@@ -57,9 +58,9 @@ struct Trapezoid {
   double top;
 };
 
-/// Limits the work of one cut. Every pair of sides may cross, and each crossing is a level at which all sides
-/// are cut: a few thousand maliciously chosen corners would take days. Realistic outlines need a thousandth
-/// of the limit.
+/// Limits the work of one cut; spend() throws std::length_error when the limit is reached. Every pair of
+/// sides may cross, and each crossing is a level at which all sides are cut. A few thousand maliciously
+/// chosen corners would take days. Realistic outlines need a thousandth of the limit.
 class Effort {
  public:
   void spend(std::size_t steps) {
@@ -109,14 +110,15 @@ std::vector<Side> sides_of(const std::vector<Ring>& contours, const std::vector<
       if (b.y() < a.y()) sides.push_back({b, a});
     }
   }
-  // By their lower ends, for the sweep. Stable, so that the pieces do not depend on the implementation of
-  // sort.
+  // The sweep needs the sides in the order of their lower ends. The sort is stable so that the pieces do not
+  // depend on the implementation of sort.
   std::stable_sort(sides.begin(), sides.end(),
                    [](const Side& a, const Side& b) { return a.low.y() < b.low.y(); });
   return sides;
 }
 
-/// The heights at which sides cross between two levels. `active`: the sides that span both levels.
+/// The heights between the levels `bottom` and `top` at which sides cross. `active`: the indices of the sides
+/// that span both levels.
 std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom,
                               double top, Effort& effort) {
   std::vector<double> heights;
@@ -217,7 +219,8 @@ bool continues(const Piece& piece, const Piece& above) {
 std::vector<Piece> merged(const std::vector<Side>& sides, std::vector<Trapezoid> trapezoids,
                           double tolerance) {
   std::vector<Piece> pieces;
-  // By bottom; stable, so that trapezoids of one slab stay in order from left to right.
+  // Sorted by their bottoms. The sort is stable so that trapezoids of one slab stay in order from left to
+  // right.
   std::stable_sort(trapezoids.begin(), trapezoids.end(),
                    [](const Trapezoid& a, const Trapezoid& b) { return a.bottom < b.bottom; });
   // Maps the height and left end of a piece's top to the piece, to find the piece below a trapezoid.

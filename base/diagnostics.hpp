@@ -62,15 +62,16 @@ class Diagnostics {
   /// thorough: set for `troupe lint`. warning_once() then reports every place and not only the first, and the
   /// readers of input files also report problems that do not affect a run, such as unused definitions.
   explicit Diagnostics(bool thorough = false);
-  /// Not thorough. Refers to files by their numbers in an existing table; null means a new, empty table.
+  /// Creates diagnostics that are not thorough and number the input files by an existing table. If `files` is
+  /// null, they use a new, empty table.
   explicit Diagnostics(std::shared_ptr<SourceFiles> files);
 
   bool thorough() const { return thorough_; }  ///< whether to report every place, see the constructor
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error. The k_most_errors-th error throws InputError with the errors so far, as throw_if_errors()
-  /// does, because to read on would only cost time and memory.
+  /// Adds an error. If it is the k_most_errors-th, throws InputError with the errors so far, as
+  /// throw_if_errors() does, because reading more of the input would only cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< limit per load, see error()
   /// Adds a warning.
@@ -100,13 +101,15 @@ class Diagnostics {
   std::size_t errors_ = 0;
 };
 
-/// Returns a suggestion such as ` (did you mean "omni"?)`, with the known name at the least edit distance
-/// from `word`; of several such names, the first. Returns an empty text if even that name differs by more
-/// than one edit per three letters (of the shorter of the two words).
+/// Returns a suggestion such as ` (did you mean "omni"?)`, with the known name that differs from `word` by
+/// the fewest edits; of several such names, the first. An edit inserts, deletes or replaces a letter or swaps
+/// two adjacent ones. A name is suggested only if the shorter of the two words has at least three letters per
+/// edit. If there is no such name, the result is empty.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// The message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean "diff"?)`.
 /// what: what the name stands for, here `drive`. known: the allowed names, of which the first 50 in
-/// alphabetical order are listed. If there are more than 2000, the message suggests none.
+/// alphabetical order are listed. If there are more than 2000, the message has no suggestion. If `known` is
+/// empty, the message is `unknown drive "dif"; no drive exists`.
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 /// The names joined as `a, b, c`.
 std::string comma_list(std::span<const std::string_view> names);

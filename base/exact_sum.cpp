@@ -21,7 +21,7 @@ void ExactSum::add(double term) {
   }
   std::uint64_t mantissa = bits & ((std::uint64_t{1} << 52) - 1);
   if (exponent != 0) mantissa |= std::uint64_t{1} << 52;
-  // The term is mantissa * 2^shift units; denormals have the units of exponent 1.
+  // The term is mantissa * 2^shift units. A denormal has the exponent field 0 but the units of exponent 1.
   const std::uint32_t shift = std::max(exponent, 1u) - 1;
   const std::uint32_t within = shift % 32;
   const std::uint64_t low = mantissa << within;
@@ -46,7 +46,8 @@ void ExactSum::add(const ExactSum& other) {
   special_ += other.special_;
 }
 
-/// Brings all limbs but the last, which has the sign of the sum, to 0 up to 2^32 - 1.
+/// Moves the carry of each limb into the next one. Afterwards every limb except the last lies in
+/// [0, 2^32 - 1], and the last one has the sign of the sum.
 void ExactSum::carry(Limbs& limbs) {
   for (std::size_t i = 0; i + 1 < k_limbs; ++i) {
     limbs[i + 1] += limbs[i] >> 32;  // rounds down, also below 0
@@ -77,7 +78,8 @@ double ExactSum::value() const {
     for (std::size_t i = 0; i + 1 < dropped && is_tie; ++i) is_tie = bit(i) == 0;
     if (!is_tie || mantissa % 2 != 0) ++mantissa;
   }
-  // The leading bit of the mantissa, if there are 53, adds 1 to the exponent field.
+  // The exponent field of a normal number is dropped + 1. The 1 comes from the mantissa: its leading bit, the
+  // 53rd, overflows into the exponent field.
   const std::uint64_t magnitude = (static_cast<std::uint64_t>(dropped) << 52) + mantissa;
   constexpr auto k_infinity = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
   const std::uint64_t sign = is_negative ? std::uint64_t{1} << 63 : 0;

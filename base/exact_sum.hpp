@@ -12,7 +12,7 @@ namespace troupe {
 ///
 /// source  The sum is kept as an integer, in units of the smallest double: Neal, Fast exact summation using
 ///         small and large superaccumulators, arXiv:1505.05571, 2015.
-/// cost    some 5 ns per term
+/// cost    about 5 ns per term
 class ExactSum {
  public:
   /// Adds a term. With infinities or a NaN among the terms, the sum is what IEEE 754 addition gives: NaN for
@@ -24,8 +24,10 @@ class ExactSum {
   double value() const;
 
  private:
-  // Limb i holds a multiple of 2^(32 i) units of 2^-1074. Limbs are signed and overlap: a term adds less than
-  // 2^32 to each of three limbs, so their high halves collect carries, which carry() moves on in time.
+  // The sum is the total of limbs_[i] * 2^(32 i), in units of 2^-1074, the smallest double. Limbs are signed
+  // and have 64 bits, so neighbours overlap. A term adds less than 2^32 to each of three limbs, whose high
+  // halves collect the carries. After k_most_adds terms, before a limb can overflow, carry() moves the
+  // carries to the next limbs.
   static constexpr std::size_t k_limbs = 68;  // 2046 + 53 bits, and room for the carries of 2^64 terms
   static constexpr std::uint32_t k_most_adds = 1u << 30;
 
@@ -33,7 +35,7 @@ class ExactSum {
   static void carry(Limbs& limbs);
 
   Limbs limbs_{};
-  std::uint32_t adds_ = 0;  // terms since the last carry
+  std::uint32_t adds_ = 0;  // terms added since the last carry; another sum counts as one term
   double special_ = 0;      // sum of the infinities and NaNs among the terms
 };
 

@@ -2,8 +2,8 @@
 
 #include <cfenv>
 
-// Tests the arithmetic, not a control register, so that one probe works on every processor. The volatile
-// variables keep the compiler from computing the results at compile time.
+// The functions below test results of arithmetic instead of reading a control register, so that they work on
+// every processor. The volatile variables keep the compiler from computing the results at compile time.
 
 namespace troupe {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 bool rounds_to_nearest() {
   const volatile double one = 1.0;
   const volatile double above = 0x1p-53;         // half the step above 1: a tie, which goes to the even 1
-  const volatile double above_half = 0x1.8p-53;  // three quarters of it
+  const volatile double above_half = 0x1.8p-53;  // three quarters of the step above 1
   const volatile double below = 0x1p-54;         // half the step below 1
   const volatile double up_tie = one + above;
   const volatile double up = one + above_half;
@@ -23,7 +23,7 @@ bool keeps_denormal_results() {
   const volatile double smallest_normal = 0x1p-1022;
   const volatile double half = 0.5;
   const volatile double denormal = smallest_normal * half;
-  // Scaled back up, because a comparison with zero may itself read denormals as zero.
+  // The result is scaled back up, because a comparison with zero may itself read denormals as zero.
   const volatile double back = denormal * 0x1p100;
   return back == 0x1p-923;
 }

@@ -17,7 +17,8 @@ struct ZInterval {
   double max = 0;  ///< upper end; an interval with max < min is empty
 
   bool contains(double z) const { return min <= z && z <= max; }  ///< ends included
-  /// True if the open intervals meet: intervals that only touch do not overlap.
+  /// True if each of the two intervals begins below the upper end of the other. Intervals that only touch at
+  /// their ends do not overlap.
   bool overlaps(const ZInterval& other) const { return min < other.max && other.min < max; }
   ZInterval shifted(double dz) const { return {min + dz, max + dz}; }  ///< moved up by dz metres
   friend bool operator==(const ZInterval&, const ZInterval&) = default;

@@ -18,9 +18,9 @@ namespace {
 // would wait for its own stores and take 10 ns instead of 4.
 constexpr std::size_t k_gathered = 16;
 
-/// The sum of the hashes of at most k_gathered rows, each preceded by its id. Size: std::size_t, or an
-/// integral constant. With a constant the compiler turns the copies into moves and removes all branches of
-/// the hash.
+/// The sum of the hashes of at most k_gathered rows, each preceded by its id. `room` is a buffer for these
+/// rows and ids. Size is std::size_t or an integral constant. With a constant the compiler turns the copies
+/// into moves and removes all branches of the hash.
 template <class Size>
 std::uint64_t hash_few(std::byte* room, std::span<const BodyId> ids, const std::byte* first,
                        std::size_t stride, Size bytes, std::uint64_t seed) {
@@ -54,9 +54,10 @@ std::uint64_t hash_rows_of(std::span<const BodyId> ids, const std::byte* first, 
   return hash_all(room.data(), ids, first, stride, std::integral_constant<std::size_t, bytes>(), seed);
 }
 
-constexpr std::size_t k_widest = 64;  // bytes: the ranges of sixteen beams
+constexpr std::size_t k_widest = 64;  // bytes, such as the ranges of sixteen beams
 
-/// Indexed by the size of a row in four-byte words.
+/// The functions hash_rows_of() for rows of up to k_widest bytes, indexed by the size of a row in four-byte
+/// words.
 constexpr auto k_hash_rows = []<std::size_t... words>(std::index_sequence<words...>) {
   return std::array<HashRows, sizeof...(words)>{&hash_rows_of<4 * words>...};
 }

@@ -16,10 +16,10 @@ std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 
 /// Hashes a text: hash_bytes() of its characters with seed 0.
 std::uint64_t hash_text(std::string_view text);
 
-/// Returns the sum, modulo 2^64, of the hashes of rows, which does not depend on their order. The hash of a
-/// row is hash_bytes(), with this seed, of its four-byte id followed by its bytes. Row i belongs to ids[i],
-/// starts at first + i * stride and has `bytes` bytes. Costs a few ns per row. There is faster code for rows
-/// of 1 byte, and of a multiple of four bytes up to 64.
+/// Hashes the rows of a table. The result does not depend on the order of the rows: it is the sum, modulo
+/// 2^64, of the hashes of all rows. Row i belongs to the body ids[i], starts at first + i * stride and has
+/// `bytes` bytes; its hash is hash_bytes(), with `seed`, of its four-byte id followed by these bytes. Costs a
+/// few ns per row. Rows of 1 byte, or of a multiple of four bytes up to 64, are hashed by faster code.
 std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std::size_t stride,
                         std::size_t bytes, std::uint64_t seed);
 

@@ -30,15 +30,15 @@ struct Id {
 using BodyId = Id<struct BodyIdKind>;
 /// Identifies a body type, which holds the data that identical bodies share.
 using TypeId = Id<struct TypeIdKind>;
-/// Identifies a row of the state tables. A row holds the data of one mobile body; which body that is may
-/// change during a run.
+/// Identifies a row of the state tables. Every body that can move, sense or decide has a row, which holds its
+/// data. During a run a row may pass from one body to another.
 using Row = Id<struct RowKind>;
 
 }  // namespace troupe
 
 template <class Kind>
-/// Makes ids usable as keys of unordered containers. Do not iterate over such a container while a world is
-/// stepped: its order is unspecified.
+/// Makes ids usable as keys of unordered containers. Code that steps a world must not iterate over such a
+/// container: its order is unspecified, so results could differ between platforms.
 struct std::hash<troupe::Id<Kind>> {
   std::size_t operator()(troupe::Id<Kind> id) const noexcept { return id.value; }  ///< the index itself
 };

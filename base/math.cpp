@@ -43,7 +43,8 @@ Sum exact_sum(double a, double b) {
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
-/// a x b without error, unless something over- or underflows (Dekker 1971, with Veltkamp's splitting).
+/// a x b without error, unless an intermediate result overflows or underflows (Dekker 1971, with Veltkamp's
+/// splitting).
 Sum exact_product(double a, double b) {
   constexpr double k_split = 134217729.0;  // 2^27 + 1
   const double a_big = k_split * a;
@@ -56,12 +57,13 @@ Sum exact_product(double a, double b) {
   return {product, ((a_hi * b_hi - product) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo};
 }
 
-/// The integer nearest to x, for |x| < 2^31, as a double and as an integer. The sum with 1.5 x 2^52 has no
-/// bits for a fraction, so the addition itself rounds.
+/// An integer as a double and as an std::int32_t.
 struct Rounded {
   double value;
   std::int32_t integer;
 };
+/// The integer nearest to x, for |x| < 2^31. It is computed by adding 1.5 x 2^52: a double of that size has
+/// no bits for a fraction, so the addition itself rounds.
 Rounded nearest(double x) {
   constexpr double k_shift = 0x1.8p52;
   const double shifted = x + k_shift;
@@ -70,12 +72,12 @@ Rounded nearest(double x) {
 
 // -- Angles --
 
-/// Up to this angle the multiples of pi/2 are below 2^20, so that their products with the short parts of pi/2
-/// are exact.
+/// Up to this angle, rad, the number n of quarter turns is below 2^20, so that the products of n with the
+/// short parts of pi/2 are exact.
 constexpr double k_near = 0x1p20;
 
-/// angle - n * pi/2, for differences of at most about pi. The first subtraction is exact; the errors of the
-/// next two are kept. Together the parts represent pi/2 to 2^-157.
+/// angle - n * pi/2, for an n with which the difference is at most about pi. The first subtraction is exact;
+/// exact_sum() keeps the rounding errors of the next two. Together the parts represent pi/2 to 2^-157.
 Sum minus_half_pis(double angle, double n) {
   const double first = angle - n * k_half_pi_parts[0];
   const Sum second = exact_sum(first, -(n * k_half_pi_parts[1]));
@@ -91,15 +93,16 @@ struct Reduced {
   std::uint32_t quadrant;
 };
 
-/// Reduces large angles, after Payne and Hanek (1983). The angle's 53 bits are multiplied by the digits of
-/// 2/pi; of the product only the bits worth 2 and less matter. 192 of them give an error of 2^-137, and the
-/// smallest distance of a double from a multiple of pi/2 is about 2^-61.
+/// Reduces angles above k_near by the method of Payne and Hanek (1983): multiplies the angle's 53 bits by
+/// binary digits of 2/pi, which gives the angle in quarter turns. Bits of the product worth 4 quarter turns
+/// or more are whole turns and are not computed. 192 digits of 2/pi give an error of 2^-137; this suffices,
+/// because a double is at least about 2^-61 away from every multiple of pi/2.
 [[gnu::noinline]] Reduced reduce_far(double angle) {
   const std::uint64_t bits = bits_of(angle);
   const std::uint64_t mantissa = (bits & ((1ull << 52) - 1)) | (1ull << 52);
   const int exponent = static_cast<int>(bits >> 52) - 1075;  // angle = mantissa x 2^exponent
 
-  // 192 digits of 2/pi, starting with the one worth 2^(1 - exponent), the lowest word first.
+  // 192 digits of 2/pi, starting with the one worth 2^(1 - exponent). The lowest word is stored first.
   const unsigned first = static_cast<unsigned>(exponent + 62);
   std::array<std::uint64_t, 6> digits;
   for (unsigned i = 0; i < 6; ++i) {
@@ -178,8 +181,9 @@ SinCos sincos_reduced(const Reduced& angle) {
 
 // -- atan2 --
 
-/// atan2 of magnitudes: base + or - atan(numerator / denominator), for numerator <= denominator.
-/// exact_product() requires a denominator within 2^+-400 and a numerator that is zero or at least 2^-400.
+/// base + atan(numerator / denominator) if `minus` is 0, and base - atan(numerator / denominator) if it is
+/// the sign bit. Requires 0 <= numerator <= denominator and, because of exact_product(), a denominator from
+/// 2^-400 to 2^400 and a numerator that is zero or at least 2^-400.
 double atan_of_ratio(double numerator, double denominator, const Sum& base, std::uint64_t minus) {
   const double inverse = 1.0 / denominator;
   const double t = numerator / denominator;
@@ -203,8 +207,8 @@ double atan_of_ratio(double numerator, double denominator, const Sum& base, std:
   return hi + (lo + with_sign(small, minus));
 }
 
-/// Handles NaN, zeros and infinities, and scales the rest into the domain of atan_of_ratio(). The scale
-/// leaves the quotient unchanged.
+/// Does the same as atan_of_ratio() for arguments outside its domain. NaN, zeros, infinities and very small
+/// ratios are special cases. Other arguments are scaled into the domain, which leaves the ratio unchanged.
 [[gnu::noinline]] double atan_of_extreme_ratio(double numerator, double denominator, const Sum& base,
                                                std::uint64_t minus) {
   if (numerator != numerator || denominator != denominator) return k_nan;
@@ -283,7 +287,8 @@ double atan2(double y, double x) {
   const double denominator = steep ? ay : ax;
   const std::uint64_t x_sign = sign_of(x);
 
-  // Right of the y axis the angle is 0 + a or pi/2 - a; left of it, pi - a or pi/2 + a.
+  // With a = atan(numerator / denominator), the angle of (x, |y|) is 0 + a or pi/2 - a to the right of the y
+  // axis, and pi - a or pi/2 + a to the left of it.
   const double quarters = steep ? 1.0 : (x_sign != 0 ? 2.0 : 0.0);
   const Sum base = {quarters * k_half_pi[0], quarters * k_half_pi[1]};
   const std::uint64_t minus = steep ? x_sign ^ k_sign_bit : x_sign;
@@ -300,14 +305,14 @@ double exp(double x) {
     if (x != x) return k_nan;
     return x > 0 ? k_infinity : 0.0;
   }
-  // x = n ln(2)/32 + r: exp(x) = 2^(n / 32) 2^((n mod 32) / 32) exp(r)
+  // With x = n ln(2)/32 + r: exp(x) = 2^floor(n / 32) * 2^((n mod 32) / 32) * exp(r).
   const Rounded n = nearest(x * k_32_over_ln2);
   const double r = (x - n.value * k_ln2_over_32_hi) - n.value * k_ln2_over_32_lo;
   const double z = r * r;
   const double poly = (k_exp[0] + k_exp[1] * r) + z * ((k_exp[2] + k_exp[3] * r) + z * k_exp[4]);
   const double* row = k_exp_table + 2 * (n.integer & 31);
   const double value = row[0] + (row[1] + row[0] * (r + z * poly));
-  // In two steps, because neither 2^1024 nor 2^-1075 is a double.
+  // 2^exponent is multiplied as two factors, because neither 2^1024 nor 2^-1075 is a double.
   const int exponent = n.integer >> 5;
   const int half = exponent >> 1;
   return value * power_of_two(half) * power_of_two(exponent - half);

@@ -34,9 +34,9 @@ struct SinCos {
 /// Computes sine and cosine with a single argument reduction. The bits are those of sin() and cos().
 SinCos sincos(double radians);
 
-/// Sines and cosines of many angles, with the bits of sincos() of each angle but in half the time, because
-/// the compiler vectorises the loop. `out` must have the size of `radians`. (There is no such function for
-/// atan2: because of its three divisions it would not be faster.)
+/// Computes the sines and cosines of many angles. Each result has the same bits as from sincos(double), but
+/// the call takes half the time, because the compiler vectorises the loop. `out` must have the size of
+/// `radians`. (There is no such function for atan2: because of its three divisions it would not be faster.)
 void sincos(std::span<const double> radians, std::span<SinCos> out);
 
 /// Wraps an angle into [-k_pi, k_pi]. An angle inside is returned unchanged, bit for bit. From any other

@@ -19,7 +19,7 @@ struct Pose {
   double z = 0;        ///< metres: height of the origin of the frame
   double heading = 0;  ///< radians from the x axis of the parent frame; may be outside [-pi, pi]
 
-  Vec2 position() const { return {x, y}; }  ///< x and y, without z
+  Vec2 position() const { return {x, y}; }  ///< x and y in metres, without z
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
@@ -30,7 +30,7 @@ struct Rotation {
 
   Rotation() = default;
   explicit Rotation(double heading) : Rotation(sincos(heading)) {}  ///< heading in radians
-  /// From the sine and cosine of a heading.
+  /// Creates the rotation by a heading of which the sine and cosine are known.
   explicit Rotation(const SinCos& heading) : cos(heading.cos), sin(heading.sin) {}
   /// Transforms a displacement from the rotated frame to its parent frame.
   Vec2 operator*(const Vec2& v) const { return {v.x() * cos - v.y() * sin, v.x() * sin + v.y() * cos}; }
@@ -43,7 +43,7 @@ struct Transform {
   Rotation rotation;  ///< the rotation of the frame in its parent frame
 
   Transform() = default;
-  /// From a pose; drops z.
+  /// Creates the transform of a pose. Its z is ignored.
   explicit Transform(const Pose& pose) : position(pose.x, pose.y), rotation(pose.heading) {}
   Transform(const Vec2& p, const Rotation& r)
       : position(p), rotation(r) {}  ///< from a position and a rotation
@@ -55,7 +55,8 @@ struct Transform {
 };
 
 /// Combines two poses: returns pose_a_c from pose_a_b and pose_b_c. The heading is wrapped into [-pi, pi].
-/// transform_a_b: must equal Transform(pose_a_b), which callers that combine many poses compute only once
+/// transform_a_b must equal Transform(pose_a_b); a caller that uses the same pose_a_b many times computes it
+/// only once.
 inline Pose compose(const Pose& pose_a_b, const Transform& transform_a_b, const Pose& pose_b_c) {
   const Vec2 p = transform_a_b * pose_b_c.position();
   return {p.x(), p.y(), pose_a_b.z + pose_b_c.z, wrap_angle(pose_a_b.heading + pose_b_c.heading)};

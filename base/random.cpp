@@ -10,7 +10,8 @@ namespace troupe {
 
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key) {
-  // Constants: table 2 and section 4.2 of the paper; the key's steps are the golden ratio and sqrt(3) - 1.
+  // The constants are those of table 2 and section 4.2 of the paper. The steps of the key are the golden
+  // ratio minus 1 and sqrt(3) - 1, both times 2^32.
   constexpr std::uint64_t k_factor_0 = 0xd2511f53;
   constexpr std::uint64_t k_factor_1 = 0xcd9e8d57;
   constexpr std::uint32_t k_step_0 = 0x9e3779b9;
@@ -63,7 +64,8 @@ double Random::uniform(double low, double high) {
 std::uint32_t Random::below(std::uint32_t n) {
   TROUPE_ASSERT(n > 0);
   // Lemire, Fast random integer generation in an interval, 2019: the upper half of bits * n is the result.
-  // Lower halves below 2^32 mod n are rejected, so that every result has the same number of preimages.
+  // A product whose lower half is below 2^32 mod n is rejected, so that every result comes from the same
+  // number of values of bits().
   std::uint64_t product = static_cast<std::uint64_t>(bits()) * n;
   if (static_cast<std::uint32_t>(product) < n) {
     const std::uint32_t surplus = (0u - n) % n;

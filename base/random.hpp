@@ -49,9 +49,9 @@ class Random {
 
  private:
   std::array<std::uint32_t, 2> key_;
-  std::array<std::uint32_t, 4> counter_;  // {k, stream, entity, tick}
-  std::array<std::uint32_t, 4> block_{};
-  unsigned left_ = 0;
+  std::array<std::uint32_t, 4> counter_;  // {number of the next block, stream, entity, tick}
+  std::array<std::uint32_t, 4> block_{};  // the four draws that one call of philox4x32() gives
+  unsigned left_ = 0;                     // number of draws of block_ that are not used yet
 };
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): a bijection in which every bit of the
@@ -62,7 +62,8 @@ inline std::uint64_t scramble(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Combines a hash with a further value, see mix().
+/// Returns a 64-bit hash of a value and of `mixture`, the hash of all values before it (0 if there are none).
+/// Every bit of the result depends on every bit of both.
 inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
   constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;  // 2^64 over the golden ratio, SplitMix64's increment
   return scramble(mixture + value + k_step);

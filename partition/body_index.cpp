@@ -8,12 +8,13 @@ namespace {
 
 constexpr std::size_t k_least_part = 512;  // least rows that a task counts
 constexpr std::size_t k_most_parts = 64;
-constexpr std::size_t k_sorted = 1024;    // rows that a task sorts into cells, at least
-constexpr std::size_t k_empty = 32;       // to sort an empty tile takes as long as this many rows
+constexpr std::size_t k_sorted = 1024;    // least rows that a task sorts into cells
+constexpr std::size_t k_empty = 32;       // an empty tile takes as long to sort as this many rows
 constexpr std::size_t k_summed = 256;     // tiles that a task sums up
 constexpr std::size_t k_read_beyond = 3;  // circles that unpack() may read beyond the end
 
-/// Calls visit(first cell in tile, one past the last) for the rows of cells of each block of a tile.
+/// Visits the cells of a tile block by block. Calls visit(index of the first cell, index one past the last)
+/// for each row of cells of each block; see GridGeometry::in_tile() for the index.
 template <class Visit>
 void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
   const std::int32_t tile = 1 << grid.tile_bits;
@@ -26,8 +27,8 @@ void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
       }
 }
 
-/// Resizes a list of entries of wide bodies. Their number varies slightly as the bodies move, so a quarter
-/// more is reserved and not every tick allocates.
+/// Resizes a list that may contain entries of wide bodies. The number of these entries varies slightly as the
+/// bodies move, so a quarter more is reserved; otherwise many ticks would allocate memory.
 template <typename T>
 void resize_with_room(std::vector<T>& list, std::size_t size) {
   if (size > list.capacity()) list.reserve(size + size / 4);
@@ -62,8 +63,8 @@ void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
     for (std::int32_t x = low.x; x <= high.x; ++x) visit(Cell{x, y});
 }
 
-/// Calls visit(cell in tile, whether it contains the origin) for each cell of the tile in which the row is
-/// listed.
+/// Calls visit(index of the cell in the tile, whether the cell contains the body's origin) for each cell of
+/// the tile in which the row is listed.
 template <class Visit>
 void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const {
   if (!is_wide(row)) {
@@ -82,7 +83,8 @@ void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit
       visit(geometry_.in_tile({x, y}), Cell{x, y} == home);
 }
 
-/// Counts the part's rows per tile. Collects unknown tiles in new_tiles.
+/// Counts the part's rows per tile in part.next, and collects tiles that have no slot yet in part.new_tiles.
+/// Also stores the cell of each row's origin in homes_.
 void BodyIndex::count(Part& part) {
   const std::size_t cells = geometry_.cells_per_tile();
   part.next.assign(directory_.size(), 0);
@@ -91,7 +93,7 @@ void BodyIndex::count(Part& part) {
   part.has_wide = false;
   Cell last_tile;
   std::uint32_t last_slot = TileDirectory::k_none;
-  // Skips the search if the previous row was in the same tile, as it often is.
+  // The search is skipped if the previous row was in the same tile, which is often the case.
   const auto slot_of = [&](Cell tile) {
     if (last_slot == TileDirectory::k_none || !(tile == last_tile)) {
       last_tile = tile;
@@ -141,7 +143,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   places_ = places;
   radii_ = radii;
   homes_.resize(rows);
-  // Reserved for all rows, present or not, so that later ticks do not allocate.
+  // Memory is reserved for all rows, also for those of absent bodies, so that later ticks do not allocate.
   tile_rows_.reserve(rows);
   circles_.reserve(rows + k_read_beyond);
   order_.reserve(rows);
@@ -205,7 +207,8 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   for_each_tile([&](std::size_t slot) { sort_tile(slot); });
 }
 
-/// Turns counts_, the sizes of the tiles, into tiles_, their starts, by a parallel prefix sum.
+/// Computes tiles_, where each tile starts in each array, from counts_, the sizes of the tiles, by a parallel
+/// prefix sum.
 void BodyIndex::place_tiles(Parallel& parallel) {
   const std::size_t slots = counts_.size();
   const std::size_t tasks = (slots + k_summed - 1) / k_summed;
@@ -235,8 +238,9 @@ void BodyIndex::place_tiles(Parallel& parallel) {
   });
 }
 
-/// Counts the circles and the homes (rows whose origin is here) of a tile. With wide bodies a tile may have
-/// more circles than rows, and fewer homes than rows.
+/// Counts the entries of a tile in circles_ and the rows of bodies whose origin is in the tile. If there are
+/// wide bodies, a tile may have more circles than rows, and its rows may include bodies with their origin in
+/// another tile.
 void BodyIndex::weigh_tile(std::size_t slot) {
   const Cell tile = directory_.tile(static_cast<std::uint32_t>(slot));
   Tile& count = counts_[slot];
@@ -249,7 +253,7 @@ void BodyIndex::weigh_tile(std::size_t slot) {
   }
 }
 
-/// Sorts the rows of a tile by cell: a counting sort.
+/// Sorts the rows of a tile by cell with a counting sort, and writes them to circles_ and order_.
 void BodyIndex::sort_tile(std::size_t slot) {
   const std::size_t cells = geometry_.cells_per_tile();
   const Cell tile = directory_.tile(static_cast<std::uint32_t>(slot));

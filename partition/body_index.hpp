@@ -10,9 +10,9 @@
 
 namespace troupe::partition {
 
-/// A circle that encloses a body, metres, world frame: the entry of a spatial index. It is enlarged so that
-/// rounding to float cuts off no part of the body's own circle, which is centred on the body's origin. It
-/// consists of floats, so that four circles fill a cache line and kernels load them directly; the exact
+/// A circle that encloses a body, metres, world frame: an entry of a spatial index. Its numbers are floats,
+/// so that four circles fill a cache line and kernels load them directly. Because of the rounding to float,
+/// the circle is slightly larger than the body's own circle, which is centred on the body's origin. The exact
 /// position of the body is found by its row.
 struct BodyCircle {
   float x;            ///< centre, east
@@ -21,10 +21,11 @@ struct BodyCircle {
   std::uint32_t row;  ///< row of the body; in FixedOutlines the number of a piece of an outline
 };
 
-/// The circle about a position, enlarged for rounding. Rounding moves a coordinate c by at most 2^-24 |c| (by
-/// at most 2^-150 if c is smaller than the normal floats), and the centre by at most the sum of both
-/// coordinates' shifts. The radius grows by that sum, and by a factor of 1 + 2^-22 for its own rounding: in
-/// total 12 micrometres at 100 m from the origin, 12 millimetres at 100 km.
+/// Makes a BodyCircle that encloses the circle of this radius about this position (metres, world frame).
+/// Rounding to float moves a coordinate c by at most 2^-24 |c| (by at most 2^-150 if c is smaller than the
+/// normal floats), and the centre by at most the sum of the shifts of both coordinates. The radius grows by
+/// that sum, and by a factor of 1 + 2^-22 for its own rounding: in total 12 micrometres at 100 m from the
+/// origin, 12 millimetres at 100 km.
 inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uint32_t row) {
   const double shift = 0x1p-24 * (std::abs(position.x()) + std::abs(position.y())) + 0x1p-120;
   return {static_cast<float>(position.x()), static_cast<float>(position.y()),
@@ -100,8 +101,9 @@ class BodyIndex {
                             });
   }
 
-  /// All rows in the index, each once, sorted by tile, then by block within the tile, then by cell, then by
-  /// row. Work in this order keeps neighbours in the caches.
+  /// All rows in the index, each once, sorted by the tile of their origin, then by block within the tile,
+  /// then by cell, then by row. If rows are processed in this order, the data of their neighbours are often
+  /// still in the caches.
   std::span<const std::uint32_t> order() const { return order_; }
   /// A number that identifies the cell of the row's origin: rows have equal numbers if they are in one cell.
   /// Valid until the next rebuild().
@@ -109,7 +111,7 @@ class BodyIndex {
   /// Number of known tiles: those that contain bodies, and some that recently did.
   std::size_t tiles() const { return directory_.size(); }
   const GridGeometry& geometry() const { return geometry_; }  ///< the grid
-  /// The largest radius of the bodies that are not wide, metres.
+  /// The largest radius of the bodies that are not wide (not wider than a cell), metres.
   double largest_small_radius() const { return small_radius_; }
   /// Whether there are wide bodies, which for_each_run() may visit several times.
   bool has_wide() const { return has_wide_; }
@@ -118,12 +120,13 @@ class BodyIndex {
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
   Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
-  /// Whether entry i of a wide body is the entry in the body's lowest cell within the query. for_each_near()
-  /// visits the body only for this entry, and thus once.
+  /// A wide body has an entry in each cell that it touches. Returns whether entry i of its row is the one in
+  /// the lowest of those cells that are within the query. for_each_near() visits the body only for this
+  /// entry, and thus once.
   bool first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                      std::size_t first, std::size_t last, std::uint32_t i) const;
 
-  /// A part of the rows, counted and distributed by one task.
+  /// A range of rows, [first, last), that one task counts and sorts into tiles.
   struct alignas(64) Part {
     std::uint32_t first = 0;
     std::uint32_t last = 0;

@@ -8,17 +8,17 @@
 
 namespace troupe::partition {
 
-/// An index of static boxes by the grid cells that they touch, with about as many cells as boxes. A box that
-/// covers many cells, such as that of a floor plan among a thousand crates, is kept in a separate list; it
-/// then costs no more than a crate.
+/// An index of static boxes by the grid cells that they touch. The grid has about as many cells as there are
+/// boxes. A box that covers many cells, such as that of a floor plan among a thousand crates, is kept in a
+/// separate list instead of in each of its cells; every query visits the boxes of that list.
 class BoxGrid {
  public:
   BoxGrid() = default;
-  /// Indexes the boxes; box i has index i. Queries never return empty boxes.
+  /// Indexes the boxes. Queries report a box by its position in `boxes` and never report an empty box.
   explicit BoxGrid(std::span<const Box> boxes);
 
-  /// Calls visit(index of a box), at least once for each box that may touch `box`, until a call returns true.
-  /// Returns whether a call returned true.
+  /// Calls visit(index of a box) at least once for each box that touches `box`, and also for some that do
+  /// not. Stops when a call returns true. Returns whether a call returned true.
   template <class Visit>
   bool any_near(const Box& box, Visit&& visit) const {
     for (const std::uint32_t i : wide_)

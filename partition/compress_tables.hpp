@@ -6,9 +6,10 @@
 
 namespace troupe::partition {
 
-/// The permutations that compress a SIMD vector: for each mask of kLanes lanes, the one that moves the
-/// selected lanes to the front in their order. It lists the source of each lane (kBytes = 1), or of each of
-/// the kBytes bytes of each lane. The entries after those of the selected lanes are 0.
+/// Makes a table with one permutation for each mask of kLanes lanes, in the order of the masks. The
+/// permutation moves the lanes that the mask selects to the front of a SIMD vector and keeps their order. If
+/// kBytes is 1, it lists the source of each lane; otherwise it lists the source of each of the kBytes bytes
+/// of each lane. The entries after those of the selected lanes are 0.
 template <std::size_t kLanes, std::size_t kBytes>
 constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table() {
   std::array<std::uint8_t, (kLanes * kBytes) << kLanes> table{};
@@ -21,10 +22,10 @@ constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table()
   return table;
 }
 
-/// Sources of lanes, for vectors of eight lanes: 2 KiB. Four bits per lane would halve the size but cost two
-/// more instructions.
+/// The table of the sources of lanes, for vectors of eight lanes. It takes 2 KiB. Four bits per lane would
+/// halve the size but cost two more instructions.
 alignas(64) inline constexpr auto k_compress_lanes = compress_table<8, 1>();
-/// Sources of bytes, for vectors of four lanes of four bytes.
+/// The table of the sources of bytes, for vectors of four lanes of four bytes.
 alignas(64) inline constexpr auto k_compress_bytes = compress_table<4, 4>();
 
 }  // namespace troupe::partition

@@ -1,5 +1,5 @@
-// Culls of the exact ray engine: kernels that process a vector of circles at a time and discard the circles
-// that no beam can reach. Compiled once for each instruction set that Highway supports.
+// Culling kernels of the exact ray engine. They process a vector of circles at a time and discard the circles
+// that no beam can reach. This file is compiled once for each instruction set that Highway supports.
 
 #include "partition/ranging.hpp"
 
@@ -21,8 +21,8 @@ namespace {
 constexpr Rebind<std::uint32_t, Full<float>> k_u;
 
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits) {
-  // If the inverse range is 0, the quotient is infinite and the limit is range_max. Limits only cull, so
-  // their last bits do not matter.
+  // If the inverse range is 0, the quotient is infinite and the limit is range_max plus the margins. Limits
+  // only serve to discard edges that are too far away, so their last bits do not matter.
   Floats farthest = Zero(k_f);
   for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
     const Floats range = Min(Div(Set(k_f, 1.0f), LoadU(k_f, inverse + i)), LoadU(k_f, range_max + i));
@@ -34,16 +34,16 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
   return GetLane(MaxOfLanes(k_f, farthest));
 }
 
-/// The properties of a fan (see Fan) for whose combinations there are specialised kernels.
+/// Two properties of a fan (see Fan). There is a specialised kernel for each combination of their values.
 struct Shape {
   bool common_origin;
   bool mirrored;
 };
 
-/// The segments of the beams up to their limits. The centre p of a circle, relative to the reference, is
-/// |p x d - aside| away from the line of a beam with direction d, and |p . d - middle| - half beyond the ends
-/// of its segment. Segments also end at distance `high` from the reference, the outer limit of this search,
-/// so that rounding errors do not grow with the length of a beam.
+/// The beams as segments that end at the limits of the beams. The centre p of a circle, relative to the
+/// reference, is |p x d - aside| away from the line of a beam with direction d, and |p . d - middle| - half
+/// beyond the ends of its segment. Segments also end at distance `high` from the reference, the outer limit
+/// of this search, so that rounding errors do not grow with the length of a beam.
 struct Parts {
   alignas(64) float aside[k_most_beams];   // offset of the beam's line from the reference
   alignas(64) float middle[k_most_beams];  // middle of the segment, along the beam
@@ -69,7 +69,8 @@ struct Parts {
 template <Shape kShape>
 HWY_INLINE Vec<decltype(k_u)> beams_that_meet(const Floats& x, const Floats& y, const Floats& radius,
                                               const Fan& fan, const Parts& parts) {
-  // Bits are shifted in from below, so that no bit needs its own constant; a true lane of a mask is -1.
+  // The bits of a set are shifted in from below, so that no bit needs its own constant. Subtracting the mask
+  // sets the new bit where the mask holds, because a true lane is the integer -1.
   const auto mark_beam = [&](Vec<decltype(k_u)>& beams, const Floats& aside, const Floats& past) {
     const auto meets = RebindMask(k_u, Le(Max(aside, past), radius));
     beams = Sub(Add(beams, beams), VecFromMask(k_u, meets));
@@ -119,16 +120,17 @@ std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, flo
   return kept;
 }
 
-/// Keeps the circles whose nearest point is from `low` to `high` (m) away from the reference, with a margin,
-/// and makes their coordinates relative to the reference. Pads them with one vector of circles that no beam
-/// hits. `kept` needs room for two more vectors than there are circles.
+/// Copies to `kept` the circles in [begin, end) whose nearest point is from `low` to `high` (m) away from the
+/// reference, with a margin, and makes their coordinates relative to the reference. Returns their number.
+/// Pads them with one vector of circles that no beam hits, so `kept` needs room for two more vectors than
+/// there are circles.
 HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t begin, std::size_t end,
                                     const Vec2& reference, float low, float high, MetCircles& kept) {
   const Floats rx = Set(k_f, static_cast<float>(reference.x()));
   const Floats ry = Set(k_f, static_cast<float>(reference.y()));
   const auto shift = static_cast<float>(0x1p-23 * (std::abs(reference.x()) + std::abs(reference.y())));
-  // The rounding errors of sides grow with |x| + |y|; this slack is ten times their bound. It depends only on
-  // the distance, so that adjacent bands leave no gap.
+  // The rounding errors of the distances of circles from beams grow with |x| + |y|; this slack is ten times
+  // their bound. It depends only on the distance, so that searches in adjacent intervals leave no gap.
   const auto slack = [&](float distance) { return k_cull_slack + shift + 3e-6f * distance; };
   const Floats margin = Set(k_f, slack(high));
   const Floats farthest = Set(k_f, high + slack(high));
@@ -165,7 +167,8 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
     const auto rows = LoadU(k_u, &met.row[i]);
     const Floats distance = Sqrt(Add(Mul(x, x), Mul(y, y)));
     const Floats angle = angles.of(x, y);
-    // asin q <= q + (pi/2 - 1) q^3 on [0, 1]
+    // The circle subtends the angles up to asin(radius / distance) on each side of its centre. An upper bound
+    // is asin(q) <= q + (pi/2 - 1) q^3 for q in [0, 1].
     const Floats q = Div(radius, distance);
     const Floats width = Add(q, Mul(Set(k_f, 0.5708f), Mul(Mul(q, q), q)));
     const Floats from = Sub(angle, width);
@@ -187,8 +190,8 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
   for (std::size_t i = 0; i < spanning; ++i) {
     const Floats from = Set(k_f, met.x[i]);
     const Floats to = Set(k_f, met.y[i]);
-    // The limits of the other beams of the vector are masked: a beam that the circle does not span may see
-    // far.
+    // The limits of beams that the circle does not span are set to 0, because such a beam may have a long
+    // range.
     const auto limits_at = [&](std::int32_t at) {
       const Floats beam = Add(lane, Set(k_f, static_cast<float>(at)));
       return IfThenElseZero(And(Ge(beam, from), Le(beam, to)), LoadU(k_f, limits + at));

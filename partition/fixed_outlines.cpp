@@ -36,8 +36,8 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
       return;
     }
     const auto parts = static_cast<std::uint32_t>(std::clamp(length / (2 * most) + 1, 1.0, 1e6));
-    // Whether a beam hits the very end of an edge is decided by rounding to float, so the circles are
-    // enlarged by that error.
+    // Because of rounding to float, a beam may hit an edge slightly beyond its end. The circles are enlarged
+    // by that error.
     constexpr double k_ends = 8e-6;
     for (std::uint32_t i = 0; i < parts; ++i)
       circles.push_back(
@@ -65,7 +65,7 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
   vertices_.resize(vertices_.size() + k_most_edges,
                    Vec2::Zero());  // EdgeBlock::add() reads beyond the end of a chain
 
-  // A counting sort by cell.
+  // The circles are sorted by cell with a counting sort.
   const std::size_t cells = geometry_.cells_per_tile();
   for (const ChainCircle& c : circles) {
     directory_.insert(geometry_.tile(geometry_.cell(c.center)));

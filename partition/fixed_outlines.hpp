@@ -16,23 +16,24 @@ struct FixedEdge {
   std::uint32_t solid;  ///< index into StaticScene::solids()
 };
 
-/// The outlines of the static scene, for rangers. They are cut into pieces: short chains of edges, each with
-/// an enclosing circle. The circles are indexed by the grid cell of their centre. A ranger treats a piece
-/// like a body: if its beams cannot reach the circle it skips the piece, otherwise it projects the edges. An
-/// edge longer than the width of a piece gets several circles. It is not cut, because that would change the
-/// bits of readings.
+/// The outlines of the static scene, for rangers and other sensors. They are divided into pieces: short
+/// chains of edges, each with an enclosing circle. The circles are indexed by the grid cell of their centre.
+/// A ranger skips a piece if its beams cannot reach the circle of the piece, as it does for bodies. An edge
+/// longer than the width of a piece is a piece of its own with several circles. It is not cut, because that
+/// would change the bits of readings.
 class FixedOutlines {
  public:
   FixedOutlines() = default;
-  /// edges: the edges of each outline must be consecutive. piece_m: largest width of a piece, metres; it
-  /// affects the speed, never a reading.
+  /// edges: the edges of each outline must follow one another. piece_m: largest width of a piece, except for
+  /// longer edges, and edge of the cells of the grid, metres; it affects the speed, never a reading.
   FixedOutlines(std::span<const FixedEdge> edges, double piece_m);
 
   /// The grid of the circles' centres.
   const GridGeometry& geometry() const { return geometry_; }
 
-  /// Calls visit(span of circles) for runs of circles with centres in the cells from low to high, both
-  /// included. The member `row` of a circle is the number of its piece.
+  /// Calls visit(span of circles) for the circles with centres in the cells from low to high, both included,
+  /// a few at a time. The member `row` of a circle is the number of its piece. A piece may have several
+  /// circles.
   template <class Visit>
   void for_each_run(Cell low, Cell high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, low, high,

@@ -11,8 +11,9 @@
 namespace troupe::partition {
 namespace {
 
-/// Calls visit(low, high) for the up to four rectangles of cells that remain of [low, high] without
-/// [inner_low, inner_high], which must be inside it.
+/// Divides the cells of the rectangle [low, high] that are not in the rectangle [inner_low, inner_high] into
+/// at most four rectangles, and calls visit(low, high) for each. The inner rectangle must be inside the outer
+/// one; `low` and `high` are cells of opposite corners, both included.
 template <class Visit>
 void for_each_rectangle(Cell low, Cell high, Cell inner_low, Cell inner_high, Visit&& visit) {
   if (low.y < inner_low.y) visit(low, Cell{high.x, inner_low.y - 1});
@@ -31,7 +32,8 @@ void NearbyOutlines::begin(const BodyIndex& bodies, const FixedOutlines& fixed, 
   reach_ = reach;
   home_.reset();
   radii_.clear();
-  // The radii are chosen such that the bands of bodies end at cell borders.
+  // The radii are chosen such that the bands of bodies, which are searched with the largest radius of a body
+  // as a margin, end at cell borders.
   for (double cells = 2;; cells *= 2) {
     const double radius = cells * geometry.cell_m - bodies.largest_small_radius();
     if (radius >= reach) break;

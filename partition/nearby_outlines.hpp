@@ -11,11 +11,12 @@
 
 namespace troupe::partition {
 
-/// Circles in one array per component, metres, world frame. The arrays never shrink.
+/// A list of circles, with one array per component so that kernels load several circles at a time. Metres,
+/// world frame. The arrays never shrink and may have more entries than there are circles.
 struct CircleArrays {
   std::vector<float> x;            ///< x of the centres
   std::vector<float> y;            ///< y of the centres
-  std::vector<float> radius;       ///< minus infinity for padding, which no beam hits
+  std::vector<float> radius;       ///< minus infinity for a circle that is only padding; no beam hits it
   std::vector<std::uint32_t> row;  ///< row of a body, or number of a piece of the static scene
 
   /// Ensures that the arrays have room for this many circles; keeps the contents.
@@ -39,27 +40,30 @@ struct CircleArrays {
 /// Consecutive circles in memory. Three more must be readable beyond the end, because kernels load several at
 /// a time.
 using CircleRun = std::span<const BodyCircle>;
-/// Writes the circles of all runs, one after another, to out[size], out[size + 1] and so on. Sets the bits of
-/// `mark` in their rows. `out` needs room for three more circles.
+/// Copies the circles of all runs, one after another, to the entries of `out` from number `size` on. Sets the
+/// bits of `mark` in the rows of the copies. `out` must have room for three more circles than are copied.
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
-/// The circles that sensors in one block of cells (see GridGeometry) may hit: circles of bodies and of pieces
-/// of static outlines, in bands from near to far. A band is gathered on first use and then serves all sensors
-/// in the block: in a crowd most sensors need only the first band.
+/// The circles that the rays of sensors in one block of cells (see GridGeometry) may hit: the circles of
+/// bodies and of pieces of static outlines. They are divided into bands by their distance from the block,
+/// near ones first. A band is gathered on first use and then serves all sensors in the block. In a crowd most
+/// sensors need only the first band.
 class NearbyOutlines {
  public:
-  /// In circles(), the row of a body is its row, and that of a piece of a static outline is its number with
-  /// this bit set.
+  /// In circles(), the member `row` is the row of a body or, with this bit set, the number of a piece of a
+  /// static outline.
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
-  /// Sets the indices to search and their grid; they must stay valid during the queries. reach: largest
-  /// distance of a circle from a sensor, metres
+  /// Sets the indices to search, which must stay valid during the queries, and forgets the current block.
+  /// geometry: the grid of `bodies`, whose blocks are used. reach: largest distance of a circle from a
+  /// sensor, metres.
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
-  /// Makes the block that contains this point (world frame) the current block.
+  /// Makes the block that contains this point (world frame, metres) the current block. The other members
+  /// refer to this block. If the block changes, all bands are gathered again on their next use.
   void set_block_of(const Vec2& point);
 
-  /// Number of bands. Together they contain every circle within the reach of any point of the block, and
-  /// more.
+  /// Number of bands. Together they contain every circle within the reach of any point of the block, and some
+  /// that are farther away.
   std::size_t bands() const { return radii_.size(); }
   /// A distance in metres: every circle closer than this to any point of the block is in this band or an
   /// earlier one.
@@ -77,9 +81,10 @@ class NearbyOutlines {
   }
   /// The circles of all bands gathered so far; grows when the next band is gathered.
   const CircleArrays& circles() const { return circles_; }
-  /// A distance from a sensor, metres: in the first band, the sensor should first search the circles within
-  /// this distance, which are about k_nearest_shell_circles on average, and then the others. It is at most
-  /// radius(0), or infinite if there are so few circles that a single search is faster.
+  /// A distance from a sensor, metres. In the first band a sensor should first search the circles within this
+  /// distance, about k_nearest_shell_circles on average, and then the others. The distance is at most
+  /// radius(0). It is infinite if the first band has so few circles that a single search is faster. Valid
+  /// once the first band has been gathered.
   double nearest_shell_m() const { return nearest_shell_m_; }
   static constexpr double k_nearest_shell_circles = 20;  ///< see nearest_shell_m()
   /// nearest_shell_m() is infinite if the first band has at most this many circles.
@@ -95,7 +100,7 @@ class NearbyOutlines {
   double nearest_shell_m_ = 0;
   std::vector<double> radii_;
   std::optional<Cell> home_;        // the current block
-  std::array<CircleRun, 64> runs_;  // found, not yet unpacked
+  std::array<CircleRun, 64> runs_;  // runs that were found but not yet unpacked
   CircleArrays circles_;
   std::vector<std::size_t> ends_;  // ends of the bands gathered so far
 };

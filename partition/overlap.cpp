@@ -36,11 +36,11 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces) {
 
 namespace {
 
-/// True if the polygon lies left of the line through its edge, which starts at p[j] and has the direction
-/// `edge`. This holds for every edge of a convex polygon, unless the edge is so short that the rounding of
-/// its ends decides its direction. The line of such an edge may cut its own polygon, and then it cannot serve
-/// to separate it from another one. (The alternative, merging corners that are close together, was rejected:
-/// which distance is too small depends on the distance from the origin.)
+/// True if the polygon lies to the left of the line through its edge that starts at p[j] and has the
+/// direction `edge`. This holds for every edge of a convex polygon, unless the edge is so short that the
+/// rounding of its ends changes its direction. The line of such an edge may cut its own polygon, and then it
+/// cannot separate this polygon from another one. (The alternative, merging corners that are close together,
+/// was rejected: which distance is too small depends on the distance from the origin.)
 template <class Polygon>
 bool bounds_its_polygon(const Polygon& p, std::size_t j, const Vec2& edge) {
   double low = 0;
@@ -53,8 +53,9 @@ bool bounds_its_polygon(const Polygon& p, std::size_t j, const Vec2& edge) {
   return high > 0 && low >= -1e-9 * high;
 }
 
-/// Separating axes: two convex polygons share no area if and only if the line through an edge of one of them
-/// separates them. `> 0`, because polygons that only touch count as separated.
+/// Whether the line through an edge of p separates p from q. Two convex polygons share no area if and only if
+/// the line through an edge of one of them separates them. The comparison is `> 0`, because polygons that
+/// only touch count as separated.
 template <class P, class Q>
 bool separated_by_edges_of(const P& p, const Q& q) {
   for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++) {

@@ -28,17 +28,17 @@ struct ObstacleShape {
   bool empty() const { return pieces.empty(); }  ///< true if the body blocks nothing
 };
 
-/// A margin, metres. Culls, which quickly discard pairs that are far apart, add it to their bounds so that
-/// they keep every pair that overlap() would find. It is far above the rounding error of a corner's position,
-/// 1.5e-11 m at 100 km from the origin.
+/// A margin, metres. Fast tests that discard pairs of shapes which are far apart add it to their bounds, so
+/// that they keep every pair that overlap() would find. The margin is far above the rounding error of a
+/// corner's position, which is 1.5e-11 m at 100 km from the origin.
 inline constexpr double k_rounding_m = 1e-9;
 
 /// Makes a shape from the convex pieces of a body's obstacle solids.
 ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 
-/// True if the two bodies share area at a common height; bodies that only touch do not overlap. Tests polygon
-/// against polygon with separating axes, in double. The caller must pass the body with the lower id as `a`,
-/// so that the result is the same whichever of the two bodies moves.
+/// True if the two shapes share area at a common height. Shapes that only touch do not overlap. The pieces
+/// are compared as polygons with separating axes, in double. The caller must pass the body with the lower id
+/// as `a`, so that the result is the same whichever of the two bodies moves.
 bool overlap(const ObstacleShape& a, const Pose& pose_world_a, const ObstacleShape& b,
              const Pose& pose_world_b);
 

@@ -10,7 +10,7 @@
 namespace troupe::partition {
 namespace {
 
-/// The tasks of a loop, and the exception of the lowest index that threw.
+/// The tasks of a loop. Catches their exceptions and keeps that of the task with the lowest index.
 struct Guarded {
   void (*call)(void* task, std::size_t i);
   void* task;

@@ -9,14 +9,16 @@ namespace troupe::partition {
 /// Parallel loops. All parallel work of a step runs through this class.
 ///
 /// There are two equivalent backends: oneTBB, and plain std::thread (CMake option TROUPE_STD_THREADS), which
-/// the thread sanitizer understands. Before its first task, each worker thread restores the default
-/// floating-point environment.
+/// the thread sanitizer understands. The constructor restores the default floating-point environment of the
+/// calling thread, and each worker thread restores its own before its first task
+/// (base/fp_environment.hpp).
 class Parallel {
  public:
   static constexpr unsigned k_most_threads = 1024;  ///< largest number of threads
 
   /// threads: number of threads; 0 means one per processor that the process may use
-  /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads.
+  /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads. If this is more
+  /// than oneTBB allows by default, the constructor raises oneTBB's limit for the whole process.
   explicit Parallel(unsigned threads);
   ~Parallel();
   /// A moved-from object can only be destroyed or assigned to.
@@ -29,7 +31,8 @@ class Parallel {
 
   /// Sets a callback for profiles. It is called as a task begins (true) and ends (false), with the task's
   /// index in its loop, on the thread that runs the task. Several threads may call it at once, so it must be
-  /// thread-safe. Without a callback tasks have no overhead. Call on_task() between loops only.
+  /// thread-safe. An empty function removes the callback; without one, tasks have no overhead. Call on_task()
+  /// between loops only.
   void on_task(std::function<void(std::size_t task, bool begins)> callback) {
     on_task_ = std::move(callback);
   }
@@ -38,11 +41,10 @@ class Parallel {
   /// called for_each(). Call on_loop() between loops only.
   void on_loop(std::function<void(bool begins)> callback) { on_loop_ = std::move(callback); }
 
-  /// Calls task(i) once for each i from 0 to count - 1, in any order, on any worker thread, and returns when
-  /// all calls are done. Tasks should be coarse (some tens of microseconds) and must write only data that no
-  /// other task of the loop reads or writes. If tasks throw, the others still run; then the exception of the
-  /// lowest index is rethrown. If there are more threads than oneTBB allows by default, oneTBB's process-wide
-  /// limit is raised.
+  /// Calls task(i) once for each i from 0 to count - 1 and returns when all calls are done. The calls run in
+  /// any order, on the worker threads and the calling thread. Tasks should be coarse (some tens of
+  /// microseconds) and must write only data that no other task of the loop reads or writes. If tasks throw,
+  /// the others still run; then the exception of the task with the lowest index is rethrown.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(
@@ -52,8 +54,8 @@ class Parallel {
  private:
   using Call = void (*)(void* task, std::size_t i);
   void run(std::size_t count, Call call, void* task);
-  void run_tasks(std::size_t count, Call call, void* task);  // in the backend; tasks do not throw
-  static unsigned checked(unsigned threads);                 // replaces 0; throws for too many
+  void run_tasks(std::size_t count, Call call, void* task);  // defined by the backend; tasks must not throw
+  static unsigned checked(unsigned threads);                 // replaces 0 by its meaning; throws for too many
 
   struct Workers;
   unsigned threads_;

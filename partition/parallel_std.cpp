@@ -12,9 +12,9 @@
 
 namespace troupe::partition {
 
-/// The worker threads wait until the loop number changes, take indices of tasks from one counter, and report
-/// when they are done. The calling thread takes indices as well. Because the loop number is the predicate of
-/// the wait, an early wake-up is not lost.
+/// The worker threads wait until the number of the loop changes, take indices of tasks from one counter, and
+/// report when they are done. The calling thread takes indices as well. A worker checks the number of the
+/// loop before it waits, so that it does not miss a loop that begins earlier.
 struct Parallel::Workers {
   explicit Workers(unsigned helpers) {
     for (unsigned i = 0; i < helpers; ++i) threads.emplace_back([this] { serve(); });

@@ -23,8 +23,8 @@ constexpr std::size_t k_most_parts = 64;
 struct Parallel::Workers {
   explicit Workers(unsigned threads) : arena(static_cast<int>(threads)) {
     // By default oneTBB runs no more threads than the process had processors when oneTBB started, whatever
-    // size an arena has, and warns on standard error. If several objects set limits, the least one applies,
-    // so each object sets the same limit: the most threads that any loop may have.
+    // size an arena has, and prints a warning to standard error. A global_control raises this limit. If
+    // several of them exist, the least limit applies, so each object sets the same one: k_most_threads.
     if (threads > static_cast<unsigned>(tbb::info::default_concurrency()))
       limit.emplace(tbb::global_control::max_allowed_parallelism, k_most_threads);
     arena.initialize();
@@ -48,9 +48,10 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     for (std::size_t i = 0; i < count; ++i) call(task, i);
     return;
   }
-  // A oneTBB task costs about 40 ns, and stealing one much more, so there is one oneTBB task per thread. Each
-  // works through its own part of the indices, the same one in every loop, so that its data is often still in
-  // the core's caches; then it helps with the parts of the others.
+  // A oneTBB task costs about 40 ns, and stealing one costs much more, so there is one oneTBB task per
+  // thread. Each of them first works through its own part of the indices. This part is the same in every
+  // loop, so that its data are often still in the caches of the core. Then the task helps with the parts of
+  // the others.
   struct alignas(64) Part {  // one cache line each
     std::atomic<std::size_t> next = 0;
     std::size_t end = 0;
@@ -66,7 +67,8 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     tbb::parallel_for(
         std::size_t{0}, runners,
         [&](std::size_t own) {
-          // Restored here and not in a task_scheduler_observer, because oneTBB leaks such observers.
+          // The environment is restored here and not in a task_scheduler_observer, because oneTBB leaks the
+          // memory of such observers.
           thread_local const bool ready = (restore_fp_environment(), true);
           static_cast<void>(ready);
           for (std::size_t p = 0; p < used; ++p) {

@@ -7,10 +7,10 @@
 
 namespace troupe::partition {
 
-/// A transformed ring that computes its vertices on access.
+/// A ring as seen from another frame. Each access to a vertex transforms it again; nothing is stored.
 class PlacedRing {
  public:
-  /// Both arguments must outlive the object.
+  /// transform: from the frame of the ring to the other frame. Both arguments must outlive the object.
   PlacedRing(const Ring& ring, const Transform& transform) : ring_(ring), transform_(transform) {}
   std::size_t size() const { return ring_.size(); }  ///< number of vertices
   /// The i-th vertex, transformed.
@@ -73,14 +73,14 @@ class PlacedShape {
 /// True if the shapes share area at a common height, see overlap.hpp.
 bool overlap(const PlacedShape& a, const PlacedShape& b);
 
-/// A fast test: returns false only if no piece of one shape comes within `distance` (metres) of a piece of
-/// the other. Compares the circles about the pieces and ignores heights. at_a, at_b: from the frame of each
-/// shape to the world frame
+/// A fast test that compares only the circles about the pieces and ignores heights. If it returns false, no
+/// piece of one shape comes within `distance` (metres) of a piece of the other; if it returns true, a piece
+/// may. at_a, at_b: from the frame of each shape to the world frame.
 bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
                      const Transform& at_b, double distance);
 
-/// A fast test: returns false only if shapes with these radii (metres) at these positions cannot overlap.
-/// overlap() calls it first.
+/// A fast test. If it returns false, shapes with these radii (metres) about these positions (world frame)
+/// cannot overlap; if it returns true, they may. overlap() calls it first.
 inline bool in_reach(const Vec2& a, double radius_a, const Vec2& b, double radius_b) {
   const double reach = radius_a + radius_b + k_rounding_m;
   const double dx = b.x() - a.x();

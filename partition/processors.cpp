@@ -16,8 +16,8 @@ namespace troupe::partition {
 namespace fs = std::filesystem;
 namespace {
 
-/// The number of processors in the affinity mask, or of all processors of the machine if the system does not
-/// report the mask.
+/// The number of processors in the affinity mask of the calling thread, or of all processors of the machine
+/// if the system does not report the mask.
 unsigned affine_processors() {
   constexpr int k_most_processors = 1 << 20;
   // The kernel rejects a mask that is smaller than its own but does not report the size of its own, so larger
@@ -47,13 +47,13 @@ std::optional<double> positive_number(std::string_view text) {
 }
 
 std::optional<double> ratio(std::string_view quota, std::string_view period) {
-  const std::optional<double> q = positive_number(quota);  // "max" and "-1": no quota
+  const std::optional<double> q = positive_number(quota);  // empty for "max" and "-1", which mean no quota
   const std::optional<double> p = positive_number(period);
   return q && p ? std::optional(*q / *p) : std::nullopt;
 }
 
-/// The quota of one group. Its file contains for example `200000 100000` (quota and period), or `max 100000`
-/// if there is no quota.
+/// The quota of one group, in processors. Its file cpu.max contains for example `200000 100000` (quota and
+/// period in microseconds), or `max 100000` if there is no quota.
 std::optional<double> quota_v2(const fs::path& group) {
   const std::string line = first_line(group / "cpu.max");
   const std::size_t space = std::min(line.find(' '), line.size());
@@ -68,8 +68,9 @@ std::optional<double> lesser(const std::optional<double>& a, const std::optional
   return a && b ? std::min(*a, *b) : a ? a : b;
 }
 
-/// The least quota of a group and its ancestors, up to the mount point. In a container the path is often the
-/// path on the host, and only the mount point exists; a group that does not exist has no quota.
+/// The least quota of the group `path` and its ancestors, up to the mount point. In a container `path` is
+/// often a path on the host, of which only the mount point exists here; a group that does not exist has no
+/// quota.
 std::optional<double> least_quota(const fs::path& mount, std::string_view path,
                                   std::optional<double> (*quota)(const fs::path& group)) {
   std::optional<double> least = quota(mount);

@@ -11,20 +11,21 @@ float magnitude(const RayEdge& e) {
   return std::abs(e.ax) + std::abs(e.ay) + std::abs(e.bx) + std::abs(e.by);
 }
 
-/// Whether `area` is so small that rounding errors could change its sign, which tells on which side of the
+/// Whether `area` is so small that rounding errors could change its sign. The sign tells on which side of the
 /// edge's line the origin of the beam is, and so whether the edge is ahead of the origin. area: twice the
-/// signed area of the triangle of origin and edge, m^2; m: sum of the magnitudes of all coordinates.
+/// signed area of the triangle of origin and edge, m^2. m: sum of the magnitudes of all coordinates, metres.
 bool is_tiny(float area, float m) { return std::abs(area) <= k_tiny * (m * m); }
 
 float grazing_limit(const RayEdge& e) { return k_grazing * (std::abs(e.ex) + std::abs(e.ey)); }
 
-/// The inverse range for grazing and tiny edges: the sides of the vertices are computed in float as for all
-/// edges, everything else in double.
-/// m: the sum of the magnitudes of the coordinates of edge and origin
+/// The inverse range of a beam and an edge that is hit at a grazing angle or looks tiny; 0 if the beam misses
+/// the edge. ca, cb: the sides of the vertices a and b, which are computed in float as for all edges;
+/// everything else is computed in double. m: the sum of the magnitudes of the coordinates of edge and origin,
+/// metres.
 float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double oy, float ca, float cb,
                       float m) {
   constexpr float k_noise = 1.0f / (1 << 21);       // rounding error of a side, relative to m
-  constexpr double k_area_noise = 1.0 / (1 << 22);  // of the area, relative to the terms with the origin
+  constexpr double k_area_noise = 1.0 / (1 << 22);  // error of area, relative to the terms with the origin
   const bool falls = ca >= 0 && cb <= 0;
   const bool rises = ca <= 0 && cb >= 0;
   const bool runs_along = std::max(std::abs(ca), std::abs(cb)) <= k_noise * m;
@@ -41,12 +42,14 @@ float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double 
   if (!runs_along) {
     ahead = starts_on_line || (area > 0 ? falls : rises);
   } else if ((along_a > 0) == (along_b > 0)) {
-    // The sides are rounding errors. An edge wholly ahead is hit if these sides say that the beam crosses it,
-    // because the edge next to it relies on them. An edge wholly behind is never hit.
+    // The edge runs along the beam, and the sides are rounding errors. An edge wholly ahead of the origin is
+    // hit if these sides say that the beam crosses it: the edges that share its vertices use the same sides,
+    // so that no beam passes between them. An edge wholly behind the origin is never hit.
     ahead = along_a > 0 && (falls || rises);
   } else {
-    // The sign of the area tells on which side the edge passes the origin. The edge crosses the beam if the
-    // side of its end ahead, although a rounding error, is the other side.
+    // One end is ahead of the origin and one behind. The sign of the area tells on which side the edge passes
+    // the origin. The edge crosses the beam if its end ahead is on the other side of the beam, according to
+    // the computed side of that end, which may be only a rounding error.
     const bool passes_right = (area > 0) == (along_b > 0);
     const float c_ahead = along_b > 0 ? cb : ca;
     ahead = starts_on_line || (passes_right ? c_ahead <= 0 : c_ahead >= 0);

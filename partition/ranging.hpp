@@ -27,11 +27,11 @@ namespace troupe::partition {
 /// compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
 ///
 /// For three sorts of edges this formula would divide rounding errors by rounding errors: edges hit at a
-/// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny, and edges that pass very near the
-/// origin (both: |A| <= 2^-20 m^2, where m is the sum of the magnitudes of all coordinates). For such an edge
-/// the sides are decided as above, so that no beam leaks through, and the range is computed in double and
-/// clamped to the distances that the edge can have. A beam that starts on an edge hits it, whatever its
-/// direction.
+/// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny from the origin, and edges that pass
+/// very near the origin. The last two have |A| <= 2^-20 m^2, where m is the sum of the magnitudes of all
+/// coordinates. For such an edge the sides of the vertices are decided as above, so that no beam passes
+/// between edges. The range is computed in double and clamped to the distances that the edge can have. A beam
+/// that starts on an edge hits the edge, whatever the direction of the beam.
 ///
 /// units  metres; inverse ranges in 1/m
 
@@ -43,8 +43,8 @@ constexpr std::size_t padded_beams(std::size_t count) {
   return (count + k_beam_padding - 1) / k_beam_padding * k_beam_padding;
 }
 
-/// The geometry of a fan with one origin and equal angular steps, counter-clockwise, as of a laser scanner.
-/// Such a fan may have more than k_most_beams beams.
+/// The geometry of a scan: a fan of beams with one origin and equal angular steps, counter-clockwise, such as
+/// that of a laser scanner. A scan may have more than k_most_beams beams.
 struct Scan {
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, world frame
   float fov = 0;                ///< angle between the first and the last beam, rad
@@ -54,9 +54,9 @@ struct Scan {
 /// The largest number of beams of a fan that is not a scan.
 inline constexpr std::size_t k_most_beams = 32;
 
-/// A fan of beams at one height. Beam i starts at (ox, oy), relative to the reference point, and has the unit
-/// direction (dx, dy); both have the orientation of the world frame. Each array has padded_beams(count)
-/// entries; those beyond count repeat the last beam.
+/// A fan of beams at one height. Beam i starts at (ox[i], oy[i]), relative to a reference point that is
+/// passed along with the fan, and has the unit direction (dx[i], dy[i]). Both are given along the axes of the
+/// world frame. Each array has padded_beams(count) entries; those beyond count repeat the last beam.
 struct Fan {
   const float* dx = nullptr;   ///< x of the directions
   const float* dy = nullptr;   ///< y of the directions
@@ -82,23 +82,24 @@ struct RayEdge {
   float ranger_return;  ///< intensity that a beam reads if it hits the edge
 };
 
-/// The margin of distance culls, as a fraction of the distance. Because of rounding, the range to an edge may
-/// be less than the distance of its nearest point: by at most 2^-14 of the distance at the smallest angle
-/// that is not grazing, and by 2^-14 of the distance between the beam's origin and the reference. The margin
-/// is twice the sum of both.
+/// The margin by which beams are extended when edges are discarded by their distance, as a fraction of the
+/// distance. Because of rounding, the computed range to an edge may be less than the distance of its nearest
+/// point: by at most 2^-14 of the distance at the smallest angle that is not grazing, and by 2^-14 of the
+/// distance between the beam's origin and the reference. The margin is twice the sum of both.
 constexpr double k_range_slack = 1.0 / 4096;
 
-/// The margin of distance culls that does not depend on the distance, metres: for rounding to float close to
+/// A constant margin, metres, which is added to that of k_range_slack. It covers rounding to float close to
 /// an origin.
 constexpr float k_cull_slack = 1e-6f;
 
 /// An edge is hit at a grazing angle if |d x e| is less than this number times |ex| + |ey|.
 constexpr float k_grazing = 1.0f / 256;
-/// An edge looks tiny if |A| is at most this number times m^2: rounding could then decide on which side of
-/// the edge's line the origin is.
+/// An edge looks tiny if |A| is at most this number times m^2. The sign of A, which tells on which side of
+/// the edge's line the origin is, could then be wrong because of rounding.
 constexpr float k_tiny = 1.0f / (1 << 20);
 
-/// Converts an edge from the world frame to coordinates relative to the reference point.
+/// Converts the edge from a to b (world frame, metres) to coordinates relative to the reference point. Its
+/// area is set to exactly 0 if it is below the rounding error of its two products.
 inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference, float ranger_return) {
   constexpr double k_noise = 0x1p-50;
   const Vec2 from = a - reference;
@@ -118,7 +119,8 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
   return edge;
 }
 
-/// A set of beams of a fan, one bit per beam. Scans do not use it: their beams are found by their angles.
+/// A set of beams of a fan: bit i is set if beam i is in the set. Functions ignore the sets for a scan, whose
+/// beams are found by their angles.
 using BeamSet = std::uint32_t;
 /// The set of all beams of a fan; for a scan all bits.
 inline BeamSet all_beams(const Fan& fan) {
@@ -148,8 +150,10 @@ class EdgeBlock {
   std::size_t room() const { return std::max(vertices_, k_capacity - 1) - vertices_; }
 
   /// Adds a chain of `edges` edges that have the same enclosing circle: from `first` to rest[0], from there
-  /// to rest[1], and so on. met_by: the beams that may hit one of the edges
-  /// rest: is copied in whole pieces, so that k_piece - 1 vertices beyond the chain must be readable
+  /// to rest[1], and so on. `edges` must be from 1 to room().
+  /// rest: copied in multiples of k_piece vertices, so that k_piece - 1 vertices beyond the chain must be
+  ///       readable
+  /// met_by: the beams that may hit one of the edges
   void add(const Vec2& first, const Vec2* rest, std::size_t edges, float ranger_return, BeamSet met_by) {
     double* out = &xy_[2 * vertices_];
     out[0] = first.x();
@@ -170,7 +174,8 @@ class EdgeBlock {
   const double* xy() const { return xy_.data(); }  ///< x and y of each vertex, aligned to 64 bytes
   /// The pieces in the order in which they were added.
   std::span<const Piece> pieces() const { return {pieces_.data(), pieces_count_}; }
-  /// Edge j relative to the reference point. The edge must belong to a piece, whose ranger_return is passed.
+  /// Edge j relative to the reference point. The edge must belong to a piece; ranger_return is that of the
+  /// piece.
   RayEdge relative(std::size_t j, const Vec2& reference, float ranger_return) const {
     const double* e = &xy_[2 * j];
     return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, ranger_return);
@@ -183,28 +188,29 @@ class EdgeBlock {
   std::size_t pieces_count_ = 0;
 };
 
-/// Rotates unit vectors (x, y) and rounds the results once to float. All arrays have padded_beams(count)
-/// entries.
+/// Rotates the vectors (x[i], y[i]), which are directions or origins of beams, and rounds each result once to
+/// float. All arrays have padded_beams(count) entries.
 void turn(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
           float* out_y);
 
 /// Projects the edges on all beams of a fan: raises inverse[i] to the largest inverse range at which beam i
 /// hits one of the edges, if that is larger than inverse[i].
 /// inverse  fan.padded() entries
-/// returns  fan.padded() entries, or null: set to the ranger_return of the edge that is hit; of two edges at
-///          one range, to the larger
+/// returns  fan.padded() entries, or null if they are not needed: set to the ranger_return of the edge that
+///          beam i hits; of two edges at one range, to the larger ranger_return
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
 
-/// Computes the distance up to which each beam can still hit an edge, metres: the smaller of its range so far
-/// and its range_max, plus the margin of culls. Returns the largest of these distances.
-/// inverse, range_max, limits  arrays of fan.padded() entries
+/// Writes to limits[i] the distance up to which beam i can still hit an edge, metres: the smaller of its
+/// range so far, 1 / inverse[i], and of range_max[i], plus the margins k_range_slack and k_cull_slack.
+/// Returns the largest of these distances. All three arrays have fan.padded() entries.
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits);
 
-/// Computes the readings, in metres: range_of() for each beam. ranges: fan.count entries; the other arrays:
-/// fan.padded() entries
+/// Computes the readings in metres: ranges[i] is range_of(inverse[i], range_max[i]). `ranges` has fan.count
+/// entries; the other two arrays have fan.padded() entries.
 void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
-/// Circles that were not culled, and for each of them the beams that may hit it.
+/// The circles that may_meet() keeps: their rows, and the beams that may hit them. The other arrays are its
+/// working memory.
 struct MetCircles : CircleArrays {
   std::vector<BeamSet> beams;  ///< per circle: the beams that may hit it
 
@@ -217,21 +223,23 @@ struct MetCircles : CircleArrays {
 
 /// may_meet() requires CircleArrays that are padded to a multiple of this many circles.
 inline constexpr std::size_t k_circle_padding = 16;
-/// Culls circles. Writes to `met` the rows of those circles of [begin, end) that some beam may hit before its
-/// limit and whose nearest point is from `low` to `high` away from the reference, metres, and the beams that
-/// may hit them. Returns the number of these circles. Margins far above rounding ensure that no circle that
-/// matters is culled.
+/// Discards circles that no beam can hit. Of the circles in [begin, end) it keeps those that some beam may
+/// hit before its limit and whose nearest point is from `low` to `high` away from the reference, metres.
+/// Writes the rows of the kept circles, and the beams that may hit them, to the first entries of `met`, and
+/// returns their number. Its margins are far above rounding errors, so that no circle that a beam hits is
+/// discarded.
 /// begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never hit
 /// limits      as limits_of() computes them
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 
-/// The inverse range of one beam and one edge, by the scalar formula: 0 if the beam misses the edge, infinity
-/// if it starts on the edge. dx, dy: direction of the beam; ox, oy: its origin, relative to the reference
+/// The inverse range, 1/m, at which one beam hits one edge: 0 if the beam misses the edge, infinity if it
+/// starts on the edge. The kernels give the same bits. dx, dy: unit direction of the beam. ox, oy: its origin
+/// relative to the reference, metres.
 float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy);
 
-/// Converts an inverse range to a range, metres. The result is exactly range_max unless inverse > 1 /
-/// range_max.
+/// Converts an inverse range, 1/m, to a range, metres. The result is exactly range_max unless inverse > 1 /
+/// range_max, and is never above range_max.
 inline float range_of(float inverse, float range_max) {
   if (!(inverse > 1.0f / range_max)) return range_max;
   const float range = 1.0f / inverse;

@@ -1,7 +1,7 @@
-// The vector kernels of the exact ray engine, compiled once for each instruction set that Highway supports
-// and chosen when the program starts. For a fan they process a few edges at a time on one beam after another;
-// for a scan one edge at a time on a few of the beams that it spans. On every instruction set the results
-// have the bits of inverse_range().
+// The vector kernels of the exact ray engine. They are compiled once for each instruction set that Highway
+// supports, and one version is chosen when the program starts. For a scan the kernels process one edge at a
+// time, with a few of the beams that it spans in a vector. For any other fan they process a few edges in a
+// vector, with one beam after another. On every instruction set the results have the bits of inverse_range().
 
 #include "partition/ranging.hpp"
 
@@ -27,8 +27,9 @@ constexpr Rebind<float, Full<double>> k_half;  // as many floats as doubles in a
 using Few = Capped<float, 8>;
 constexpr Few k_few;
 
-/// A block's edges relative to the reference, as relative_edge() computes them, in one array per component.
-/// Edge j runs from vertex j to vertex j + 1.
+/// The edges of an EdgeBlock relative to the reference, as relative_edge() computes them, in one array per
+/// component. Edge j runs from vertex j to vertex j + 1. `magnitude` is m, the sum of the magnitudes of the
+/// coordinates of both ends. `grazing` is the limit of |d x e| below which the angle is grazing.
 struct Relative {
   static constexpr std::size_t k_size = EdgeBlock::k_capacity + 3 * EdgeBlock::k_piece;
   alignas(64) float x[k_size], y[k_size];    // per vertex
@@ -37,15 +38,16 @@ struct Relative {
   alignas(64) float grazing[k_size];  // NaN for edges that look tiny: no comparison with it is true
 };
 
-/// Computes the edges relative to the reference; entries between chains are meaningless. For a common origin
-/// `area` becomes its inverse, and edges that look tiny from there get a NaN, so that they miss every beam
-/// here and are left to project_carefully().
+/// Computes the edges relative to the reference. Entries between chains are meaningless. If kCommon, all
+/// beams start at the reference. Then `area` holds the inverse of the area, and edges that look tiny from the
+/// reference get a NaN in `grazing`: they miss every beam in the kernels and are left to project_carefully().
 ///
 /// relative_edge() sets an area to exactly 0 if it is only rounding noise, at most 2^-50 of its two terms.
 /// This function does not: such an area is tiny for every beam, whether it is 0 or noise, and
-/// project_carefully() computes it again. (Proof: let the origin be at o from the reference, and t = o x e.
-/// If |t| is so small that noise could change A - t, both are below k_tiny. If |t| is larger, the noise is
-/// less than half a float step of A - t.)
+/// project_carefully() computes it again. (Proof: let the origin of a beam be at o from the reference, and t
+/// = o x e, so that the area seen from the origin is A - t. If |t| is so small that noise could change A - t,
+/// this area is below the limit of k_tiny with and without the noise. If |t| is larger, the noise is less
+/// than half a float step of A - t.)
 template <bool kCommon>
 HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& out) {
   const auto rx = Set(k_d, reference.x());
@@ -84,9 +86,10 @@ HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& 
   }
 }
 
-/// EdgeVector has an edge per lane, with the components of Relative. BeamVector has a beam per lane: its
-/// direction, and its origin relative to the reference. Members are references because an SVE vector cannot
-/// be a member. Temporaries that initialise them in braces live as long as the struct.
+/// A vector of edges, one per lane, with the components of Relative; a and b are the ends of an edge.
+/// BeamVector is a vector of beams, one per lane, with the direction of each beam and its origin relative to
+/// the reference. The members of both are references, because an SVE vector cannot be a member. Temporaries
+/// that initialise them in braces live as long as the struct.
 template <class V>
 struct EdgeVector {
   const V &ax, &ay, &bx, &by, &ex, &ey, &area, &magnitude, &grazing;
@@ -96,9 +99,9 @@ struct BeamVector {
   const V &dx, &dy, &ox, &oy, &offset;  // offset: |ox| + |oy|
 };
 
-/// inverse_range() per lane, for beams that start at the reference. There are two differences: the result is
-/// negative if the edge is behind, and 0 if the edge needs project_carefully(); such lanes are added to
-/// `unsure`.
+/// Computes inverse_range() per lane, for beams that start at the reference, with two differences. The result
+/// is negative if the edge is behind the origin. It is 0 if the edge needs project_carefully(), and the lane
+/// is then added to `unsure`.
 template <class Tag>
 HWY_INLINE Vec<Tag> inverse_common(Tag tag, const EdgeVector<Vec<Tag>>& e, const BeamVector<Vec<Tag>>& beam,
                                    Mask<Tag>& unsure) {
@@ -132,7 +135,8 @@ HWY_INLINE Vec<Tag> inverse_apart(Tag tag, const EdgeVector<Vec<Tag>>& e, const 
 /// Whether the beams of a fan start at the reference or at different points.
 enum class Origin { common, apart };
 
-/// The inverse ranges of a vector of edges on one beam.
+/// The inverse ranges at which beam i of a fan hits each edge of a vector, as inverse_common() or
+/// inverse_apart() computes them. offsets: |ox| + |oy| of each beam, metres, used only for Origin::apart.
 template <Origin kOrigin>
 HWY_INLINE Vec<Few> on_beam(const EdgeVector<Vec<Few>>& edges, const Fan& fan, const float* offsets,
                             std::size_t i, Mask<Few>& unsure) {
@@ -156,7 +160,8 @@ HWY_INLINE void raise_beam(float value, float ranger_return, float& inverse, flo
   inverse = std::max(inverse, value);
 }
 
-/// Projects one edge on beams first to past - 1 by inverse_range().
+/// Projects one edge on beams first to past - 1 with inverse_range(), which also handles grazing angles and
+/// edges that look tiny.
 HWY_NOINLINE void project_carefully(const RayEdge& edge, const Fan& fan, std::size_t first, std::size_t past,
                                     float* inverse, float* returns) {
   for (std::size_t i = first; i < past; ++i)
@@ -164,15 +169,16 @@ HWY_NOINLINE void project_carefully(const RayEdge& edge, const Fan& fan, std::si
                inverse[i], returns == nullptr ? nullptr : returns + i);
 }
 
-/// A vector that is read from index k_piece - n on has 0 in the lanes of a piece of n edges, and NaN in the
-/// lanes after them.
+/// Marks the lanes that have no edge. For a piece of n edges, a vector is read from index k_piece - n on: its
+/// first n lanes are 0, and the lanes after them are NaN.
 constexpr float k_no_edge = std::numeric_limits<float>::quiet_NaN();
 alignas(64) constexpr float k_edges_then_none[2 * EdgeBlock::k_piece] = {
     0,         0,         0,         0,         0,         0,         0,         0,
     k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge, k_no_edge};
 
-/// The largest inverse range of each beam of a fan so far, one per lane of a piece: lanes are compared only
-/// once, at the end, instead of after each piece.
+/// The largest inverse range of each beam of a fan so far, separately for each lane, that is, for each place
+/// of an edge in its piece. The lanes of a beam are compared only once, at the end, instead of after each
+/// piece.
 template <bool kReturns>
 struct Nearest {
   static constexpr std::size_t k_lanes = EdgeBlock::k_piece;
@@ -278,8 +284,8 @@ HWY_INLINE void raise_beams(const Vec<Few>& candidate, float ranger_return, floa
   StoreU(Max(before, candidate), k_few, inverse);
 }
 
-/// For scans, a step is an edge and the first beam of a vector of beams on which it is to be projected,
-/// packed into one integer.
+/// A step is a unit of work for scans: one edge is projected on one vector of neighbouring beams. The number
+/// of the edge and that of the first beam are packed into one integer.
 constexpr int k_edge_bits = 8;
 static_assert(Relative::k_size <= 1 << k_edge_bits);
 HWY_INLINE std::size_t edge_of(std::int32_t step) {
@@ -294,8 +300,8 @@ HWY_INLINE std::size_t append(const Vec<decltype(k_i)>& beams, const Vec<decltyp
   return count_true(k_i, where);
 }
 
-/// The beams of a scan that edges span, as steps. Most edges span one or two vectors of beams. Vectors start
-/// at multiples of their length, so that neighbouring edges update the same ones.
+/// The beams of a scan that the edges span, as steps. Most edges span one or two vectors of beams. Vectors
+/// start at multiples of their length, so that neighbouring edges update the same vectors.
 struct Spans {
   alignas(64) std::int32_t ends[2 * Relative::k_size];  // the first vector, and the last if it is another one
   std::size_t ends_count = 0;
@@ -306,8 +312,8 @@ struct Spans {
   std::size_t between_count = 0;
 };
 
-/// Collects the beams that edges span, without branches, which would be unpredictable. Omits edges that look
-/// tiny.
+/// Collects in `out` the beams that edges span. Has no branches on the data, which would be unpredictable.
+/// Omits edges that look tiny.
 HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fan& fan, Spans& out) {
   const ScanAngles angles(*fan.scan, fan.count);
   alignas(64) float angle[Relative::k_size];
@@ -344,8 +350,8 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
   out.between_count = between;
 }
 
-/// Marks the gaps between chains, where there is no edge, by a negative `grazing`. Sets the ranger_return of
-/// each edge. Returns the number of vertices.
+/// Marks the gaps between chains, where there is no edge, by a negative `grazing`. If kReturns, writes the
+/// ranger_return of each edge to returns_of. Returns the number of vertices.
 template <bool kReturns>
 HWY_INLINE std::size_t part_chains(const EdgeBlock& edges, Relative& relative, float* returns_of) {
   const std::size_t count = edges.vertices();
@@ -390,7 +396,7 @@ void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& f
   for (std::size_t k = 0; k < spans.between_count; ++k)
     for (std::int32_t step = spans.between[k]; step < spans.past[k]; step += next) take(step);
 
-  // Edges that look tiny may be hit in any direction.
+  // Edges that look tiny may be hit by any beam, so they are projected on all beams.
   for (std::size_t j = 0; j < count; j += Lanes(k_f)) {
     const Floats grazing = Load(k_f, relative.grazing + j);
     const auto tiny =

@@ -19,9 +19,9 @@ constexpr std::int32_t k_region = 1 << k_region_bits;
 constexpr std::int32_t k_block = 8;
 constexpr std::uint32_t k_link = 1u << 31;  // set in a mark that is the number of a Link
 constexpr std::uint32_t k_unmarked = ~0u;
-constexpr std::uint32_t k_share = 128;        // outlines per task
-constexpr std::size_t k_batch = 8;            // regions per task
-constexpr std::int64_t k_farthest = 1 << 29;  // cells: twice this number still fits in 32 bits
+constexpr std::uint32_t k_share = 128;        // outlines per drawing task
+constexpr std::size_t k_batch = 8;            // regions per assembling task
+constexpr std::int64_t k_farthest = 1 << 29;  // cells from the origin; twice this number fits in 32 bits
 
 std::uint32_t take(std::uint32_t& counter, std::uint32_t n) {
   return std::atomic_ref(counter).fetch_add(n, std::memory_order_relaxed);
@@ -35,7 +35,7 @@ std::uint32_t count(std::uint64_t word) {
   return static_cast<std::uint32_t>(((word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F) * 0x0101010101010101 >> 56);
 }
 
-/// The number of set bits of the word below this one.
+/// The number of set bits of the word that are lower than this bit.
 std::uint32_t rank(std::uint64_t word, std::uint32_t bit) {
   return count(word & ((std::uint64_t{1} << bit) - 1));
 }
@@ -59,8 +59,8 @@ std::string too_fine(double resolution, double bytes, double most_bytes) {
 
 }  // namespace
 
-/// Draws outlines into a Drawing, starting at a given cell and run. Calls file(region, run) as each run is
-/// closed.
+/// Draws outlines into a Drawing. The first cell and the first run are stored at the given places of the
+/// Drawing, later ones after them. Calls file(region, number of the run) as each run is closed.
 class RayGrid::Rasterizer {
  public:
   Rasterizer(const GridGeometry& geometry, Drawing& drawing, std::uint32_t cell, std::uint32_t run)
@@ -129,9 +129,11 @@ class RayGrid::Rasterizer {
   Cell region_;
 };
 
-/// The path of a ray through the cells, in steps from its first cell: i along x, j along y, both counted in
-/// the direction of the ray. Step i crosses the i-th border along x, step j the j-th along y. The line from
-/// the middle of the first cell crosses them in the order of (2 i - 1) / across and (2 j - 1) / up.
+/// The path of a ray through the cells. A cell on the path is i steps along x and j steps along y from the
+/// first cell, both counted in the direction of the ray. Step i along x crosses the i-th border between
+/// columns of cells, step j along y the j-th border between rows. `across` and `up` are the magnitudes of the
+/// direction's x and y. The line from the middle of the first cell reaches border i along x at the parameter
+/// (2 i - 1) / across and border j along y at (2 j - 1) / up.
 class RayGrid::Line {
  public:
   explicit Line(const Vec2& direction)
@@ -147,7 +149,8 @@ class RayGrid::Line {
   std::int64_t y_steps(std::int64_t i) const { return (up * (2 * i - 1) + across) / (2 * across); }
   std::int64_t x_steps(std::int64_t j) const { return (across * (2 * j - 1) + up - 1) / (2 * up); }
 
-  /// Steps from this cell to the far border of its group of `size` cells.
+  /// The number of steps along x, or along y, by which the ray leaves the group of cells (a block or a region
+  /// of `size` by `size` cells) that contains this cell.
   std::int64_t x_to_border(std::int32_t x, std::int32_t size) const {
     return step_x > 0 ? size - (x & (size - 1)) : (x & (size - 1)) + 1;
   }
@@ -159,7 +162,8 @@ class RayGrid::Line {
   const std::int64_t across, up;
 
  private:
-  /// Rounds to multiples of 2^-20: accurate to a millionth of a radian, and order() fits in 51 bits.
+  /// The magnitude of a component of the direction, as an integer in units of 2^-20. Directions are thus
+  /// accurate to a millionth of a radian, and order() fits in 51 bits.
   static std::int64_t units(double component) {
     return (static_cast<std::int64_t>(std::abs(component) * (2 << 20)) + 1) / 2;
   }
@@ -174,7 +178,8 @@ RayGrid::RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> 
   draw_fixed(solids);
 }
 
-/// Allocates memory for the most that the mobile bodies can draw.
+/// Divides the outlines of the mobile bodies into shares_, and allocates memory for the most cells and runs
+/// that they can draw.
 void RayGrid::share_out(std::span<const Vec2> vertices) {
   double cells = 0;
   double runs = 0;
@@ -288,7 +293,8 @@ RayGrid::Slot& RayGrid::slot_in(Cell region) {
 void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
                      const Linked& linked) {
   groups_ = linked.groups;
-  // Runs are pushed on a list per region. Their order depends on the threads, but no result depends on it.
+  // Runs are added to a list per region. Their order depends on the threads, but no result depends on this
+  // order.
   std::vector<NewRegionRun> new_region_runs;
   std::mutex new_region_mutex;
   const auto file = [this](Slot& slot, std::uint32_t run) {
@@ -440,16 +446,17 @@ float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
   return std::max(most, return_of(mark));
 }
 
-/// Steps without branches through the 8 x 8 cells of a block, or the blocks of a region. Which border comes
-/// next is unpredictable, and a mispredicted branch costs more than a dozen steps. x is in the low half of a
-/// byte and y in the high one: one addition moves both, and their fourth bits show when they leave.
+/// The position of a cell in its block, or of a block in its region: x and y from 0 to 7. It is moved without
+/// branches: which border comes next is unpredictable, and a mispredicted branch costs more than a dozen
+/// steps. The low four bits of `at` are x and the next four are y, so that one addition moves either. The
+/// fourth bit of x or y is set when the position leaves the block or region.
 struct RayGrid::CellPosition {
   CellPosition(std::int32_t x, std::int32_t y) : at(x | y << 4) {}
   bool inside() const { return (at & 0x88) == 0; }
   std::uint32_t bit() const { return static_cast<std::uint32_t>((at & 7) | (at >> 1 & 0x38)); }
   std::int32_t x() const { return at & 7; }
   std::int32_t y() const { return at >> 4 & 7; }
-  /// `along_x` is all ones or all zeros.
+  /// Moves by step_x (1 or -1) if the bits of `along_x` are all ones, or by step_y if they are all zeros.
   void step(std::int32_t step_x, std::int32_t step_y, std::int64_t along_x) {
     at += 16 * step_y + ((step_x - 16 * step_y) & static_cast<std::int32_t>(along_x));
   }
@@ -461,7 +468,7 @@ GridHit RayGrid::cast(const GridRay& ray) const {
   const Line line(ray.direction);
   const Cell start = cells_.cell(ray.origin);
   const GridHit nothing{ray.range_max, 0};
-  // After this many steps everything is out of range.
+  // After this many steps every cell is out of range.
   const double reach =
       (std::abs(ray.direction.x()) + std::abs(ray.direction.y())) * ray.range_max / cells_.cell_m;
   const auto most_steps = static_cast<std::int64_t>(std::min(reach + 4, static_cast<double>(k_farthest)));
@@ -516,7 +523,9 @@ GridHit RayGrid::cast(const GridRay& ray) const {
   }
 }
 
-/// Walks one block, starting at a cell. True if the ray ends in the block.
+/// Follows a ray through one block from the cell `at`, which the ray reaches after i steps along x and j
+/// steps along y. Returns whether the ray hits a surface there. If the surface is nearer than range_max,
+/// `hit` is set to it.
 bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const GridRay& ray, const Line& line,
                            Cell at, std::int64_t i, std::int64_t j, GridHit& hit) const {
   const std::uint64_t drawn = region.cells[block];
@@ -529,7 +538,8 @@ bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const Grid
   for (CellPosition cell = entry; cell.inside();) {
     if (drawn >> cell.bit() & 1) {
       if (const float most = met(marks_[region.marks[block] + rank(drawn, cell.bit())], ray); most >= 0) {
-        // The distance between the middles of the cells minus a quarter of a cell.
+        // The range is the distance along the ray between the middles of the first and the last cell, minus a
+        // quarter of the distance of one step.
         const std::int64_t steps =
             line.across >= line.up ? i + std::abs(cell.x() - entry.x()) : j + std::abs(cell.y() - entry.y());
         const double step_m =

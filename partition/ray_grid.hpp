@@ -18,22 +18,24 @@ namespace troupe::partition {
 /// The ray engine of the Stage paper: outlines are drawn into the cells of a nested grid, and rays walk its
 /// cells.
 ///
-/// Cells are squares of `resolution`, counted from the origin: the cell of a point is floor(x / resolution),
-/// floor(y / resolution). 8 x 8 cells make a block, stored in one 64-bit word. 8 x 8 blocks make a region,
-/// found through a hash; another word tells which of its blocks are not empty. Empty regions are not stored.
+/// Cells are squares with edges of length `resolution`. The cell of a point (x, y) in the world frame is
+/// (floor(x / resolution), floor(y / resolution)). 8 x 8 cells make a block, stored in one 64-bit word. 8 x 8
+/// blocks make a region, found through a hash table; another word tells which of its blocks are not empty.
+/// Empty regions are not stored.
 ///
-/// An edge is drawn as a staircase from the cell of its start to that of its end, which the next edge draws:
-/// Cohen's integer line (Graphics Gems IV, 1994), in which each cell shares a side with the previous one. An
-/// outline within one cell draws that cell. Outlines are hollow.
+/// An edge is drawn as a staircase of cells, by Cohen's integer line (Graphics Gems IV, 1994): each cell
+/// shares a side with the previous one. The staircase begins in the cell of the edge's start and stops before
+/// the cell of its end, which the next edge draws. An outline within one cell draws that cell. The inside of
+/// an outline is not drawn.
 ///
-/// A ray walks the same staircase from the middle of its first cell and returns the first surface in a cell
-/// that it passes, the first cell included. It skips empty regions and empty blocks as a whole. This does not
-/// change which cells it passes, because the line is computed in integers. docs/sensing.md gives the errors
-/// of readings.
+/// A ray follows the same kind of staircase from the middle of the cell of its origin. It ends in the first
+/// cell with a surface that it can hit; the cell of the origin counts. Empty regions and empty blocks are
+/// skipped as a whole. This does not change which cells the ray passes, because the line is computed in
+/// integers. docs/sensing.md gives the errors of readings.
 
 /// An outline of a mobile body.
 struct MovingOutline {
-  std::uint32_t body = 0;   ///< the body; its own rays do not see the outline
+  std::uint32_t body = 0;   ///< the body: index into `poses` of redraw(). Its own rays ignore the outline
   std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()
   std::uint32_t count = 0;  ///< number of vertices, at least one
   ZInterval z;              ///< heights, body frame
@@ -46,7 +48,7 @@ struct GridRay {
   Vec2 direction;            ///< unit vector, world frame
   double z = 0;              ///< height, m, world frame
   float range_max = 0;       ///< m; greater than 0
-  std::uint32_t body = ~0u;  ///< the body that casts the ray; its own outlines are ignored
+  std::uint32_t body = ~0u;  ///< the body that casts the ray and whose outlines are ignored; ~0: none
 };
 
 /// The result of a ray.
@@ -58,33 +60,38 @@ struct GridHit {
 /// The cells of one world, drawn and walked as described above.
 class RayGrid {
  public:
-  /// Draws the static scene. outlines: those of the mobile bodies, grouped by body; outlines with a negative
-  /// ranger_return are ignored. vertices: of all outlines, as for redraw(). Throws std::length_error if the
-  /// cells would take more than k_most_bytes (the message suggests a resolution that fits), or if a solid is
-  /// too far from the origin.
+  /// Draws the static scene. The mobile bodies are drawn only by redraw(). outlines: those of the mobile
+  /// bodies, grouped by body; outlines without vertices or with a negative ranger_return are dropped.
+  /// vertices: of all outlines, as for redraw(). resolution_m: edge of a cell, metres. Throws
+  /// std::length_error if the cells would take more than k_most_bytes (the message suggests a resolution that
+  /// fits), or if a solid is more than 2^29 cells from the origin.
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
           std::span<const Vec2> vertices, double resolution_m);
   static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< limit on the memory of the cells
 
   /// Optional data for redraw(): for bodies with moving parts, bodies that move together, and absent bodies.
   struct Linked {
-    std::span<const double> lifts;  ///< per outline: how far its z is raised, m; empty: no outline is
+    /// Per outline that the constructor did not drop: how far its z is raised, m. Empty: no outline is
+    /// raised.
+    std::span<const double> lifts;
     /// Per body: the number of its group; rays of the body ignore the whole group. Empty: each body is its
     /// own group. Must stay valid until the next redraw().
     std::span<const std::uint32_t> groups;
     std::span<const std::uint8_t> absent;  ///< per body: not 0 if it is not drawn; empty: all are drawn
   };
-  /// Draws the mobile bodies again, at their present poses. vertices: of all outlines, world frame, metres.
-  /// poses: of each body; only z is used. There must be as many vertices and poses as when the grid was made.
-  /// The result depends neither on the number of threads nor on the order in which they draw.
+  /// Removes the drawings of the mobile bodies and draws the bodies at their present poses. vertices: of all
+  /// outlines, world frame, metres, in the same order as in the constructor. poses: the pose of each body, of
+  /// which only z is used. The result depends neither on the number of threads nor on the order in which they
+  /// draw.
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
 
-  /// Returns the first surface along a ray. Several threads may call it at once, but not during redraw().
+  /// Follows a ray through the cells and returns the first surface that it hits; range_max if it hits none.
+  /// Several threads may call it at once, but not during redraw().
   GridHit cast(const GridRay& ray) const;
 
   double resolution_m() const { return cells_.cell_m; }  ///< edge of a cell, metres
-  /// True if something is drawn in the cell of this point.
+  /// True if a static or a mobile outline is drawn in the cell of this point (world frame, metres).
   bool is_drawn(const Vec2& point) const;
   /// Number of known regions: those with static geometry, those that contain bodies, and some that bodies
   /// have recently left.
@@ -108,11 +115,11 @@ class RayGrid {
     std::uint64_t blocks = 0;               // blocks that are not empty
     std::array<std::uint64_t, 64> cells{};  // per block: the cells that are drawn
     std::array<std::uint32_t, 64> owners;   // per block: the only body that draws in it, or k_shared
-    std::array<std::uint32_t, 64> marks{};  // per block: where the marks of its drawn cells begin
+    std::array<std::uint32_t, 64> marks{};  // per block: index in marks_ of the mark of its first drawn cell
   };
   /// A region that is or was in use.
   struct Slot {
-    const Region* seen = nullptr;  // what rays see: live while bodies are in it, else fixed
+    const Region* seen = nullptr;  // the one that rays see: live while bodies are in it, else fixed or null
     std::unique_ptr<Region> fixed;
     std::unique_ptr<Region> live;
     std::uint64_t redrawn = 0;    // blocks of the live region that differ from the fixed one
@@ -120,10 +127,10 @@ class RayGrid {
   };
   /// Consecutive cells of one outline in one region.
   struct Run {
-    std::uint32_t next;  // next run in the same region
-    std::uint32_t first;
-    std::uint32_t count;
-    std::uint32_t surface;
+    std::uint32_t next;     // next run in the same region
+    std::uint32_t first;    // first cell: index into Drawing::cells
+    std::uint32_t count;    // number of cells
+    std::uint32_t surface;  // number of the surface that the cells show
   };
   /// The cells that were drawn, each as 6 bits for its block and 6 bits for its place in the block, and the
   /// runs that they form.
@@ -136,13 +143,14 @@ class RayGrid {
     std::uint32_t surface;
     std::uint32_t next;  // the next entry, or the last surface: a mark
   };
-  /// Where a task starts: its first outline, cell and run.
+  /// The outlines are divided into shares, one per task. A share is stored as its first outline and its first
+  /// places in Drawing::cells and Drawing::runs.
   struct Share {
     std::uint32_t outline;
     std::uint32_t cell;
     std::uint32_t run;
   };
-  /// The surfaces of one body.
+  /// The surfaces of one body, which have consecutive numbers.
   struct Own {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
@@ -184,7 +192,7 @@ class RayGrid {
   std::span<const std::uint32_t> groups_;
   std::vector<Share> shares_;
   Drawing drawing_;
-  // Memory for the worst case; unused pages are never touched. The static scene comes first.
+  // Allocated for the worst case; unused pages are never touched. The entries of the static scene come first.
   std::unique_ptr<std::uint32_t[]> marks_;
   std::unique_ptr<Link[]> links_;
   std::uint32_t fixed_marks_ = 0;

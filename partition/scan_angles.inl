@@ -1,4 +1,4 @@
-// Finds the beams of a scan by their angles. Included once per target, like partition/simd.inl.
+// Finds the beams of a scan by their angles. Included once per instruction set, like partition/simd.inl.
 #if defined(TROUPE_PARTITION_SCAN_ANGLES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TROUPE_PARTITION_SCAN_ANGLES_INL
 #undef TROUPE_PARTITION_SCAN_ANGLES_INL
@@ -18,10 +18,11 @@ using namespace simd;
 constexpr Full<float> k_f;
 using Floats = Vec<Full<float>>;
 
-constexpr float k_quarter = 1.57079633f;  // of a turn, rad
+constexpr float k_quarter = 1.57079633f;  // a quarter of a turn, rad
 
-/// The angle of (x, y) in [-pi, pi], rad, accurate to 1e-4: for culls. Arbitrary for (0, 0).
-/// source  Abramowitz and Stegun, Handbook of mathematical functions, 4.4.47
+/// The angle of the direction (x, y) in [-pi, pi], rad. It is accurate to 1e-4 rad, which is enough to
+/// discard beams with a margin. For (0, 0) the result is arbitrary. source  Abramowitz and Stegun, Handbook
+/// of mathematical functions, 4.4.47
 HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
   const Floats across = Min(Abs(x), Abs(y));
   const Floats along = Max(Max(Abs(x), Abs(y)), Set(k_f, 1e-30f));
@@ -36,8 +37,8 @@ HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
   return CopySign(angle, y);
 }
 
-/// Angles relative to the middle of a scan, and the beams between two such angles, with a margin above the
-/// error of angle_of().
+/// Computes angles relative to the middle of a scan, rad, and the beams between two such angles. A margin of
+/// 1e-3 rad, above the error of angle_of(), ensures that no beam is missed.
 class ScanAngles {
  public:
   ScanAngles(const Scan& scan, std::size_t count)
@@ -52,8 +53,9 @@ class ScanAngles {
     const Floats my = Set(k_f, my_);
     return angle_of(Add(Mul(x, mx), Mul(y, my)), Sub(Mul(y, mx), Mul(x, my)));
   }
-  /// Computes the first and the last beam between two angles, as floats; first > last if there is none. Gives
-  /// all beams where `all` holds, and where an angle comes close to +-pi, because angles jump there.
+  /// Computes per lane the numbers of the first and the last beam between two angles, as floats; first > last
+  /// if there is no beam. In lanes where `all` holds, the result is all beams. The same is true where an
+  /// angle is close to +-pi, because angles jump there.
   template <class Mask>
   HWY_INLINE void beams(const Floats& from, const Floats& to, const Mask& all, Floats& first,
                         Floats& last) const {

@@ -10,9 +10,9 @@ struct Way {
   double depth = std::numeric_limits<double>::infinity();
 };
 
-/// Searches the outward normals of `polygon` for a displacement, shorter than `way`, that moves `other` out
-/// of it. Skips edges that are too short to have a direction. sign: 1 if `other` is the shape that moves, -1
-/// if `polygon` is
+/// Searches the outward normals of the edges of `polygon` for the shortest displacement that moves `other`
+/// out of it. If this is shorter than `way`, it replaces `way`. Skips edges that are too short to have a
+/// direction. sign: 1 if `other` is the shape that moves, -1 if `polygon` is.
 template <class P, class Q>
 void shorten(const P& polygon, const Q& other, double sign, Way& way) {
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {

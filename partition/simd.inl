@@ -1,5 +1,6 @@
-// Highway's vectors for the kernels of this folder. hwy/foreach_target.h includes this file once per target,
-// so it has a guard that Highway toggles instead of a #pragma once.
+// The vector operations of the library Highway for the kernels of this folder. hwy/foreach_target.h includes
+// this file once per target (instruction set), so it has a guard that Highway toggles instead of a #pragma
+// once.
 #if defined(TROUPE_PARTITION_SIMD_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TROUPE_PARTITION_SIMD_INL
 #undef TROUPE_PARTITION_SIMD_INL
@@ -78,7 +79,7 @@ using hn::Xor;
 
 using hn::MaxOfLanes;
 
-// On targets without an instruction for it, Highway 1.0.3 keeps the permutations of its Compress in an array
+// On targets without a compress instruction, Highway 1.0.3 keeps the permutations of its Compress in an array
 // inside the function. gcc 12 copies this array, up to a kilobyte, to the stack at every call, which took
 // three quarters of the time of a cull. Highway's CountTrue is a function call on SSSE3, the one target
 // without popcnt.
@@ -92,8 +93,8 @@ HWY_INLINE std::uint8_t bits_of(Tag tag, const Mask<Tag>& mask) {
   return bits;
 }
 
-/// Moves the lanes where the mask holds to the front, in their order; the others are arbitrary. For whole
-/// vectors of 32-bit lanes.
+/// Moves the lanes where the mask holds to the front, in their order. The lanes after them are arbitrary. For
+/// whole vectors of 32-bit lanes.
 template <class V>
 HWY_INLINE V compress(const V& v, const Mask<hn::DFromV<V>>& mask) {
   constexpr hn::DFromV<V> k_tag;

@@ -1,5 +1,5 @@
-// The instruction sets of the kernels, by name. This file is compiled for each of them as well, so that
-// simd_target() reports what the dispatch really chooses.
+// The instruction sets of the kernels, by name. Like the kernels, compiled_for() is compiled once for each of
+// them, so that simd_target() reports which version the library Highway really runs.
 
 #include "partition/simd_target.hpp"
 
@@ -41,15 +41,17 @@ std::string name_of(std::int64_t target) {
   return name.starts_with("avx3") ? "avx512" + name.substr(4) : name;
 }
 
-/// The targets whose bits are set, from the lowest bit on: the lowest one is the best target.
+/// Splits a set of targets, one bit each, into single targets. They are in the order of the bits, lowest
+/// first, which is the best target.
 std::vector<std::int64_t> each_of(std::int64_t targets) {
   std::vector<std::int64_t> list;
   for (; targets != 0; targets &= targets - 1) list.push_back(targets & -targets);
   return list;
 }
 
-/// The usable targets. hwy::SupportedTargets() also sets the dispatch, before it removes the targets that may
-/// not be used; therefore it is called once, and the dispatch is then corrected.
+/// The set of targets that are compiled in and that this processor supports. hwy::SupportedTargets() also
+/// chooses the target on which kernels run, but before it removes the targets that may not be used. Therefore
+/// it is called only once, and the choice is then corrected.
 std::int64_t usable() {
   static const std::int64_t targets = [] {
     const std::int64_t found = hwy::SupportedTargets() & HWY_TARGETS;

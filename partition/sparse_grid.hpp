@@ -9,14 +9,16 @@
 
 namespace troupe::partition {
 
-/// A cell of the plane, counted from the origin of the world frame.
+/// The column and the row of a square in a grid on the plane. Cell (0, 0) lies to the upper right of the
+/// origin of the world frame, with a corner at the origin. Blocks and tiles, which are squares of several
+/// cells, are numbered in the same way.
 struct Cell {
   std::int32_t x = 0;  ///< column; increases with x
   std::int32_t y = 0;  ///< row; increases with y
   friend bool operator==(Cell, Cell) = default;
 };
 
-/// A grid on the plane: square cells, and square tiles of 2^tile_bits cells per edge.
+/// A grid on the plane, with square cells. Squares of cells form blocks, and larger squares form tiles.
 struct GridGeometry {
   double cell_m = 1;       ///< edge of a cell, metres
   unsigned tile_bits = 3;  ///< a tile is 2^tile_bits cells wide
@@ -24,11 +26,12 @@ struct GridGeometry {
   std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< cells of a tile
   double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }  ///< edge of a tile, metres
 
-  /// The cell of a point. Coordinates beyond +-2^30 cells are clamped.
+  /// The cell that contains a point (metres, world frame). Coordinates beyond +-2^30 cells are clamped.
   Cell cell(const Vec2& p) const { return {index(p.x()), index(p.y())}; }
-  /// The tile of a cell. Tiles are counted from the origin, like cells.
+  /// The tile that contains a cell.
   Cell tile(Cell c) const { return {c.x >> tile_bits, c.y >> tile_bits}; }
-  /// A block is 2^block_bits() cells wide. Bodies of one block are processed together and share look-ups.
+  /// A block is 2^block_bits() cells wide: 4 cells, or as wide as a tile if that is less. Bodies of one block
+  /// are processed together and share look-ups.
   unsigned block_bits() const { return tile_bits < 2 ? tile_bits : 2; }
   Cell block(Cell c) const { return {c.x >> block_bits(), c.y >> block_bits()}; }  ///< the block of a cell
   /// The bounds of a block, metres, world frame.
@@ -56,8 +59,8 @@ struct GridGeometry {
   }
 };
 
-/// Gives known tiles consecutive numbers, called slots: a hash table with open addressing. Other tiles take
-/// no memory.
+/// A hash table (open addressing) that numbers the tiles which are in use. The number of a tile is called its
+/// slot; the first tile inserted gets slot 0, the next one slot 1 and so on. Other tiles take no memory.
 class TileDirectory {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no slot
@@ -115,9 +118,10 @@ class TileDirectory {
   std::vector<Cell> tiles_;
 };
 
-/// Visits the cells from low to high, both included, in runs: one run per row of cells of each tile in the
-/// directory. Calls visit(slot of the tile, index of the first cell in the tile, index one past the last
-/// cell, first cell).
+/// Visits the rectangle of cells from low to high, both included, as far as its tiles are in the directory.
+/// The part of a row of cells that is in one tile is a run. For each run, calls visit(slot of the tile, index
+/// in the tile of the first cell, index one past that of the last cell, first cell); see
+/// GridGeometry::in_tile().
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell low, Cell high,
                   Visit&& visit) {
@@ -149,7 +153,7 @@ void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell
   }
 }
 
-/// Visits the cells that a box (metres, world frame) touches, in runs, as the function above.
+/// Visits the cells that a box (metres, world frame) touches, in runs, like the other for_each_run().
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
   for_each_run(grid, directory, grid.cell(box.min), grid.cell(box.max), visit);

@@ -5,10 +5,10 @@
 namespace troupe::partition {
 namespace {
 
-constexpr double k_least_cover_m = 0.25;  // finer cells would classify few more points
+constexpr double k_least_cover_m = 0.25;  // smaller cells of Strips::covers would classify few more points
 
-/// Visits the cells that an edge may cross: those of its box, except those farther from its line than half
-/// the diagonal of a cell. A few cells too many do no harm.
+/// Visits the cells that an edge may cross: those of its bounding box, except cells whose centre is farther
+/// from the line of the edge than half the diagonal of a cell. A few cells too many do no harm.
 template <class Visit>
 void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visit) {
   const Cell low = grid.cell(edge.a.cwiseMin(edge.b));
@@ -18,7 +18,8 @@ void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visi
   for (std::int32_t y = low.y; y <= high.y; ++y) {
     Cell from = low;
     Cell to = high;
-    if (along.y() != 0) {  // only where the edge passes this row of cells, and one cell on either side
+    // Of this row of cells, only those are tested through which the edge passes, and one more on each side.
+    if (along.y() != 0) {
       const double t0 = std::clamp((y * grid.cell_m - edge.a.y()) / along.y(), 0.0, 1.0);
       const double t1 = std::clamp(((y + 1) * grid.cell_m - edge.a.y()) / along.y(), 0.0, 1.0);
       const Vec2 p = edge.a + t0 * along;
@@ -63,8 +64,9 @@ EdgeGrid::EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometr
   }
 }
 
-/// Classifies the cells of a solid's box as inside or outside. If no edge crosses a cell, all its points are
-/// on the same side, and two such cells next to each other are on the same side as well.
+/// Classifies the cells of a solid's box as inside or outside the solid, or as unknown if an edge may cross
+/// the cell. If no edge crosses a cell, all its points are on the same side; so are those of two such cells
+/// next to each other, so that edges need to be counted only for the first cell of a sequence.
 void StaticScene::cover_cells(const Solid& solid, Strips& strips) const {
   constexpr double k_most_cells = 1 << 20;
   const Cell low = cover_grid_.cell(strips.box.min);
@@ -163,7 +165,7 @@ double StaticScene::clearance(const Vec2& point, double most) const {
     for (const FixedEdge& edge : edges) {
       const Vec2 along = edge.b - edge.a;
       const Vec2 from = point - edge.a;
-      const double length2 = along.squaredNorm();  // 0 where it underflows
+      const double length2 = along.squaredNorm();  // 0 for a very short edge, because it underflows
       const double t = length2 > 0 ? std::clamp(from.dot(along) / length2, 0.0, 1.0) : 0.0;
       nearest2 = std::min(nearest2, (from - t * along).squaredNorm());
     }

@@ -17,22 +17,23 @@ namespace troupe::partition {
 /// A static solid in the world frame.
 struct FixedSolid {
   Solid solid;              ///< the solid, world frame
-  BodyId body;              ///< the body it belongs to
+  BodyId body;              ///< the body that the solid belongs to
   bool obstacle = true;     ///< whether it blocks motions
   float ranger_return = 1;  ///< intensity that rangers read; negative: rangers do not see it
-  std::uint32_t part = 0;   ///< the part of the body it belongs to
+  std::uint32_t part = 0;   ///< number of the part of this body that the solid belongs to
 };
 
-/// An index of edges by the cells that they cross. Each of these cells lists the whole edge: clipping an edge
-/// to its cells would change bits, and visiting an edge twice is harmless.
+/// An index of edges by the cells that they cross. Each of these cells lists the whole edge. Edges are not
+/// clipped to cells, because rounding of the clipped ends would change the bits of results.
 class EdgeGrid {
  public:
   EdgeGrid() = default;
-  /// Indexes the edges. The choice of the grid does not affect the results of queries.
+  /// Indexes the edges. The choice of the grid affects the speed and which edges a query visits in addition,
+  /// but not whether it visits an edge that crosses its box.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
-  /// Calls visit(span of edges) for the edges in all cells that the box (metres, world frame) touches. An
-  /// edge may be visited more than once.
+  /// Calls visit(span of edges) for all edges of the cells that the box (metres, world frame) touches. An
+  /// edge that crosses several of these cells is visited once for each.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     if (edges_.empty()) return;
@@ -70,9 +71,10 @@ class StaticScene {
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
   bool has_obstacles() const { return has_obstacles_; }  ///< whether any solid blocks motions
 
-  /// Returns the index of the first obstacle solid that is found with an edge that enters the shape, or -1 if
-  /// there is none. Solids for which ignored(index) is true are skipped. A shape wholly inside a solid
-  /// crosses no edge of it and is not found: see blocked().
+  /// Returns the index of an obstacle solid with an edge that enters the shape at a common height, or -1 if
+  /// there is none. Of several such solids it returns the one that the search finds first. Solids for which
+  /// ignored(index) is true are skipped. A solid that contains the whole shape is not found, because none of
+  /// its edges enters the shape; blocked() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
 
@@ -81,28 +83,29 @@ class StaticScene {
   double clearance(const Vec2& point, double most) const;
   /// True if the shape shares area with the obstacle solid solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
-  /// True if the shape shares area with an obstacle at a common height: either an edge of the obstacle enters
-  /// the shape, or the shape is wholly inside the obstacle.
+  /// True if the shape, at this pose, shares area with an obstacle at a common height: an edge of the
+  /// obstacle enters the shape, or a whole piece of the shape is inside the obstacle.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// The bodies whose obstacle solids overlap the shape at this pose, in ascending order of their ids, each
   /// once.
   std::vector<BodyId> overlapping(const ObstacleShape& shape, const Pose& pose_world_body) const;
 
  private:
-  /// The edges of one solid, sorted into horizontal strips, so that the edges to the left of a point are
-  /// quickly counted (even-odd rule). Also a grid of cells known to be inside or outside the solid, so that
-  /// edges are counted for few points only.
+  /// Data that tell quickly whether a point is inside a solid. The edges of the solid are sorted into strips
+  /// parallel to the x axis, so that the edges to the left of a point are quickly counted (even-odd rule). In
+  /// addition, `covers` tells which cells are wholly inside or outside the solid, so that edges are counted
+  /// only for points in the other cells.
   struct Strips {
     enum Cover : std::uint8_t { unknown, outside, inside };  // unknown: an edge may cross the cell
 
     Box box;
-    Cell low;                   // lowest cell
-    std::size_t width = 0;      // cells per row
-    std::vector<Cover> covers;  // per cell, row by row; empty if there would be too many
-    double y0 = 0;
-    double height = 1;
-    std::vector<std::uint32_t> begins;
-    std::vector<FixedEdge> edges;
+    Cell low;                           // cell of the corner of the box with the least x and y
+    std::size_t width = 0;              // cells per row
+    std::vector<Cover> covers;          // per cell, row by row; empty if there would be too many
+    double y0 = 0;                      // lower border of the lowest strip, m
+    double height = 1;                  // height of a strip, m
+    std::vector<std::uint32_t> begins;  // per strip, and one past the end: index into edges
+    std::vector<FixedEdge> edges;       // by strip; an edge is listed in every strip that it touches
   };
   bool inside(std::size_t solid, const Vec2& point) const;
   bool count_crossings(const Strips& strips, const Vec2& point) const;
@@ -117,8 +120,8 @@ class StaticScene {
     return boxes_.any_near(Box::around(shape.position(), shape.shape().radius),
                            [&](std::uint32_t solid) { return swallows(solid, shape) && visit(solid); });
   }
-  /// Calls visit(edge) for obstacle edges that enter the shape until a call returns true. Returns whether a
-  /// call did.
+  /// Calls visit(edge) for each obstacle edge that enters the shape at a common height, for some edges more
+  /// than once, until a call returns true. Returns whether a call did.
   template <class Visit>
   bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 

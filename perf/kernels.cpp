@@ -1,4 +1,4 @@
-// Times the loops in which a tick spends its time:
+// Measures the speed of the loops in which a tick spends most of its time:
 //   build/release/bin/perf_kernels [--benchmark_filter=...]
 
 #include "base/diagnostics.hpp"
@@ -22,7 +22,7 @@
 namespace troupe {
 namespace {
 
-/// Beams in all directions, and short edges scattered around them like walls and robots.
+/// Beams of 2 m in all directions, and 256 short edges scattered around their origin like walls and robots.
 struct Scattered {
   explicit Scattered(std::size_t beams) {
     const std::size_t padded = partition::padded_beams(beams);
@@ -96,7 +96,7 @@ void polygon_overlap(benchmark::State& state) {
 }
 BENCHMARK(polygon_overlap)->Name("overlap/box against box");
 
-/// A dense crowd on a square grid, in which every second robot moves.
+/// A dense crowd of robots on a square grid. Each robot moves with probability 1/2.
 struct Crowd {
   explicit Crowd(std::size_t rows) {
     const ConvexPrism box{{{-0.05, -0.05}, {0.05, -0.05}, {0.05, 0.05}, {-0.05, 0.05}}, {0, 0.1}};
@@ -234,7 +234,9 @@ BENCHMARK(build_world)
     ->Unit(benchmark::kMillisecond)
     ->Name("load/world from its spec (items: robots)");
 
-/// Senses with every robot's rangers once, after ten ticks: finds, culls and projects edges and bodies.
+/// Measures the sense phase. In each iteration, all sensors of every robot sense once, in the state after ten
+/// ticks. This includes the search for edges and bodies, the tests that discard some of them, and the
+/// projection of the others on the beams.
 void sweep(benchmark::State& state, const char* world_file, std::size_t robots) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;

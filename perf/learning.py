@@ -6,7 +6,8 @@ ticks per second of the world without an environment. One step is one tick.
 
 The world without an environment is one Simulation with the same speeds. The batch is BatchEnv.step(), with actions,
 observations, rewards and ends; copies that have ended are reset within the step. Each figure is the median of five
-repetitions, which alternate with the others.
+repetitions. The repetitions of the world and of the batches alternate, so that other load affects all of them
+equally.
 """
 
 import statistics
@@ -68,7 +69,7 @@ def main(*sizes):
         batch.reset()
 
     def ticks():
-        """Ticks per second. Speeds change only every 64 ticks, so that calls from Python do not matter."""
+        """Measures ticks per second. Calls from Python cost little time: speeds change only every 64 ticks."""
         made, began = 0, time.perf_counter()
         while time.perf_counter() - began < 0.5:
             if made % 640 == 0:

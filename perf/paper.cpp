@@ -90,8 +90,9 @@ class Progress {
   bool visible_ = isatty(STDERR_FILENO) != 0;
 };
 
-/// Removes the rows that --only does not select from the plan, and the rows that cannot run here. Adds the
-/// reasons why rows cannot run to `skipped`.
+/// Removes from the plan the rows that the regular expression `only` does not select and the rows that cannot
+/// run here. Keeps the empty world if another loading row is kept. Adds the reasons why rows cannot run to
+/// `skipped`.
 void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipped) {
   const std::regex wanted(only);
   std::erase_if(plan.cases, [&](const Case& one) { return !std::regex_search(row_name(one), wanted); });
@@ -115,7 +116,8 @@ void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipp
   std::erase_if(plan.cases, [](const Case& one) { return one.runs.empty(); });
 }
 
-/// Keeps one run per scene, with this number of threads. That is enough to record hashes.
+/// Keeps one run per scene and length of simulation, and sets its number of threads. That is enough to record
+/// hashes.
 void keep_one_run(Plan& plan, unsigned threads) {
   std::set<std::string> seen;
   for (Case& one : plan.cases) {
@@ -175,7 +177,8 @@ void write_file(const fs::path& file, const std::string& text) {
   if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
 }
 
-/// Makes the kernels run on an instruction set. Returns the error text if they cannot; empty if they can.
+/// Makes the kernels run on the instruction set `name`. Returns the error text if this is not possible, else
+/// an empty text.
 std::string simd_fault(const std::string& name) {
   try {
     partition::use_simd_target(name);

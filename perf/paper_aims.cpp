@@ -11,7 +11,8 @@
 namespace troupe::perf {
 namespace {
 
-/// Collects the rows of the table. A goal without a measured value gets no row.
+/// Collects the rows of the table that compares measurements with performance goals. A goal without a
+/// measured value gets no row.
 class Aims {
  public:
   explicit Aims(const Report& report) : report_(report) {}

@@ -4,8 +4,8 @@
 
 namespace troupe::perf {
 
-/// Makes the table that compares the measurements of a report with the performance goals, one row per goal.
-/// Goals whose scene was not measured are omitted.
+/// Makes the table that compares the measurements of a report with Troupe's performance goals, one row per
+/// goal. Goals whose scene was not measured are omitted.
 Sheet aims_sheet(const Report& report);
 
 }  // namespace troupe::perf

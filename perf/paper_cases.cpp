@@ -39,7 +39,8 @@ constexpr double k_quick_cluster_skip_s = 1;
 constexpr double k_quick_cluster_s = 0.2;
 constexpr double k_quick_campus_s = 0.2;
 
-/// The scene of an entry of worlds/scenes.json with this number of robots. for_s: simulated time, s
+/// The scene of an entry of worlds/scenes.json, with this number of robots in total. for_s: simulated time,
+/// s.
 Scene scene_of(const scenes::Benchmark& row, std::size_t robots, double for_s) {
   Scene scene{.name = fmt::format("{}/{}", fs::path(row.world).stem().string(), robots),
               .world = fs::path(TROUPE_SOURCE_DIR) / "worlds" / row.world,
@@ -57,7 +58,8 @@ Scene variant_of(Scene scene, const scenes::Variant& variant) {
   return scene;
 }
 
-/// Returns two scenes: the given one, in which robots disperse, and one in which they form clusters.
+/// Returns two scenes with these times: the given one, in which robots disperse, and a variant in which they
+/// form clusters.
 std::vector<Scene> dispersed_and_clustered(Scene scene, double skip_s, double for_s) {
   scene.skip_s = skip_s;
   scene.for_s = for_s;
@@ -114,8 +116,8 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
     for (const unsigned n : threads) runs.push_back({scene, n, false});
     return runs;
   };
-  // The manifest gives worlds and numbers of robots; the code below determines how the rows of a table are
-  // run.
+  // The manifest, worlds/scenes.json, gives worlds and numbers of robots. The code below determines how the
+  // rows of a table are run.
   const auto for_rows = [&](std::string_view table, const auto& add) {
     for (const scenes::Benchmark& row : manifest.perf) {
       if (row.table != table) continue;
@@ -130,7 +132,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
           "1, 2, 3, campus, clusters, devices, grid, memory, simd, watching",
           row.world, row.table));
 
-  // As in the paper: without and with pictures.
+  // As in the paper, each scene is run without and with pictures.
   for (const char* table : {"1", "2", "3"})
     for_rows(table, [&](const Scene& scene, const auto&) {
       std::vector<Run> runs = with_threads(scene);

@@ -45,8 +45,9 @@ struct Child {
   bool empty = false;    ///< the world without robots, with which the memory of the others is compared
 };
 
+/// A table of the report.
 struct Table {
-  std::string id;
+  std::string id;  ///< such as "1" or "clusters"
   std::string title;
   std::string note;
 };
@@ -58,7 +59,8 @@ struct Plan {
   std::vector<Child> children;
 };
 
-/// Plans all measurements. Throws std::runtime_error if worlds/scenes.json names an unknown table.
+/// Plans the measurements that worlds/scenes.json lists. Throws std::runtime_error if that file names an
+/// unknown table.
 /// quick: plan rows of the same kinds, but with few robots and short times
 /// threads: the numbers of threads for rows without pictures; rows with pictures use the first of them
 /// simd: the instruction sets to compare, named as in partition::simd_targets()

@@ -19,7 +19,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The value of a line of /proc/self/status such as `VmRSS:   12345 kB`, in bytes.
+/// Returns the value, in bytes, of the line of /proc/self/status with this name, such as
+/// `VmRSS:   12345 kB`. Throws std::runtime_error if there is no such line.
 double status_bytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
@@ -28,7 +29,8 @@ double status_bytes(const std::string& name) {
       fmt::format("the memory of the process is unknown: /proc/self/status has no {}", name));
 }
 
-/// Runs this program with other arguments and returns its output.
+/// Runs this program with these arguments in a child process and returns its standard output. Throws
+/// std::runtime_error if the child cannot be started or fails.
 std::string run_self(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "perf_paper");
   std::vector<char*> argv;

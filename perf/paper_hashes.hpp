@@ -9,8 +9,8 @@
 
 namespace troupe::perf {
 
-/// The recorded state hashes that results are compared with. The file has one line per hash: scene, tick,
-/// hash.
+/// The recorded state hashes with which results are compared. The file has one line per hash, with the name
+/// of the scene, the tick and the hash in hexadecimal digits.
 class HashBook {
  public:
   /// Reads the file. If it does not exist, there are no hashes. Throws std::runtime_error, with file and

@@ -22,7 +22,7 @@ constexpr std::string_view k_begin = "<!-- perf_paper: begin -->";
 constexpr std::string_view k_end = "<!-- perf_paper: end -->";
 constexpr double k_mb = 1e6;
 
-/// "12,345,678".
+/// The value rounded to an integer, with commas between groups of three digits, as in "12,345,678".
 std::string grouped(double value) {
   std::string text = fmt::format("{:.0f}", std::abs(value));
   for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3)
@@ -30,7 +30,8 @@ std::string grouped(double value) {
   return (value < 0 ? "-" : "") + text;
 }
 
-/// Three significant digits, without an exponent.
+/// The value with three significant digits. Values from 100 on are rounded to an integer, and values below
+/// 0.1 to four decimals. There is never an exponent.
 std::string three_digits(double value) {
   if (value >= 100) return grouped(value);
   if (value >= 10) return fmt::format("{:.1f}", value);
@@ -118,7 +119,7 @@ Sheet timing_sheet(const Report& report, const Table& table, const Reference& re
   return sheet;
 }
 
-/// The value of this name in the description of the machine; empty if there is none.
+/// The entry with this name in the description of the machine; empty if there is none.
 std::string of_machine(const Report& report, std::string_view name) {
   for (const auto& [key, value] : report.machine)
     if (key == name) return value;
@@ -386,7 +387,7 @@ void write_between_marks(const std::filesystem::path& file, const std::string& t
 
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record) {
   std::vector<std::string> faults;
-  std::set<std::string> seen;  // scenes that were recorded in this run; further rows of them must agree
+  std::set<std::string> seen;  // scenes and ticks recorded in this run; further rows of them must agree
   const auto check = [&](const std::string& scene, std::uint64_t tick, std::uint64_t hash,
                          const std::string& run) {
     const auto expected = book.find(scene, tick);

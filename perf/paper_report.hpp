@@ -16,23 +16,24 @@ namespace troupe::perf {
 /// values are omitted, and host names are never included.
 std::vector<std::pair<std::string, std::string>> describe_machine();
 
-/// Figures of other simulators, from perf/paper_reference.json: column of the tables -> scene -> times real
-/// time.
+/// Speeds of other simulators, in times real time. The keys are the column of the tables, such as `paper`,
+/// and the name of the scene.
 using Reference = std::map<std::string, std::map<std::string, double>>;
+/// Reads a file with the format of perf/paper_reference.json. Throws std::runtime_error if it cannot be read.
 Reference read_reference(const std::filesystem::path& file);
 
 /// All measurements.
 struct Report {
-  std::vector<std::pair<std::string, std::string>> machine;
-  std::size_t repeat = 0;
-  bool quick = false;
+  std::vector<std::pair<std::string, std::string>> machine;  ///< as describe_machine() returns it
+  std::size_t repeat = 0;                                    ///< repetitions of each row
+  bool quick = false;                                        ///< whether robots and times were reduced
   std::vector<Table> tables;
   std::vector<CaseTiming> cases;
   std::vector<ChildTiming> children;
-  std::vector<std::string> skipped;
+  std::vector<std::string> skipped;  ///< reasons why rows were not measured
 };
 
-/// A table of a report, as text cells.
+/// A table of a report, with its cells as text.
 struct Sheet {
   std::string title;
   std::string note;
@@ -44,7 +45,7 @@ struct Sheet {
 struct Scaling {
   const Timing* timing;
   double speedup;  ///< wall time on one thread divided by wall time on several
-  double probe;    ///< the machine's limit: speed-up of as many threads that share nothing
+  double probe;    ///< speed-up of the same number of threads in probe_s(): the limit of the machine
 };
 /// The speed-ups of all rows that were measured on one thread and on several.
 std::vector<Scaling> scalings(const Report& report);
@@ -56,15 +57,17 @@ std::vector<Sheet> sheets(const Report& report, const Reference& reference);
 std::string plain_text(const Sheet& sheet);
 /// The text of all sheets in Markdown, with the description of the machine and the skipped rows.
 std::string markdown(const Report& report, const std::vector<Sheet>& sheets);
+/// All measurements of a report as JSON.
 std::string json(const Report& report);
 
 /// Replaces the text between the lines `<!-- perf_paper: begin -->` and `<!-- perf_paper: end -->` of a file,
 /// or the whole file if it has no such lines. Throws std::runtime_error if the file cannot be written.
 void write_between_marks(const std::filesystem::path& file, const std::string& text);
 
-/// Compares the hashes of a report with the book or, if `record`, writes them to the book. Returns one line
-/// of text for each wrong or unknown hash; with `record`, only for hashes that differ between rows or
-/// repetitions of one scene.
+/// Compares the hashes of a report with the book. If `record`, stores them in the book instead; the caller
+/// saves it. Returns one line of text for each wrong or unknown hash, and for each row whose repetitions
+/// ended with different hashes. With `record`, a hash is wrong if another row of the same scene has a
+/// different one.
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record);
 
 }  // namespace troupe::perf

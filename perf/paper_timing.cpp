@@ -27,16 +27,16 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds k_frame_period{100};
-// To measure the phases the clock is read five times per tick, which takes about 0.2 microseconds: too much
-// for small worlds, in which a tick takes 2 microseconds. They are measured in worlds with this many robots
-// or more.
+// To measure the phases of a tick, the clock is read five times per tick. This takes about 0.2 microseconds,
+// which is too much for small worlds, in which a tick takes 2 microseconds. Phases are therefore measured
+// only in worlds with this many robots or more.
 constexpr std::size_t k_least_robots_with_phases = 100;
 
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
-/// Draws a frame whenever 0.1 s of wall time has passed since the start of the previous frame. If drawing
-/// took longer than 0.05 s, it waits at least as long as that afterwards, so that the simulation gets at
-/// least half of the time.
+/// Draws a picture after a tick if at least 0.1 s of wall time has passed since the start of the previous
+/// picture. If drawing took longer than 0.05 s, the next picture is drawn only after a pause of the same
+/// length, so that the simulation gets at least half of the time.
 class Camera {
  public:
 #ifdef TROUPE_HAS_RENDER
@@ -99,7 +99,8 @@ std::unique_ptr<engine::World> make_world(const engine::WorldSpec& spec, unsigne
   return world;
 }
 
-/// One repetition: steps the world and adds the measurements to `timing`.
+/// Runs one repetition: steps the world and stores the measurements in `timing`. The wall time is appended;
+/// the other values replace those of the previous repetition.
 void time_steps(engine::World& world, Timing& timing, const engine::Registry& registry) {
   const Run& run = timing.run;
   const std::unique_ptr<Watcher> watcher = make_watcher(run.watch, world, registry);

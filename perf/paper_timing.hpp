@@ -13,20 +13,20 @@
 
 namespace troupe::perf {
 
-/// Measurements of a run (a row of a table).
+/// Measurements of a run (a row of a table). Values without another statement are of the last repetition.
 struct Timing {
   Run run;
   std::size_t robots = 0;
   double tick_s = 0;
   std::uint64_t ticks = 0;      ///< measured ticks in each repetition
-  std::uint64_t hash_tick = 0;  ///< the tick of `hash`, at the end of the first repetition
+  std::uint64_t hash_tick = 0;  ///< the tick at which `hash` is computed: the end of the first repetition
   std::uint64_t hash = 0;       ///< hash of the whole state, ranges included
-  bool repeatable = true;       ///< every repetition ended with the same hash
+  bool repeatable = true;       ///< false if another repetition had a different hash at hash_tick
   std::vector<double> wall_s;   ///< wall time of each repetition, s
   double beams_per_tick = 0;
   double rounds_per_tick = 0;  ///< rounds of conflict resolution, mean
   double stalled_share = 0;    ///< fraction of robots stalled in the last tick
-  double move_share = 0;       ///< fraction of the time that the phase `move` takes; 0 if not measured
+  double move_share = 0;       ///< fraction of the wall time that the phase `move` takes; 0 if not measured
   std::size_t frames = 0;      ///< frames drawn in the last repetition
 
   /// Wall time per robot and tick, ns, for a repetition that took `seconds` of wall time.
@@ -35,31 +35,33 @@ struct Timing {
   double times_real_time(double seconds) const;
 };
 
-/// Returns the wall time, s, in which this number of threads run in parallel, each of them a fixed
-/// computation that uses only registers. Shows how the machine itself scales: ideally n threads need the time
-/// of one.
+/// Runs a fixed computation on each of this number of threads in parallel and returns the wall time, s. The
+/// computation uses only registers, so that the threads share nothing. The result shows how the machine
+/// itself scales: ideally n threads take the same time as one.
 double probe_s(unsigned threads);
 
+/// Measurements of a case.
 struct CaseTiming {
-  std::string table;
-  std::vector<Timing> timings;
+  std::string table;            ///< id of the table with the rows of these runs
+  std::vector<Timing> timings;  ///< one per run of the case, in their order
   /// Results of probe_s(): number of threads -> one value per repetition.
   std::map<unsigned, std::vector<double>> probe_s;
 };
 
 /// Measures a case `repeat` times. The repetitions of a scene with `skip_s` are consecutive pieces of one
-/// simulation; those of other scenes each start at tick 0. progress: called with a text that says what is
-/// measured next. Throws InputError if a world cannot be loaded, and std::runtime_error if pictures cannot be
-/// drawn.
+/// simulation; those of other scenes each start at tick 0. progress: called before each measurement with a
+/// text that names it. Throws InputError if a world cannot be loaded, and std::runtime_error if pictures
+/// cannot be drawn.
 CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
                      const std::function<void(const std::string&)>& progress);
 
-/// What distinguishes a run from the plain run of its scene, as text for messages: `, frames`, `, hashes` or
-/// `, avx2`; empty for a plain run.
+/// A text for messages that says how a run differs from the plain run of its scene: `, frames`, the name of
+/// its observer, as in `, hashes`, or its instruction set, as in `, avx2`. Empty for a plain run.
 std::string with_text(const Run& run);
 
-/// Additional wall time of a run with an observer, as a fraction of that of the same run without observer:
-/// the median over the repetitions. Empty if `watched` has no observer.
+/// Returns the additional wall time of a run with an observer, as a fraction of the wall time of the run of
+/// the same case that has as many threads but no observer. It is the median over the repetitions. Empty if
+/// `watched` has no observer or the case has no such run.
 std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched);
 
 /// Returns the reason why pictures cannot be drawn here; empty if they can.

@@ -8,9 +8,10 @@
 
 namespace troupe::perf {
 
-/// An observer that reads the state after every tick of a run, as `troupe run` does with --hash-log (hashes),
-/// with --record of poses at 10 Hz, which is one frame per tick of 0.1 s (recording), or with --measures of
-/// all measures and --measure-every 0 (measures).
+/// The observer of a run. It reads the state after every tick. `hashes` computes the state hash, as `troupe
+/// run --hash-log` does. `recording` records the poses, as --record does at 10 Hz: one frame per tick of 0.1
+/// s. `measures` computes all measures that have no required parameter, as --measures does with
+/// --measure-every 0.
 enum class Watch : std::uint8_t { nothing, hashes, recording, measures };
 /// The name of an observer in tables and messages, such as "hashes".
 std::string_view watch_name(Watch watch);

@@ -1,4 +1,4 @@
-// Times pictures of large swarms, after the first one:
+// Measures the time to draw a picture of a large swarm, without the first picture, which takes longer:
 //   build/release/bin/perf_pictures
 
 #include "base/random.hpp"

@@ -43,7 +43,11 @@ def save(figure, folder, name):
 
 
 def series(rows, world, threads, frames):
-    """Populations with least, median and greatest speed; empty if the run did not measure the world."""
+    """Returns (robots, least, median, greatest speed) for each population of a world, in ascending order.
+
+    Speeds are in times real time. The list is empty if the world was not measured with this number of threads
+    and with or without frames.
+    """
     points = {row["robots"]: row["times_real_time"] for row in rows
               if row["scene"].rsplit("/", 1)[0] == world and row["threads"] == threads and row["frames"] == frames
               and row["table"] in ("1", "2", "3", "campus")}

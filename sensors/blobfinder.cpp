@@ -74,8 +74,8 @@ bool is_same(const Color& a, const Color& b) {
   return std::abs(a.r - b.r) < k_near && std::abs(a.g - b.g) < k_near && std::abs(a.b - b.b) < k_near;
 }
 
-/// Computes the first and the last image row of a blob. As in Stage, all bodies count as equally tall, and a
-/// pixel is fov / rows high.
+/// Computes the first and the last image row of a blob at this range (m). As in Stage, all bodies count as
+/// 0.6 m tall, and a pixel covers a vertical angle of fov / image_height.
 void write_rows(const Finder::Params& params, double range, std::int32_t& top, std::int32_t& bottom) {
   constexpr double k_half_height = 0.3;  // m
   const std::int32_t height = params.image_height;
@@ -129,8 +129,8 @@ class Writer {
   std::size_t count_ = 0;
 };
 
-/// Finds the blobs that the finder of one row sees. body: from the frame in which the finder's pose is given
-/// to the world frame
+/// Finds the blobs that the finder of the row `own` sees, and passes them to the writer. body: from the frame
+/// in which the finder's pose is given to the world frame.
 void find_blobs(const World& world, const Finder& finder, Row own, const Transform& body, Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();
   std::optional<Blob> blob;

@@ -14,19 +14,21 @@ enum BlobField : std::size_t {
   k_blob_right,   ///< i32 per blob: rightmost column, inclusive
   k_blob_top,     ///< i32 per blob: top row
   k_blob_bottom,  ///< i32 per blob: bottom row
-  k_blob_range,   ///< f32 per blob, m: mean distance over its columns
+  k_blob_range,   ///< f32 per blob, m: mean range of the rays of its columns
   k_blob_color,   ///< u8 [red green blue opacity] per blob
 };
 
 /// Returns the sensor kind `blobfinder`, which reports the blobs that a camera with few columns would see:
 /// runs of neighbouring columns that show the same colour.
-/// sees    One ray per column, of length `range`. The rays are at equal angles from -fov/2 to +fov/2 about
-///         the sensor's heading plus `pan`; a single column looks straight ahead. A ray ends at the first
-///         body that is not part of its own robot, whatever the heights of both.
+/// sees    It casts one ray per column, of length `range`. The rays are at equal angles from -fov/2 to +fov/2
+///         about the axis of view, which is the sensor's heading plus `pan`. A single column looks along this
+///         axis. A ray ends at the first wall or body, whatever the heights of both. It ignores its own
+///         robot, and bodies that carry the robot or that it carries.
 /// rows    The rows of a blob are computed as if all bodies were 0.6 m tall and seen from the middle of their
 ///         height.
-/// source  Stage's blobfinder model, which skips a column after each blob and compares colours to 1e-5. This
-///         sensor skips no column, and a model without blob_return is not a blob but hides others.
+/// source  Stage's blobfinder model. That model skips a column after each blob; this sensor skips none. As in
+///         Stage, colours are the same if their components differ by less than 1e-5. With use_blob_return, a
+///         model without blob_return is not reported but hides the models behind it.
 engine::DeviceKind blobfinder_kind();
 
 }  // namespace troupe::sensors

@@ -30,14 +30,15 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
   return differ(cross(b - a, c - a), cross(b - a, d - a)) && differ(cross(d - c, a - c), cross(d - c, b - c));
 }
 
-/// The distance between two segments; 0 if they cross.
+/// The distance between the segments from a to b and from c to d, m; 0 if they cross.
 double distance(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   if (cross_each_other(a, b, c, d)) return 0;
   return std::min({distance(a, c, d), distance(b, c, d), distance(c, a, b), distance(d, a, b)});
 }
 
-/// The nearest body whose outline comes within `thickness` (m) of a strip (world frame); not valid if there
-/// is none. Skips the body of the row `own` and the bodies that it carries or that carry it.
+/// Returns the nearest body with an outline within `thickness` (m) of a strip (world frame). At equal
+/// distances it is the body with the lower id. The result is not valid if there is no such body. Skips the
+/// body of the row `own` and the bodies that it carries or that carry it.
 BodyId felt(const engine::World& world, Row own, const Strip& strip, double thickness) {
   Box box;
   box.extend(strip.right);

@@ -13,8 +13,9 @@ enum BumperField : std::size_t {
 };
 
 /// Returns the sensor kind `bumper`: contact strips. Each strip is a line segment perpendicular to the
-/// heading of its pose and centred on it. It detects any body that is not part of its own robot and whose
-/// outline comes within `thickness` of the segment, whatever the heights of both.
+/// heading of its pose and centred on it. It detects any wall or body whose outline comes within `thickness`
+/// of the segment, whatever the heights of both. It ignores its own robot, and bodies that carry the robot or
+/// that it carries.
 /// ties    If several bodies touch a strip, the nearest is reported; at equal distances, the one with the
 ///         lower id.
 /// source  Stage's bumper model, whose strips are as thick as its cells, 0.02 m. A strip without thickness

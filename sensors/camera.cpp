@@ -68,42 +68,45 @@ struct Lens {
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   std::uint64_t sense(const DeviceBatch& batch) const;
 
-  /// The position of a column (to the right) or a row (upwards) in the image, at depth 1.
+  /// The offset from the axis of view of the middle of a column (to the right) or of a row (upwards), at
+  /// depth 1.
   double right(double column) const { return half_width * ((column + 0.5) / params.width * 2 - 1); }
   double up(double row) const { return half_height * (1 - (row + 0.5) / params.height * 2); }
   bool is_level() const { return tilt.sin == 0; }
 };
 
-/// A ray through a pixel. Its point at depth t is the camera's position + t * across, at height t * rise
-/// above the camera.
+/// A ray through a pixel. Its point at depth t (m along the axis of view) is the camera's position + t *
+/// across in the plane, and t * rise above the camera.
 struct PixelRay {
   Vec2 across;  ///< world frame
   double rise = 0;
 };
 
-/// The even-odd region of one solid, extruded.
+/// One solid: the region inside its contours (even-odd rule), extruded over an interval of heights.
 struct Region {
   BodyId body;
   std::uint32_t solid = 0;
   std::uint32_t part = 0;
   ZInterval z;          ///< heights relative to the camera
-  bool around = false;  ///< the camera is above or below it
+  bool around = false;  ///< whether the camera is straight above or below the solid
 };
 
 /// A crossing of a ray and an outline.
 struct Crossing {
   std::uint32_t region = 0;
   double depth = 0;
-  /// The ray passes from outside to inside here, or the other way. If it passes through a corner, this is
-  /// true for only one of the two edges.
+  /// Whether the ray passes from outside to inside here, or from inside to outside. If it passes through a
+  /// corner, this is true for only one of the two edges.
   bool is_change = false;
   friend auto operator<=>(const Crossing&, const Crossing&) = default;
 };
 
-/// Renders the images of cameras. Each thread reuses one, so that a warm step allocates nothing.
+/// Renders the images of cameras. Each thread keeps one object of this class with its memory, so that images
+/// after the first ones allocate nothing.
 class Painter {
  public:
-  /// Renders the image of one camera. mount: the frame in which the lens's pose is given
+  /// Renders the image of the camera of the row `own` into its readings. mount: the frame in which the lens's
+  /// pose is given. state, slot: the table of the readings, and the entry of this row.
   void paint(const World& world, const Lens& lens, Row own, const engine::Mount& mount,
              engine::StateTable& state, std::size_t slot) {
     lens_ = &lens;
@@ -160,8 +163,9 @@ class Painter {
     for (std::size_t i = 0; i < chains_.size(); ++i) find_around(chains_[i], regions_[region_of_[i]]);
   }
 
-  /// Determines whether the camera is above or below the region: for a body from its chains, which have all
-  /// been collected, for static geometry from the solid itself.
+  /// Updates region.around for one of the chains of the region. For a body, the crossings of all its chains
+  /// are counted, one chain per call. For static geometry, of which only some chains have been collected, the
+  /// solid itself is tested, once.
   void find_around(const OutlineChain& chain, Region& region) {
     if (region.z.contains(0)) return;  // its top and underside are not visible
     if (chain.closed) {
@@ -177,11 +181,12 @@ class Painter {
   }
 
   /// Whether the ends of an edge, relative to the camera, are on different sides of the line of a ray.
+  /// across: the direction of the ray in the plane.
   static bool changes(const Vec2& a, const Vec2& b, const Vec2& across) {
     return (cross(a, across) < 0) != (cross(b, across) < 0);
   }
-  /// The depth at which a ray crosses an edge, as a multiple of `across`; the ends must be on different
-  /// sides.
+  /// The depth at which a ray crosses an edge, as a multiple of `across`. The ends of the edge must be on
+  /// different sides of the ray, or on the ray.
   static double depth_of(const Vec2& a, const Vec2& b, const Vec2& across) {
     const double side_a = cross(a, across);
     const double side_b = cross(b, across);
@@ -313,7 +318,7 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
                                    .depth = k_camera_depth}};
 }
 
-/// Checks the limit that involves two parameters.
+/// Checks that range_near is below range_far.
 Result<> Lens::bind_part(const engine::TypeSpec&, std::uint32_t) {
   if (params.range_near < params.range_far) return {};
   return Error{fmt::format("has a range_near of {} m, which must be below its range_far of {} m",

@@ -14,14 +14,15 @@ enum CameraField : std::size_t {
 
 /// Returns the sensor kind `camera`, which renders colour and depth of its field of view without a graphics
 /// library.
-/// sees    Bodies that are not part of its own robot, as extruded blocks with tops and undersides, and the
-///         floor at z = 0. There is no light or shadow: each body has its own colour. Surfaces nearer than
-///         range_near are not drawn; beyond range_far the picture shows sky.
+/// sees    It shows walls and bodies as extruded blocks with tops and undersides, and the floor at z = 0. It
+///         does not show its own robot, nor bodies that carry the robot or that it carries. There is no light
+///         or shadow: each body has its own colour. Surfaces nearer than range_near are not drawn; beyond
+///         range_far the picture shows sky.
 /// pixels  The camera is a pinhole camera: each pixel shows the colour along one ray through its middle.
 /// ties    Of two surfaces at the same depth, the one of the body with the lower id is drawn, and within one
 ///         body the one of the solid with the lower number.
-/// limits  A top or an underside is not drawn if its whole outline is outside the field of view, as for a
-///         plate straight below the camera.
+/// limits  A top or an underside is not drawn if its whole outline is outside the field of view, for example
+///         that of a large plate straight below the camera.
 /// cost    A level camera tests an edge only for the columns that the edge spans, a tilted camera for every
 ///         pixel.
 /// source  Stage's camera model, which needs a window; its `pitch` is called `tilt` here.

@@ -10,7 +10,7 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 
-/// Wraps an angle into (-pi, pi]; wrap_angle() alone leaves -pi unchanged.
+/// Wraps an angle (rad) into (-pi, pi]. wrap_angle() alone leaves -pi unchanged.
 double wrapped(double heading) {
   const double inside = wrap_angle(heading);
   return inside == -k_pi ? k_pi : inside + 0.0;  // never -0

@@ -14,11 +14,11 @@ enum CompassField : std::size_t {
 /// Returns the sensor kind `compass`, which reads the heading of its own x axis in the world frame: 0 along
 /// the world's x axis, counter-clockwise positive.
 ///
-/// reads  heading of the compass + declination + noise_stddev * n, wrapped into (-pi, pi]; n is standard
-///        normal, independent for each body and tick. A compass with a heading in its pose, or on a joint,
-///        reads its own heading, not that of its robot
-/// draws  one normal random number per body and tick from the sensor's random stream; none if noise_stddev is
-///        0
+/// reads  The reading is heading + declination + noise_stddev * n, wrapped into (-pi, pi]. The number n is
+///        standard normal, independent for each body and tick. A compass with a heading in its pose, or on a
+///        joint, reads its own heading, not that of its robot.
+/// draws  It draws one normal random number per body and reading from the sensor's random stream; none if
+///        noise_stddev is 0.
 engine::DeviceKind compass_kind();
 
 }  // namespace troupe::sensors

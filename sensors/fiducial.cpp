@@ -19,7 +19,7 @@ using engine::PartSpec;
 using engine::TypeSpec;
 using engine::World;
 
-constexpr double k_rounding = 1e-9;  // above the rounding errors of sines and cosines
+constexpr double k_rounding = 1e-9;  // margin for cosines, above the rounding errors of sines and cosines
 
 struct Finder {
   struct Params {
@@ -62,7 +62,7 @@ struct Finder {
   Pose pose_body_sensor;
   Vec2 ahead = Vec2::UnitX();  // axis of view, body frame
   double range_min = 0;        // nearer targets are not found
-  double least_cos = 0;        // least cosine of the bearing of a target
+  double least_cos = 0;        // cosine of half the field of view
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   std::uint64_t sense(const DeviceBatch& batch) const;
@@ -81,11 +81,13 @@ struct Target {
   Pose pose_world_part;
 };
 
-/// Finds the targets of finders. Each thread reuses one, so that a warm step allocates nothing.
+/// Finds the targets of finders. Each thread keeps one object of this class with its memory, so that searches
+/// after the first ones allocate nothing.
 class Search {
  public:
-  /// Returns the targets in sight of a row, the nearest first. Counts the rays that it casts. mount: the
-  /// frame in which the finder's pose is given
+  /// Returns the targets that the finder of the row `own` finds, the nearest first; valid until the next
+  /// call. Adds the number of rays that it casts to rays(). mount: the frame in which the finder's pose is
+  /// given.
   std::span<const Target> find(const World& world, const Finder& finder, Row own,
                                const engine::Mount& mount) {
     world_ = &world;
@@ -127,8 +129,8 @@ class Search {
   }
 
  private:
-  /// Adds a candidate if it is within range and field of view. extent: upper bound on the distance of the
-  /// target's surfaces from its origin, m; 0 if unknown
+  /// Adds a model to the candidates if its key is right and it is within range and field of view. extent:
+  /// upper bound on the distance of the model's surfaces from its origin, m; 0 if unknown.
   void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
                 double extent) {
     if (spec.returns.fiducial_key != finder_->params.key) return;
@@ -145,7 +147,8 @@ class Search {
     found_.push_back({range, body, part, bearing, &spec, pose_world_part});
   }
 
-  /// Removes the candidates that another surface hides.
+  /// Casts a ray towards each candidate and removes the candidates that are not in sight, see
+  /// fiducial_kind().
   void keep_seen() {
     rays_ += lines_.size();
     first_.resize(std::max(first_.size(), lines_.size()));
@@ -175,7 +178,7 @@ class Search {
 void write(const Search& search, const Finder& finder, std::span<const Target> targets,
            engine::StateTable& state, std::size_t slot) {
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_fiducial_count)[0];
-  // Entries after those of the previous tick are 0 already.
+  // Entries after those of the previous tick are already 0.
   const std::size_t last =
       std::min<std::size_t>(finder.params.most_targets, std::max<std::size_t>(targets.size(), count));
   count = static_cast<std::uint32_t>(targets.size());

@@ -22,8 +22,8 @@ using engine::PartSpec;
 using engine::World;
 using engine::WorldSpec;
 
-/// Whether the point is inside the contours, by the even-odd rule. A point on the common edge of two regions
-/// is in exactly one of them.
+/// Whether the point is inside the contours, by the even-odd rule. A point on an edge that two regions have
+/// in common is inside exactly one of them.
 bool holds(const std::vector<Ring>& contours, const Vec2& point) {
   bool inside = false;
   for (const Ring& ring : contours)
@@ -134,7 +134,7 @@ struct GroundSensor {
 
   Ground ground;
   std::vector<Vec2> points;  // frame of the body, or of the joint that carries the sensor
-  bool is_odd = false;       // the last point has no y
+  bool is_odd = false;       // the parameter `points` has an odd number of values: the last x has no y
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor) {
     const auto& [red, green, blue] = params.floor;

@@ -20,9 +20,9 @@ enum GroundField : std::size_t {
 
 /// Returns the sensor kind `ground`, which reads the colours of the ground below given points of its robot.
 /// The ground at a point is a part of another body that contains the point, seen from above, and whose top is
-/// not above `height`. Of several such parts it is the one with the highest top; at equal tops, the part of
+/// not above `height`. Of several such parts, the one with the highest top counts; at equal tops, the part of
 /// the body with the lower id, and within one body the part with the lower number. If there is no such part,
-/// the ground is the floor.
+/// the ground is the floor. Bodies that carry the robot or that it carries are ignored.
 ///
 /// zones  Coloured zones on the ground are models with `"obstacle": false`, `"ranger_return": -1` and a size
 ///        of some millimetres in z. A zone with an LED has the colour of the LED.
@@ -47,12 +47,13 @@ class Ground {
  public:
   /// The ground at a point: a part of a body, or the floor.
   struct Zone {
-    double top = 0;          ///< top, m above the floor
+    double top = 0;          ///< height of the top surface, m, world frame
     BodyId body;             ///< the body; not valid for the floor
-    std::uint32_t part = 0;  ///< the part of the body
+    std::uint32_t part = 0;  ///< number of the part in its body
     Color color;             ///< the colour of the part
 
-    /// Whether this zone hides the other one.
+    /// Whether this zone hides the other one at a point that both contain: the higher top wins; at equal tops
+    /// the lower body id, then the lower part number.
     bool is_above(const Zone& other) const;
   };
 
@@ -64,9 +65,10 @@ class Ground {
   /// before the first call of below().
   void collect(const engine::WorldSpec& world);
   /// Returns the ground at a point (world frame, m) for a device of the row `own`. The body of this row, and
-  /// all bodies that it carries or that carry it, are ignored. On the floor the body of the result is not
-  /// valid and the colour is that of the floor. with_shown_colors: use the colours that devices such as LEDs
-  /// show; only allowed in the sense phase of a tick, because these colours change in other phases
+  /// all bodies that it carries or that carry it, are ignored. If the point is on the floor, the body of the
+  /// result is not valid and the colour is that of the floor. with_shown_colors: whether to use the colours
+  /// that devices such as LEDs show. This is only allowed in the sense phase of a tick, because these colours
+  /// change in other phases.
   Zone below(const engine::World& world, Row own, const Vec2& point, bool with_shown_colors) const;
 
  private:

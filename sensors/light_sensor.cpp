@@ -50,17 +50,20 @@ struct LightSensor {
 struct Seen {
   BodyId body;
   std::size_t device = 0;
-  Vec2 way = Vec2::Zero();  // displacement to it on the ground, sensor frame, m
+  Vec2 way = Vec2::Zero();  // horizontal displacement to the light, sensor frame, m
   double distance = 0;
   double intensity = 0;
 };
 
-/// Finds the lights in sight. Each thread reuses one, so that a warm step allocates nothing.
+/// Finds the lights in sight. Each thread keeps one object of this class with its memory, so that searches
+/// after the first ones allocate nothing.
 class Eyes {
  public:
   Eyes() { seen_.reserve(256); }
 
-  /// Returns the lights that a row sees, sorted by (body, device). Counts the rays that it casts.
+  /// Returns the lights that the sensor of the row `own` sees, sorted by body id and then by device; valid
+  /// until the next call. Adds the number of rays that it casts to rays(). mount: the frame in which the
+  /// sensor's pose is given.
   std::span<const Seen> find(const World& world, const LightSensor& sensor, Row own,
                              const engine::Mount& mount) {
     seen_.clear();

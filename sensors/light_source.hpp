@@ -19,16 +19,18 @@ struct LightState {
 };
 
 /// The prepared data (engine::DeviceKind::Prepared::data) of a light. Light sensors find lights by this type.
+/// The members period_s, dutycycle and enabled say when the light is lit while no controller commands it.
 struct LightSource {
-  /// Pose in the frame of its body or joint. Its heading has no effect: lights shine in all directions.
+  /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
+  /// in all directions.
   Pose pose_body_light;
   double intensity = 1;  ///< reading of a light sensor that faces the lit light from 1 m
-  double period_s = 0;   ///< time from one flash to the next; 0: always lit
-  double dutycycle = 0;  ///< fraction of each period for which it is lit
-  bool enabled = false;  ///< whether it blinks until a controller switches it on or off
+  double period_s = 0;   ///< time from the start of one flash to the next; 0: the light does not blink
+  double dutycycle = 0;  ///< fraction of each period in which it is lit; with period_s 0: above 0 means lit
+  bool enabled = false;  ///< false: the light is dark
 };
 
-/// The light that a device is; null if the device is not a light.
+/// Returns the data of a device that is a light; null if the device is not a light.
 inline const LightSource* light_source(const engine::DeviceKind::Prepared& device) {
   return std::any_cast<LightSource>(&device.data);
 }

@@ -26,13 +26,14 @@ using engine::RayOutline;
 using engine::World;
 using partition::BodyCircle;
 
-// Margin of culls, m: far above the rounding of doubles within a world.
+// Margin, m, of tests that discard bodies and walls too far from a line to cross it. It is far above the
+// rounding errors of doubles within a world.
 constexpr double k_slack = 1e-9;
-// If no link of a listener is longer than this, its links share one search for the walls and bodies that may
-// hide them. A longer link is searched along its line, in pieces of k_stride_m.
+// If no link of a listener is longer than this, m, its links share one search for the walls and bodies that
+// may hide them. Otherwise these are searched for each link along its line, in pieces of k_stride_m (m).
 constexpr double k_together_m = 12;
 constexpr double k_stride_m = 4;
-// Listeners within a square of this many times their reach search for speakers together.
+// Listeners in a square with edges of this many times their `hears` search for speakers together.
 constexpr double k_group_reaches = 2.25;
 
 enum class Walls : std::uint8_t { block, weaken, pass };
@@ -112,7 +113,7 @@ struct Radio {
   Pose pose_body_radio;
   double hears = 0;        // m
   double loss_at_1m = 0;   // dB
-  double loss_a_fold = 0;  // dB per factor e of distance
+  double loss_a_fold = 0;  // dB by which the loss grows if the distance grows by a factor of e
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_radio);
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
@@ -127,14 +128,14 @@ struct Radio {
   }
 };
 
-/// A radio of a body type that the listener may hear.
+/// A radio of a body type that the listener can hear if it is near enough: it is on the same channel.
 struct Sender {
   const Radio* radio;
   const BodyType::Device* device;
   const engine::StateTable* commands;
-  bool always_runs;
-  Vec2 position;  // frame of the body, or of the joint that carries the radio
-  double limit;   // longest link to the listener, m
+  bool always_runs;  // whether it runs in every tick, because it has neither an energy supply nor a switch
+  Vec2 position;     // frame of the body, or of the joint that carries the radio, m
+  double limit;      // longest link to the listener, m
 };
 
 /// A radio that sends a message and that some of the listeners may hear.
@@ -158,8 +159,8 @@ struct Link {
   const Speaker* speaker = nullptr;
 };
 
-/// The straight line between two radios. It starts at the radio with the lower id, so that both directions
-/// give the same result.
+/// The straight line between two radios. It starts at the radio on the body with the lower id, so that both
+/// directions give the same result.
 struct Line {
   Vec2 from, way;
   double z_from, z_way;
@@ -183,8 +184,8 @@ struct Line {
   }
 };
 
-/// A crossing of a line and an edge. The edge may be in several pieces of an outline if it is long, so a
-/// crossing may be found twice.
+/// A crossing of a line and an edge. A long edge has several circles in the index, so its crossing may be
+/// found several times.
 struct Crossing {
   std::uint32_t solid;
   double at;    // position on the line, from 0 to 1
@@ -192,15 +193,17 @@ struct Crossing {
   auto operator<=>(const Crossing&) const = default;
 };
 
-/// Finds what the radios of a batch hear. Radios near one another share the search for speakers and its sort
-/// in the order of readings. Each thread reuses one, so that a warm step allocates nothing.
+/// Finds the messages that the radios of a batch hear. Radios near one another share the search for speakers
+/// and the sorting of the speakers in the order of readings. Each thread keeps one object of this class with
+/// its memory, so that searches after the first ones allocate nothing.
 class Listener {
  public:
   Listener() {
     for (Known& known : known_) known.senders.reserve(4);
   }
 
-  /// Writes the readings of all rows of the batch; returns the number of lines of sight that it tested.
+  /// Writes the readings of all rows of the batch. Returns the number of lines between radios that it tested
+  /// for walls and bodies.
   std::uint64_t listen(const DeviceBatch& batch);
 
  private:
@@ -217,12 +220,13 @@ class Listener {
   void find_walls();
   void find_blockers();
   bool arrives(Link& link);
-  /// The largest loss with which the speaker is still heard, dB.
+  /// The largest loss with which the current listener still hears the speaker, dB.
   double budget_of(const Speaker& speaker) const {
     return speaker.radio->params.power - radio_->params.sensitivity;
   }
   Line line_to(const Speaker& speaker) const;
-  /// The number of walls on the way; -1 if something on the way blocks the message.
+  /// The number of walls between the speaker and the current listener that weaken the message; -1 if a wall
+  /// or a body between them blocks it.
   int hindrances(const Speaker& speaker);
   template <class Visit>
   bool any_wall(const Line& line, Visit&& visit) const;
@@ -249,8 +253,8 @@ class Listener {
   // Shared by listeners near one another.
   std::vector<BodyCircle> bodies_;    // bodies near any of them, if bodies block messages
   std::vector<Speaker> speakers_;     // in the order in which they were found
-  std::vector<std::uint64_t> order_;  // their order in the readings: body id, and index in speakers_
-  struct Reach {                      // in that order: the listener must be within this circle
+  std::vector<std::uint64_t> order_;  // their order in the readings: body id * 2^32 + index in speakers_
+  struct Reach {                      // in that order: a listener outside this circle cannot hear the speaker
     double x, y, radius2;
   };
   std::vector<Reach> reaches_;
@@ -343,7 +347,7 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
   return known.senders;
 }
 
-/// Finds the radios that send a message which some of the listeners in the box may hear.
+/// Finds the radios that send a message which some of the listeners in the box (world frame, m) may hear.
 void Listener::find_speakers(const Box& listeners) {
   bodies_.clear();
   speakers_.clear();
@@ -383,7 +387,7 @@ void Listener::consider(const BodyCircle& circle, const Sender& sender) {
                        .message = command + k_radio_said});
 }
 
-/// Prefetches the readings of a radio, about a kilobyte, while another one listens.
+/// Prefetches the readings in this slot, about a kilobyte, while another radio listens.
 void Listener::fetch_readings(std::size_t slot) const {
   constexpr std::size_t k_line = 64;  // bytes
   const std::byte* row = batch_->state.row(slot);
@@ -397,7 +401,7 @@ void Listener::listen(std::size_t i) {
   const engine::Mount& mount = mounts_[i];
   here_ = mount.transform * position_;
   z_ = mount.z + radio_->pose_body_radio.z;
-  // The inverse of the product of both rotations.
+  // The inverse of the rotation of the radio in the world frame, which is the product of both rotations.
   const Rotation& body = mount.transform.rotation;
   to_own_frame_.cos = body.cos * turn_.cos - body.sin * turn_.sin;
   to_own_frame_.sin = -(body.sin * turn_.cos + body.cos * turn_.sin);
@@ -430,7 +434,7 @@ void Listener::find_links() {
   links_.resize(linked);
 }
 
-/// Computes the losses of links and removes those whose message does not arrive.
+/// Computes the losses of the links, and removes the links whose message does not arrive or is lost.
 void Listener::weaken_links() {
   if (radio_->params.walls != Walls::pass) find_walls();
   if (radio_->bodies_block()) find_blockers();
@@ -442,8 +446,8 @@ void Listener::weaken_links() {
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
 
-/// Collects the static outlines that may hide a link. If some link is longer than k_together_m it collects
-/// nothing, and each link is searched by itself later.
+/// Collects in walls_ the pieces of static outlines that may cross a link. If some link is longer than
+/// k_together_m, it collects nothing, and any_wall() searches the pieces near each link later.
 void Listener::find_walls() {
   has_walls_ = false;
   if (links_.empty() || world_->scene().edge_count() == 0) return;
@@ -466,8 +470,8 @@ void Listener::find_walls() {
   has_walls_ = !walls_.empty();
 }
 
-/// Collects the bodies that may hide a link. If links may be longer than k_together_m it collects nothing,
-/// and each link is searched by itself later.
+/// Collects in blockers_ the bodies that may hide a link. If links may be longer than k_together_m, it
+/// collects nothing, and is_behind_a_body() searches the bodies near each link later.
 void Listener::find_blockers() {
   blockers_.clear();
   if (links_.empty() || radio_->hears > k_together_m) return;
@@ -530,9 +534,9 @@ Line Listener::line_to(const Speaker& speaker) const {
 }
 
 /// Calls visit(position on the line from 0 to 1, first end of the edge) for each edge of the chain that the
-/// line crosses at a height within z, until a call returns true; returns whether one did. If a vertex is on
-/// the line, exactly one of its two edges counts as crossed, provided that the outline passes to the other
-/// side there.
+/// line crosses at a height within z. Stops when a call returns true, and returns whether one did. A vertex
+/// on the line counts as being on the left side. So if the outline crosses the line at a vertex, exactly one
+/// of the two edges counts as crossed.
 template <class Visit>
 bool any_crossing(const Line& line, std::span<const Vec2> chain, bool closed, const ZInterval& z,
                   Visit&& visit) {
@@ -552,8 +556,8 @@ bool any_crossing(const Line& line, std::span<const Vec2> chain, bool closed, co
   return false;
 }
 
-/// Calls visit(circle of a piece of a static outline), at least once for each piece that the line may cross,
-/// until a call returns true; returns whether one did.
+/// Calls visit(circle of a piece of a static outline), at least once for each piece that the line may cross.
+/// Stops when a call returns true, and returns whether one did.
 template <class Visit>
 bool Listener::any_wall(const Line& line, Visit&& visit) const {
   if (together_)
@@ -596,7 +600,8 @@ int Listener::hindrances(const Speaker& speaker) {
       return false;
     });
   });
-  // Entering and leaving a solid counts as one wall. So does entering alone, if a radio is inside the solid.
+  // Two crossings of a solid, where the line enters and leaves it, count as one wall. So does a single
+  // crossing, which occurs if a radio is inside the solid.
   std::ranges::sort(crossings_);
   crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
   int walls = 0;
@@ -609,7 +614,8 @@ int Listener::hindrances(const Speaker& speaker) {
   return walls;
 }
 
-/// Whether the line crosses a body that is in neither the speaker's nor the listener's tree.
+/// Whether the line crosses a body other than those of the two radios. Bodies that carry them or that they
+/// carry do not count either.
 bool Listener::is_behind_a_body(const Line& line, const Speaker& speaker) const {
   const auto is_hidden_by = [&](const BodyCircle& circle) {
     const Row row(circle.row);
@@ -650,9 +656,10 @@ void Listener::keep_nearest() {
   links_.resize(kept);
 }
 
-/// Computes the angles of directions, rad; 0 for a zero vector. They are accurate to 3e-9, which is enough
-/// for readings in float. There is one division and no branch per angle, so that the compiler vectorises the
-/// loop. With atan2(), which is accurate to the last bit, a third of the time of a radio would go to angles.
+/// Computes bearings[i], the angle of the vector ways[i] from the x axis, rad; 0 for a zero vector. The
+/// angles are accurate to 3e-9 rad, which is enough for readings in float. There is one division and no
+/// branch per angle, so that the compiler vectorises the loop. With atan2(), which is accurate to the last
+/// bit, a radio would spend a third of its time on angles.
 void to_bearings(std::span<const Vec2> ways, std::span<float> bearings) {
   constexpr double k_tan_22_5_deg = 0.41421356237309503;
   for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -743,7 +750,7 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
               .pose_body_radio = pose_body_radio,
               .hears = params.hears == 0 ? params.range : params.hears};
   constexpr double k_light = 299792458;  // m/s
-  const double decade = 1 / log(10.0);   // decades per factor e
+  const double decade = 1 / log(10.0);   // decades in a factor of e
   const double hertz = params.frequency * 1e9;
   const double free_space = 20 * decade * log(4 * k_pi * hertz / k_light);  // dB, over the first metre
   switch (params.law) {
@@ -763,8 +770,8 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
   }
   const std::uint32_t n = params.most_heard;
   const std::uint32_t bytes = params.payload;
-  // The cell size is chosen for the reach of sensors. A radio with a long reach must not make the cells
-  // coarse for rangers with a short one.
+  // The size of the cells of the spatial index is chosen from the reach of the sensors. A radio with a long
+  // reach must not make the cells too large for rangers with a short reach.
   constexpr double k_most_hint = 4;
   const double reach = pose_body_radio.position().norm() + radio.hears;
   return {
@@ -789,8 +796,8 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
       .cell_hint_m = std::min(reach, k_most_hint)};
 }
 
-/// Checks the parameters. A radio must be inside the circle of its body, because radios are found by these
-/// circles.
+/// Checks the parameters. A radio must be inside the circle about the origin of its body that encloses the
+/// body, because listeners find radios by the circles of bodies.
 Result<> Radio::bind_part(const engine::TypeSpec& type, std::uint32_t) {
   if (!(params.sensitivity < params.power))
     return Error{fmt::format("has a sensitivity_dBm of {:g}, which must be below its power_dBm of {:g}",

@@ -12,9 +12,9 @@
 
 namespace troupe::sensors {
 
-/// The fields of a radio's readings, in order. The entries of arrays are the messages heard in the tick,
-/// sorted by the id of the sender; if a sender has several radios, its messages are in the order of these
-/// radios. Entries after the last message are 0.
+/// The fields of a radio's readings, in order. Arrays have one entry for each message heard in the tick. The
+/// messages are sorted by the id of the sending body; those of several radios of one body are in the order of
+/// these radios. Entries after the last message are 0.
 enum RadioField : std::size_t {
   k_radio_count,     ///< u32: number of messages heard
   k_radio_lost,      ///< u32: number of messages that arrived but exceed `most_heard` or `payload`
@@ -23,7 +23,7 @@ enum RadioField : std::size_t {
   k_radio_range,     ///< f32 per message, m: horizontal distance to the sending radio
   k_radio_bearing,   ///< f32 per message, rad: bearing of the sending radio, frame of this radio
   k_radio_strength,  ///< f32 per message: strength with which it arrived, dBm
-  k_radio_quality,   ///< f32 per message: from 0 at the limit of the range to 1 at distance 0
+  k_radio_quality,   ///< f32 per message: quality of the link, 0 (worst) to 1, see radio_kind()
   k_radio_length,    ///< u8 per message: its length, bytes
   k_radio_payload,   ///< u8 [payload] per message: its bytes; 0 after the last one
 };
@@ -36,12 +36,14 @@ enum RadioCommandField : std::size_t {
 };
 /// What a radio sends.
 enum class RadioMode : std::uint8_t {
-  as_world_says,  ///< what its parameters say: an empty message with `beacon`, else nothing
+  as_world_says,  ///< an empty message if its parameter `beacon` is true, else nothing
   says,           ///< the message in the command
   silent,         ///< nothing; it still hears messages
 };
 
-/// The length in bytes of the longest message of a radio. For controllers that choose among several radios.
+/// Returns the length in bytes of the longest message that a radio can send or hear: its parameter `payload`.
+/// radio: the prepared data of a device of the kind `radio`. For controllers that choose among several
+/// radios.
 inline std::size_t payload_of(const engine::DeviceKind::Prepared& radio) {
   return radio.percepts[k_radio_payload].columns / radio.percepts[k_radio_sender].columns;
 }
@@ -55,18 +57,18 @@ inline std::size_t payload_of(const engine::DeviceKind::Prepared& radio) {
 ///     radio.say(my_heading);
 class RadioPort {
  public:
-  /// heard, asked: readings and command of a device of the kind "radio", chosen by the controller. The port
-  /// is valid only until the controller returns.
+  /// heard: the readings of a device of the kind `radio`. asked: the bytes of the command of this device, to
+  /// which the port writes. The port is valid only until the controller returns.
   RadioPort(const engine::Readings& heard, std::byte* asked) : heard_(heard), asked_(asked) {}
 
   /// A message heard in this tick.
   struct Message {
     std::uint32_t sender = 0;               ///< id of the sending body
-    float range = 0;                        ///< distance to the sending radio, m
+    float range = 0;                        ///< horizontal distance to the sending radio, m
     float bearing = 0;                      ///< bearing of the sending radio, rad, frame of this radio
     float strength = 0;                     ///< strength with which it arrived, dBm
-    float quality = 0;                      ///< from 0 at the limit of the range to 1 at distance 0
-    std::span<const std::uint8_t> payload;  ///< its bytes; valid until the controller returns
+    float quality = 0;                      ///< quality of the link, 0 (worst) to 1, see radio_kind()
+    std::span<const std::uint8_t> payload;  ///< the bytes of the message; valid until the controller returns
 
     /// Reads numbers from the payload, which must consist of exactly these types, one after another. If the
     /// payload has another length, it returns false and reads nothing.
@@ -130,35 +132,39 @@ class RadioPort {
   std::byte* asked_;
 };
 
-/// Returns the sensor kind `radio`: hears the messages that other radios on its channel sent in the previous
-/// tick, with range and bearing of the senders.
+/// Returns the sensor kind `radio`: a radio hears the messages that other radios on its channel sent in the
+/// previous tick, with range and bearing of the senders.
 ///
-/// heard     A message is heard if the sender is neither the listener's body nor a body that it carries or is
-///           carried by, if the distance is at most the sender's `range` and the listener's `hears`, if the
-///           strength by the listener's law is at least the listener's sensitivity, and if nothing hides the
-///           sender.
-/// hides     An outline hides the sender if the straight line between the two radios crosses it, at the
-///           height that the line has there, and if rangers see it. `walls` says whether static geometry
-///           hides, `bodies` whether other bodies do. If the line only touches an outline, the outline hides
-///           the sender if it is to the right of the line, seen from the radio on the body with the lower
-///           id. The result is the same in both directions.
-/// chance    Each message is dropped with probability `drop_rate`. The random number depends only on (seed,
-///           radio, tick, sender, listener).
-/// limits    Of the messages that then arrive, those longer than the listener's payload are lost. Of the
-///           others, the `most_heard` nearest are heard (at equal ranges those of senders with lower ids) and
-///           the rest are lost.
+/// heard     The listener is the radio that hears, the sender the radio that sent the message. A message
+///           arrives if the following holds. The horizontal distance is at most the sender's `range` and at
+///           most the listener's `hears` (its `range` if `hears` is 0). The strength is at least the
+///           listener's `sensitivity_dBm`. Nothing hides the sender. The sender's body is neither the
+///           listener's body nor a body that carries it or that it carries.
+/// hides     An outline hides the sender if the straight line between the two radios crosses the outline at a
+///           height where the outline is, and if rangers see it. The listener's `walls` says whether static
+///           geometry hides senders, its `bodies` whether other bodies do. The bodies of the two radios never
+///           hide. If the line only touches an outline, the outline hides the sender if it is to the right of
+///           the line, seen from the radio on the body with the lower id. The result is the same in both
+///           directions.
+/// chance    Each message that arrives is dropped with probability `drop_rate` of the listener. The random
+///           number depends only on the seed, the name of the listener's radio, the tick, the sender's body
+///           and the listener's body.
+/// limits    Of the messages that arrive and are not dropped, those longer than the listener's `payload` are
+///           lost. Of the others, the `most_heard` nearest are heard (at equal ranges those of senders with
+///           lower ids) and the rest are lost.
 /// order     Messages are sorted by the id of the sender.
 ///
-/// strength  In dBm: the power of the sender minus the loss of the law. If `walls` is weaken, each wall
-///           between the radios also subtracts `wall_loss_dB`. The losses are, with f in Hz, d in m, and c
-///           the speed of light:
+/// strength  The strength in dBm is the power of the sender minus the loss of the listener's law in dB. If
+///           `walls` is weaken, each wall between the radios adds `wall_loss_dB` to the loss. The losses are,
+///           with the listener's frequency f in Hz, the distance d in m, and the speed of light c:
 ///             disc          0
 ///             friis         20 log10(4 pi d f / c)                 (free space: Friis, 1946)
 ///             itu_indoor    20 log10(f / MHz) + N log10(d) - 28    (ITU-R P.1238, one floor)
 ///             log_distance  20 log10(4 pi f / c) + 10 n log10(d)   (Rappaport, 1 m as reference)
-///           and no loss is below 0. N is `power_loss_coefficient`, n is `path_loss_exponent`.
-/// quality   1 - loss / (power - sensitivity); with `disc` at most 1 - range / limit, where limit is the
-///           lesser of the sender's `range` and the listener's `hears`
+///           A loss below 0 counts as 0. N is `power_loss_coefficient`, n is `path_loss_exponent`.
+/// quality   The quality is 1 - loss / (power of the sender - sensitivity of the listener). With `disc` it is
+///           at most 1 - distance / limit, where limit is the lesser of the sender's `range` and the
+///           listener's `hears`. It is never below 0.
 /// edges     Radios at a distance of exactly the limit hear each other. Between radios at the same place the
 ///           bearing is 0.
 engine::DeviceKind radio_kind();

@@ -16,7 +16,8 @@ namespace {
 
 using engine::TransducerParams;
 
-/// Whether beam i + count / 2 has the opposite direction of beam i, for the first half of the beams.
+/// Whether the number of beams is even and, for each beam i of the first half, beam i + count / 2 has the
+/// opposite direction.
 bool mirrored(const BeamGroup& group) {
   constexpr double k_same = 1e-9;
   const std::size_t half = group.count / 2;
@@ -49,7 +50,9 @@ void add_beam(BeamGroup& group, const Transducer& transducer, std::size_t i, con
   ++group.count;
 }
 
-/// Adds the beams of one transducer to the groups.
+/// Adds the beams of one transducer to the groups. A transducer with more than k_most_beams beams becomes a
+/// group of its own, a scan, if all transducers start at one point and its beams have no angular noise. Other
+/// beams are added to the last group if that has the same height and is not full.
 void group_beams(RangerBeams& ranger, const Transducer& transducer) {
   const TransducerParams& params = transducer.params;
   const bool scan =
@@ -74,8 +77,8 @@ void group_beams(RangerBeams& ranger, const Transducer& transducer) {
   }
 }
 
-/// Adds the noise, the range_min and the beam width of a transducer, if it has any. first: the column of its
-/// first reading
+/// Adds the extras of a transducer to the ranger if the transducer has noise, a range_min that is applied, or
+/// a beam width. first: the column of its first reading.
 void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams& ranger) {
   const TransducerParams& params = transducer.params;
   TransducerExtras extras{.first = first,
@@ -96,8 +99,8 @@ void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams&
     ranger.extras.push_back(std::move(extras));
 }
 
-/// Completes a group with data that do not change between casts: the padding, the limits, and whether the
-/// group is mirrored.
+/// Completes a group after its last beam has been added: computes whether it is mirrored, pads the arrays,
+/// and computes the limits. These data do not change between casts.
 void finish(BeamGroup& group) {
   if (std::ranges::all_of(group.angular_noise, [](double noise) { return noise == 0; })) {
     group.headings.clear();

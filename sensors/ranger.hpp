@@ -17,22 +17,24 @@ namespace troupe::sensors {
 /// noise   The parameters of the transducers define two sorts of noise (ranger_noise.hpp): on readings below
 ///         range_max, and on the headings of beams. A reading of exactly range_max gets no noise.
 /// hits    A beam hits every surface with ranger_return >= 0 whose closed z interval contains the height of
-///         the beam, from both sides, except those of the robot itself.
+///         the beam, from both sides. It passes through the robot itself and through bodies that carry the
+///         robot or that it carries.
 /// ties    Of two surfaces at one distance, the larger intensity is reported.
-/// source  inverse-depth projection (partition/ranging.hpp); in worlds with the grid engine, a walk through
-///         cells (partition/ray_grid.hpp)
+/// source  The exact engine projects edges on beams by inverse depth (partition/ranging.hpp). In worlds with
+///         the grid engine, rays walk through the cells of a grid (partition/ray_grid.hpp).
 engine::DeviceKind ranger_kind();
 
 struct RangerBeams;
 
-/// The implementation of a ranger (engine/device_kind.hpp). Kinds that extend the ranger include its Params
-/// in their own parameters.
+/// The data and functions of a ranger, from which ranger_kind() makes a device kind
+/// (engine/device_kind.hpp). Kinds that extend the ranger include its Params in their own parameters.
 struct Ranger {
-  using Params = engine::RangerParams;  ///< its parameters
+  using Params = engine::RangerParams;  ///< the parameters of a ranger in a world file
 
-  std::shared_ptr<const RangerBeams> beams;  ///< the beams that it casts
+  std::shared_ptr<const RangerBeams> beams;  ///< the beams that the ranger casts; shared by copies
 
-  /// Prepares the beams and percepts of a ranger from its parameters. `data` of the result is a Ranger.
+  /// Prepares the beams of a ranger and the fields of its readings from its parameters. pose_body_sensor:
+  /// pose of the ranger in the frame of its body. `data` of the result is a Ranger.
   static engine::DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   /// Writes the readings of every row of the batch. Returns the number of rays cast.
   std::uint64_t sense(const engine::DeviceBatch& batch) const;

@@ -7,54 +7,59 @@
 
 namespace troupe::sensors {
 
-/// Beams at one height that are cast together. Arrays have one entry per beam. The arrays of directions,
-/// origins, ranges and limits are padded to a multiple of the vector length by repeating the last beam.
+/// Beams at one height that are cast together. Arrays have one entry per beam, in the order of the readings.
+/// The arrays from dx to `limits` are padded to partition::padded_beams(count) entries by repeating the last
+/// beam, because kernels read whole vectors.
 struct BeamGroup {
-  std::size_t first = 0;  ///< column of the first beam in the readings
-  std::size_t count = 0;
-  double z = 0;                ///< height, body frame, m
-  std::vector<double> dx, dy;  ///< directions, body frame
-  std::vector<double> ox, oy;  ///< origins relative to the ranger's reference, body frame, m
-  std::vector<float> range_max;
-  std::vector<float> limits;    ///< what limits_of() gives for beams that have hit nothing yet, m
-  float farthest = 0;           ///< the largest of the limits, m
-  bool mirrored = false;        ///< beam i + count / 2 has the opposite direction of beam i
-  bool scan = false;            ///< equal angular steps from the reference; then the next three are set
+  std::size_t first = 0;         ///< column of the first beam in the readings
+  std::size_t count = 0;         ///< number of beams
+  double z = 0;                  ///< height, body frame, m
+  std::vector<double> dx, dy;    ///< unit directions, body frame
+  std::vector<double> ox, oy;    ///< origins relative to RangerBeams::reference, body frame, m
+  std::vector<float> range_max;  ///< reading of a beam that hits nothing, m
+  std::vector<float> limits;     ///< range_max plus the margins of partition::limits_of(), m
+  float farthest = 0;            ///< the largest of the limits, m
+  bool mirrored = false;         ///< whether beam i + count / 2 has the opposite direction of beam i
+  /// True if the beams start at the reference and have equal angular steps. Only then are middle, fov and
+  /// step set.
+  bool scan = false;
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, body frame
   double fov = 0;               ///< angle between the first and the last beam, rad
   double step = 0;              ///< angle between neighbouring beams, rad
-  /// The next two are only for beams with angular noise: each is empty, or has one entry per beam.
-  std::vector<double> headings;       ///< body frame, rad
-  std::vector<double> angular_noise;  ///< the error of the heading is uniform within plus and minus this, rad
+  /// Headings of the beams without noise, body frame, rad. This array and angular_noise are empty if no beam
+  /// of the group has angular noise.
+  std::vector<double> headings;
+  std::vector<double> angular_noise;  ///< the error of a heading is uniform within plus and minus this, rad
 };
 
-/// Noise, range_min and beam width of a transducer. They are applied to its readings after the beams have
-/// been cast.
+/// The noise, the lower limit and the beam width of one transducer. add_extras() applies them to the readings
+/// of the transducer after its beams have been cast.
 struct TransducerExtras {
-  std::size_t first = 0;  ///< column of its first reading
-  std::size_t count = 0;
-  double range_max = 0;
-  double noise_stddev = 0;        ///< standard deviation of the error of a reading, m
-  double noise_relative = 0;      ///< standard deviation of the error of a reading, as a fraction of it
-  double noise_proportional = 0;  ///< the error is uniform within plus and minus this fraction of the reading
+  std::size_t first = 0;      ///< column of its first reading
+  std::size_t count = 0;      ///< number of its readings
+  double range_max = 0;       ///< largest reading, m; readings with noise are clamped to it
+  double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
+  double noise_relative = 0;  ///< standard deviation of a further such error, as a fraction of the reading
+  double noise_proportional = 0;  ///< a further error is uniform within plus and minus this fraction of it
   double least = 0;               ///< lower readings are raised to this value, m
   double beam_width = 0;          ///< if above 0: opening angle of each beam, rad
-  Vec2 origin = Vec2::Zero();     ///< where its beams start, body frame, m
+  Vec2 origin = Vec2::Zero();     ///< point where its beams start, body frame, m
   double z = 0;                   ///< height of its beams, body frame, m
-  std::vector<double> headings;   ///< headings of the beams if they have a width, body frame, rad
+  std::vector<double> headings;   ///< headings of the beams, body frame, rad; empty if they have no width
 };
 
-/// The beams of a ranger, prepared once from its parameters, for both ray engines.
+/// The beams of a ranger, prepared once from its parameters, for both ray engines. The body frame is that of
+/// the body, or of the joint, that carries the ranger.
 struct RangerBeams {
-  std::size_t count = 0;
-  std::vector<BeamGroup> groups;
-  Vec2 reference = Vec2::Zero();  ///< origins of beams are relative to this point; body frame, m
-  bool common_origin = true;      ///< all beams start at the reference
-  double spread = 0;              ///< distance from the reference to the farthest origin, m
-  double reach = 0;               ///< bound on the distance from the reference to the end of any beam, m
-  bool intensity = false;
-  bool has_angular_noise = false;        ///< some beams have angular noise
-  std::vector<TransducerExtras> extras;  ///< for the transducers that need them
+  std::size_t count = 0;           ///< number of beams of all transducers
+  std::vector<BeamGroup> groups;   ///< all beams, in the order of the readings
+  Vec2 reference = Vec2::Zero();   ///< origins of beams are relative to this point; body frame, m
+  bool common_origin = true;       ///< whether all beams start at the reference
+  double spread = 0;               ///< distance from the reference to the farthest origin, m
+  double reach = 0;                ///< bound on the distance from the reference to the end of any beam, m
+  bool intensity = false;          ///< whether the readings contain intensities
+  bool has_angular_noise = false;  ///< whether any beam has angular noise
+  std::vector<TransducerExtras> extras;  ///< only of transducers with noise, a lower limit or a beam width
 };
 
 }  // namespace troupe::sensors

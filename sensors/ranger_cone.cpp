@@ -7,10 +7,11 @@
 namespace troupe::sensors {
 namespace {
 
-constexpr double k_slack = 1e-6;  // m: margin of the box about a cone, above all rounding
+constexpr double k_slack = 1e-6;  // m: margin of the box about a cone, above all rounding errors
 
-/// A box that contains the cone up to `length` (m): it spans the tip of the cone, the ends of its two sides,
-/// and two corners of a polygon that is tangent to its arc from outside.
+/// A box that contains all points of a cone up to `length` (m) from its tip. It spans the tip, the ends of
+/// the two sides, and two corners of a polygon that is tangent to the arc from outside. heading: of the
+/// middle of the cone, rad. half_width: half the opening angle, rad.
 Box box_about(const Vec2& tip, double heading, double half_width, double length) {
   Box box;
   box.extend(tip);
@@ -25,7 +26,7 @@ Box box_about(const Vec2& tip, double heading, double half_width, double length)
 }  // namespace
 
 std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const Vec2& a, const Vec2& b) {
-  // The part [from, to] of the edge a + t (b - a) that is within both sides.
+  // The part of the edge a + t (b - a) that is within both sides of the cone: t from `from` to `to`.
   double from = 0;
   double to = 1;
   const auto clip = [&](double at_a, double at_b) {  // distances of the ends from a side, positive within

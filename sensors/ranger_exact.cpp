@@ -14,7 +14,8 @@ namespace {
 
 using partition::NearbyOutlines;
 
-/// Casts the beams of rangers. Each thread reuses one, so that a warm step allocates nothing.
+/// Casts the beams of rangers. Each thread keeps one object of this class with its memory, so that casts
+/// after the first ones allocate nothing.
 class Caster {
  public:
   void cast(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
@@ -34,7 +35,7 @@ class Caster {
       array->resize(std::max(array->size(), most));
     if (ranger.common_origin)
       for (std::vector<float>* array : {&ox_, &oy_}) std::ranges::fill(*array, 0.0f);
-    // Culls may keep too many circles but never too few: their margins are above the rounding errors.
+    // The search may find too many circles but never too few: its margins are above the rounding errors.
     nearby_.begin(world.index(), world.scene().outlines(), world.geometry(),
                   ranger.reach * (1 + partition::k_range_slack) + 1e-6);
     for (std::size_t r = 0; r < batch.rows.size(); ++r) {
@@ -54,8 +55,8 @@ class Caster {
   }
 
  private:
-  /// Casts the beams of a group for one row. Searches from near to far, up to the limit of the longest beam:
-  /// in a crowd, near bodies soon hide everything else.
+  /// Casts the beams of a group for one row. Searches from near to far, up to the limit of the longest beam.
+  /// In a crowd, near bodies soon shorten all beams, so that the search ends early.
   void cast(const BeamGroup& group, Row row) {
     self_ = row;
     if (joint_ == engine::k_rigid) {
@@ -77,7 +78,8 @@ class Caster {
     }
   }
 
-  /// Rotates the group's beams into the world frame and resets their inverse ranges.
+  /// Rotates the group's beams into the world frame and resets their inverse ranges and limits. pose: of the
+  /// frame in which the beams are given, world frame.
   void aim(const BeamGroup& group, const Transform& pose) {
     reference_ = pose * ranger_->reference;
     const auto [dx, dy] = group.angular_noise.empty() ? std::pair(group.dx.data(), group.dy.data())
@@ -99,15 +101,15 @@ class Caster {
             group.mirrored, group.scan ? &scan_ : nullptr};
   }
 
-  /// Updates the limits of the beams, and the distance from the reference up to which any beam may still hit
-  /// a surface.
+  /// Updates limits_now_, how far each beam may still hit a surface, and farthest_, the distance from the
+  /// reference up to which any beam may.
   void limit() {
     farthest_ = partition::limits_of(fan_, inverse_.data(), range_max_, limits_.data()) + slack_spread_;
     limits_now_ = limits_.data();
   }
 
-  /// Projects the outlines of a band that a beam may hit and whose distance from the reference is from low to
-  /// high (m).
+  /// Projects on the beams those outlines of a band that a beam may hit and whose nearest point may be from
+  /// low to high (m) away from the reference.
   void search(NearbyOutlines::Band band, float low, float high) {
     if (linked_)
       search_outlines<true>(band, low, high);
@@ -115,7 +117,8 @@ class Caster {
       search_outlines<false>(band, low, high);
   }
 
-  /// k_linked: some bodies of the world have joints or may carry others
+  /// k_linked: whether some bodies of the world have joints or may carry others. Otherwise the heights of
+  /// joints and the carriers of bodies need not be looked up.
   template <bool k_linked>
   void search_outlines(NearbyOutlines::Band band, float low, float high) {
     const auto& circles = nearby_.circles();
@@ -213,10 +216,11 @@ class Caster {
   partition::Scan scan_;
   float farthest_ = 0;
   const float* range_max_ = nullptr;
-  const float* limits_now_ = nullptr;                                  // current limits of the beams
+  const float* limits_now_ = nullptr;  // current limits of the beams: those of the group, then limits_
   std::vector<float> dx_, dy_, ox_, oy_, limits_, inverse_, returns_;  // per beam, padded
-  // A cache: the outlines of one body type that are at the height of the beams, for one z of the body and one
-  // height. Most bodies with many outlines have the same type and z.
+  // A cache for the last type that was looked up: layer_ lists the outlines of layer_type_ that are at the
+  // height layer_z_ of the beams if the body is at the height layer_base_. Most bodies with many outlines
+  // have the same type and z.
   std::vector<const engine::RayOutline*> layer_;
   const engine::BodyType* layer_type_ = nullptr;
   double layer_base_ = 0;

@@ -5,9 +5,9 @@
 
 namespace troupe::sensors {
 
-/// Casts the beams of a ranger with the grid ray engine and writes the readings of a batch. The world must
-/// have this engine (World::ray_grid()). The readings are those of the exact engine up to the errors of the
-/// cells (docs/sensing.md).
+/// Casts the beams of a ranger with the grid ray engine for all rows of the batch, and writes their readings.
+/// The world must have this engine (World::ray_grid()). The readings differ from those of the exact engine by
+/// errors of about the size of a cell (docs/sensing.md). The caller applies add_extras() afterwards.
 void cast_grid(const engine::DeviceBatch& batch, const RangerBeams& ranger);
 
 }  // namespace troupe::sensors

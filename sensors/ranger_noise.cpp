@@ -11,8 +11,8 @@ namespace {
 void add_noise(const TransducerExtras& extras, Random& random, std::span<float> ranges) {
   const auto range_max = static_cast<float>(extras.range_max);
   for (float& range : ranges) {
-    // The numbers are drawn even if the beam hits nothing, so that a hit of one beam does not change the
-    // noise of the next.
+    // The numbers are drawn even if the beam hits nothing, so that the numbers for the next beams do not
+    // depend on whether this beam hits something.
     const double share = extras.noise_proportional > 0 ? random.uniform(-1, 1) : 0;
     const double normal = extras.noise_stddev > 0 ? random.normal() : 0;
     const double relative = extras.noise_relative > 0 ? random.normal() : 0;

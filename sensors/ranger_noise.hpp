@@ -9,28 +9,30 @@
 
 namespace troupe::sensors {
 
-/// Returns the random numbers for the headings of the beams of row i of the batch. They are a stream separate
-/// from that for the noise of its readings.
+/// Returns the random numbers for the headings of the beams of the i-th row of the batch. Their stream
+/// differs from the one for the noise of readings, so that angular noise does not change the other noise.
 Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i);
 
-/// Draws the directions of beams with angular noise, body frame.
+/// Computes the directions of beams with angular noise. Keeps the memory for the results.
 class NoisyHeadings {
  public:
-  /// Draws the directions for one row in one tick. Returns the x and the y components, one per beam, padded
-  /// like the group's arrays. They are valid until the next draw.
+  /// Draws the directions of the beams of a group, for one row in one tick. Returns the x and the y
+  /// components of the unit directions, body frame, one per beam and padded like the group's arrays. The
+  /// pointers are valid until the next call.
   std::pair<const double*, const double*> draw(const BeamGroup& group, Random& random);
 
  private:
   std::vector<double> dx_, dy_;
 };
 
-/// Applies the extras of transducers to the readings of a batch whose beams have been cast, in this order:
-/// the nearest surface within the width of each beam, noise, and the lower limit of readings.
+/// Applies the extras of transducers to the readings of a batch whose beams have been cast. First, each
+/// reading becomes the distance to the nearest surface within the width of its beam. Then noise is added, and
+/// last, readings below the lower limit are raised to the limit.
 ///
-/// A reading r below range_max becomes r + r * noise_proportional * u + noise_stddev * n + r * noise_relative
-/// * m, with u uniform in [-1, 1), n and m standard normal, clamped to [0, range_max]. A reading of range_max
-/// means that nothing was hit, and gets no noise. (In Stage a reading with noise may become negative or
-/// exceed range_max.)
+/// With noise, a reading r below range_max becomes r + r * noise_proportional * u + noise_stddev * n +
+/// r * noise_relative * m, clamped to [0, range_max]; u is uniform in [-1, 1), and n and m are standard
+/// normal. A reading of range_max means that nothing was hit, and gets no noise. (In Stage a reading with
+/// noise may become negative or exceed range_max.)
 void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger);
 
 }  // namespace troupe::sensors
