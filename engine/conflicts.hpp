@@ -13,7 +13,7 @@
 
 namespace troupe::engine {
 
-/// A motion that a body proposes for one tick. If `moves` is false, the other members have no meaning.
+/// The motion that a body proposes for one tick. If `moves` is false, the other members have no meaning.
 struct Motion {
   Pose to;             ///< proposed pose, world frame
   Rotation rotation;   ///< rotation by the heading of `to`
@@ -23,7 +23,7 @@ struct Motion {
   Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, without the height
 };
 
-/// A circle that no edge of a static obstacle enters, m, world frame.
+/// A circle in the plane into which no edge of a static obstacle reaches, m, world frame.
 struct FreeCircle {
   float x = 0;       ///< x of its centre
   float y = 0;       ///< y of its centre
@@ -38,7 +38,7 @@ inline constexpr std::size_t k_most_pushed = 16;
 struct Pushables {
   std::span<const std::uint8_t> is_pushable;  ///< 1 if the row can be pushed, otherwise 0
   std::span<const std::uint8_t> limits;       ///< bodies that the row can push, 0 to k_most_pushed
-  double radius = 0;                          ///< radius of the largest pushable body, m
+  double radius = 0;                          ///< radius of the largest pushable body about its origin, m
   double thinnest = 0;                        ///< width of the thinnest part of all pushable bodies, m
   std::size_t most = 0;                       ///< sum of `limits`
 
@@ -124,8 +124,8 @@ class Conflicts {
   void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
                partition::Parallel& parallel);
 
-  /// Overwrites with junk all data that the next resolution must not read, so that tests can show that no
-  /// outcome depends on it.
+  /// Overwrites with junk all data that the next resolution must not read. Tests call this to show that no
+  /// outcome depends on these data.
   void forget();
 
   /// Outcome of a row in the last resolution.
@@ -134,12 +134,13 @@ class Conflicts {
   }
   /// Number of rounds of the last resolution; 1 if no body had to wait for another.
   std::uint64_t rounds() const { return rounds_; }
-  /// Upper bound, m, on how far any body's origin moved in the last resolution, driven or pushed.
+  /// Upper bound on the distance that the origin of any body, driven or pushed, moved in the last resolution,
+  /// m.
   double longest() const { return longest_; }
   /// All pushes of the last resolution, in any order. A row may have several; is_last() is true for exactly
   /// one of them.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }
-  /// Whether this is the last push of its row, so that its position is final. Only for elements of pushes().
+  /// Whether a push, an element of pushes(), is the last push of its row, so that its position is final.
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
 
  private:
@@ -147,7 +148,7 @@ class Conflicts {
   /// An outcome and the round that found it, in one word that is read and written atomically.
   class Resolution {
    public:
-    Resolution() = default;  ///< of round 0, which does not exist
+    Resolution() = default;  ///< of round 0; real rounds begin with 1
     Resolution(std::uint32_t round, Outcome outcome)
         : word_(round * k_outcomes + static_cast<std::uint32_t>(outcome)) {}
     std::uint32_t round() const { return word_ / k_outcomes; }
@@ -160,8 +161,9 @@ class Conflicts {
   /// A row on which the outcome of another row depends, in one word.
   class Dependency {
    public:
-    Dependency() = default;  ///< not initialised
-    /// if_moved: the row blocks the other if it has moved; false: if it has not
+    Dependency() = default;  ///< leaves the members uninitialised
+    /// if_moved: true if `row` blocks the other row when it has moved, false if it does so when it has not
+    /// moved
     Dependency(std::uint32_t row, bool if_moved) : word_(2 * row + (if_moved ? 1 : 0)) {}
     std::uint32_t row() const { return word_ / 2; }
     bool if_moved() const { return word_ % 2 != 0; }
@@ -175,8 +177,9 @@ class Conflicts {
     std::uint32_t first;
     std::uint32_t count;
   };
-  /// Whether the zone of a mover contains pushable bodies: none (plain), some (pushes), or none unless
-  /// another body pushes one into the zone (may_push).
+  /// Whether the zone of a mover (see `source`, above) contains pushable bodies. `plain`: it contains none.
+  /// `pushes`: it contains some. `may_push`: it contains none at first, but another body may push one into
+  /// it.
   enum class Zone : std::uint8_t { plain, pushes, may_push };
   static constexpr std::size_t k_max_far = 64;
 
@@ -196,9 +199,10 @@ class Conflicts {
   std::unique_ptr<Dependency[]> others_;
   std::array<std::uint32_t, k_max_far> far_;
 
-  // Only used if bodies can be pushed. Each push is written once and never changed, so a thread that reads a
-  // position while another thread replaces it finds either the old or the new one, complete.
-  /// The pushes of a row: [first, first + count) of pushes_.
+  // Only used if bodies can be pushed. An entry of pushes_ is written once and then never changed; a further
+  // push of a row gets a new entry. So a thread that reads a position while another thread pushes the row
+  // finds either the old or the new position, and never a mixture.
+  /// The pushes that a row made as a pusher: [first, first + count) of pushes_.
   struct PushesOf {
     std::uint32_t first = 0;
     std::uint32_t count = 0;

@@ -46,10 +46,10 @@ inline constexpr std::int32_t k_rigid = -1;
 /// devices and further joints can be mounted on a joint. All their poses are given with every joint at rest.
 struct JointSpec {
   std::string name;  ///< name; the joint's state is the component `joint/<name>`
-  std::int32_t parent =
-      k_rigid;           ///< index of the joint that it is mounted on, lower than its own; k_rigid: none
-  Pose pose_body_joint;  ///< frame of the joint at rest, in the body frame; its axes are those of
-                         ///< displacements
+  /// Index of the joint that it is mounted on, which is lower than its own index; k_rigid: none.
+  std::int32_t parent = k_rigid;
+  /// Frame of the joint at rest, in the body frame. Displacements of the joint are given in this frame.
+  Pose pose_body_joint;
 };
 
 /// The image that a part's solids are made from. Only code that writes world files needs it: the simulation
@@ -95,8 +95,8 @@ struct DeviceSpec {
   std::string kind;              ///< name of a kind of Registry::devices
   std::uint32_t part = 0;        ///< index of the part that carries it
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
-  std::int32_t moves =
-      k_rigid;            ///< index of the first joint that it moves; k_rigid: none. DeviceKind::joints
+  /// Index of the first of the joints that it moves (DeviceKind::joints); k_rigid: it moves none.
+  std::int32_t moves = k_rigid;
   Record params;          ///< one value for each field of the kind's table
   Pose pose_body_device;  ///< frame in which the kind's parameters are given
   double period_s = 0;    ///< time from one run to the next, s; 0: it runs in every tick
