@@ -98,7 +98,7 @@ inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "di
 
 /// Faults that may occur in bodies of a group. Bodies that are born later never have faults.
 struct FaultSpec {
-  GroupSpec whom;     ///< bodies that may fail; chosen once, when the world is built
+  GroupSpec whom;     ///< bodies that may fail; chosen when a world is built or restarted
   double from_s = 0;  ///< earliest world time at which a fault may occur
   /// One impairment.
   struct Impairment {
