@@ -68,20 +68,20 @@ class ControllerCheck {
   ControllerCheck(const ControllerCheck&) = delete;
   ControllerCheck& operator=(const ControllerCheck&) = delete;
 
-  /// Calls ControllerKind::start twice for each controller kind of the world. Returns one finding for each
-  /// field of a memory that it leaves unset, or sets to different values in the two calls.
+  /// Calls ControllerKind::start twice for each controller of each type. Returns one finding for each field
+  /// of the memory that it leaves unset, or sets to different values in the two calls.
   std::vector<Finding> start_twice() const;
-  /// Repeats each decision since the last call twice. Returns one finding for each field of each controller
-  /// that differs. If a controller throws an exception, throws a StepError.
+  /// Repeats each decision of the last step twice; call it before the next step. Returns one finding for each
+  /// field of each controller that differs. If a controller throws an exception, throws a StepError.
   std::vector<Finding> repeat();
-  /// Number of decisions that repeat() has not yet repeated.
+  /// Number of decisions of the last step that repeat() has not yet repeated.
   std::size_t pending() const;
   /// Number of decisions repeated so far.
   std::uint64_t decisions() const { return decisions_; }
 
  private:
-  /// The decisions of one controller of one type that are not yet repeated. Each vector has the robots in the
-  /// same order.
+  /// The decisions that one controller of one type made in one tick. Each vector has the robots in the same
+  /// order.
   struct Decisions {
     DecideBatch given;  // the inputs, except those that the following members copy
     std::vector<Row> rows;
