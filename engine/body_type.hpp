@@ -28,9 +28,11 @@ struct RayOutline {
 /// A compiled TypeSpec: the data that bodies of one type share. It is constant during a run, except for
 /// parameters that an intervention changes (SettingSpec).
 struct BodyType {
-  std::string name;                           ///< name of the type (TypeSpec::name)
-  partition::ObstacleShape obstacle;          ///< obstacle shape with every joint at rest, body frame
-  std::vector<std::int32_t> obstacle_joints;  ///< joint of each piece; empty if the type has no joints
+  std::string name;                   ///< name of the type (TypeSpec::name)
+  partition::ObstacleShape obstacle;  ///< obstacle shape with every joint at rest, body frame
+  /// For each piece of `obstacle`, the index of the joint that it is mounted on. Empty if the type has no
+  /// joints.
+  std::vector<std::int32_t> obstacle_joints;
   partition::ObstacleShape grip;       ///< shape that grippers detect; empty if they cannot grip the body
   std::vector<Vec2> outline_vertices;  ///< vertices of all outlines, body frame, m
   std::vector<RayOutline> outlines;    ///< outlines that rangers see; their vertices come first
@@ -62,7 +64,7 @@ struct BodyType {
     std::uint8_t pushes = 0;  ///< largest number of bodies that it can push at once
   };
   std::optional<Drive> drive;  ///< none: bodies of the type do not move on their own
-  bool pushable = false;       ///< robots can push it; it has no drive
+  bool pushable = false;       ///< robots can push bodies of the type, which has no drive
 
   /// A compiled DeviceSpec.
   struct Device {
@@ -89,7 +91,7 @@ struct BodyType {
   struct Controller {
     const ControllerKind* kind;        ///< its kind, owned by the registry
     std::any data;                     ///< result of ControllerKind::prepare
-    std::vector<std::size_t> devices;  ///< indices into BodyType::devices; it runs when the first one runs
+    std::vector<std::size_t> devices;  ///< indices into BodyType::devices; it runs when the first runs
     std::uint64_t period;              ///< ticks from one run to the next
     std::uint32_t stream;              ///< stream of its random numbers
     std::optional<std::size_t> table;  ///< table of its memories: index into World::tables()

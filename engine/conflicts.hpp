@@ -212,7 +212,7 @@ class Conflicts {
   std::vector<Push> pushes_;
   std::size_t push_count_ = 0;
   std::vector<std::uint32_t>
-      pushed_last_;  // last push of each row, counted from 1; 0: none. Read and written atomically
+      pushed_last_;  // one per row: index of its last push in pushes_, plus 1; 0: none. Accessed atomically
 };
 
 }  // namespace troupe::engine

@@ -28,8 +28,8 @@ struct ControllerFinding {
   std::string field;              ///< name of the field, such as "memory turn_left_s" or "command x"
   Repeat repeat = Repeat::again;  ///< the repetition that found it
   BodyId body;                    ///< the lowest id of a body whose field differs
-  StateValue first;               ///< value of that body after the first decision
-  StateValue second;              ///< value of that body after the repeated decision
+  StateValue first;               ///< value of that body after the first decision or start
+  StateValue second;              ///< value of that body after the repetition
   std::size_t decisions = 1;      ///< number of decisions that differ in this field
 };
 /// The message of a finding: `controller "wander/0": memory avoid_updates of "r3" (id 4) is 0x0000000b (11)
@@ -122,11 +122,11 @@ class ControllerCheck {
     std::uint64_t tick = 0;                ///< last tick with the old parameters
     const SettingSpec* setting = nullptr;  ///< in the world's spec
   };
-  std::vector<Setting> settings_;  // by tick
+  std::vector<Setting> settings_;  // sorted by tick
   std::size_t followed_ = 0;       // number of settings that fresh_types_ and type_specs_ include
   std::vector<TypeSpec> type_specs_;
   std::vector<StateField> command_fields_;
-  std::vector<std::vector<Watched>> watched_;  // by type and controller
+  std::vector<std::vector<Watched>> watched_;  // indexed by type, then by controller
   std::mutex mutex_;                           // protects watched_ while the world steps
   std::uint64_t decisions_ = 0;
   // Output of the repetitions: as large as the world's own tables.

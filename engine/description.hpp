@@ -58,7 +58,8 @@
 ///           whose table the reader of the struct knows)
 /// defaults  A member has the default that it has in T{}. A `required` member has no default. A std::optional
 ///           has no default either, but may be missing.
-/// limits    As described, and never wider than the range of the member's type. Other values are errors.
+/// limits    A member has the limits that its description gives, and never wider ones than those of its type.
+///           A value outside the limits is an error.
 ///
 /// A struct that is state (a controller's memory, a device's state or commands: memory_fields<T>()) is
 /// described in the same way. Its members are numbers, bools and arrays of numbers or bools. Recordings store
@@ -155,7 +156,7 @@ struct MemberType {
   double max = std::numeric_limits<double>::infinity();   ///< largest value of the type
   bool optional = false;                                  ///< whether the member is a std::optional
   bool is_unsigned = false;  ///< whether it is an unsigned 64-bit integer, whose bits a Value keeps
-  std::span<const std::string_view> choices = {};  ///< names of an enum
+  std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
   const FieldTable& (*table)() = nullptr;          ///< for records: returns described<T>()
   /// Returns the value of a member. Null for records.
   Value (*get)(const void* member) = nullptr;

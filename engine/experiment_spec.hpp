@@ -51,7 +51,7 @@ struct GroupSpec {
   By by = By::population;             ///< what `name` refers to
   std::string name;                   ///< name of the population, type or body
   std::optional<std::int64_t> count;  ///< number of bodies to choose; all if there are fewer
-  std::optional<double> share;        ///< fraction of the bodies to choose, 0 to 1; the number is rounded
+  std::optional<double> share;        ///< fraction of the bodies to choose, 0 to 1, rounded to a whole number
 };
 
 /// New values for some parameters of the drive, of a device or of a controller of a type.
@@ -76,10 +76,10 @@ struct InterventionSpec {
   /// The kind of intervention.
   enum class Action : std::uint8_t {
     remove,   ///< removes the bodies of the group from the world
-    add,      ///< spawns bodies of a reserve
+    add,      ///< spawns bodies of the population's reserve
     disable,  ///< stops the devices, controllers and drives of the group's bodies
     enable,   ///< lets disabled bodies run again
-    move,     ///< moves one model to `pose`
+    move,     ///< moves one body to `pose`
     set,      ///< changes parameters of a type
   };
   /// World time. The intervention is applied at the end of the first tick that ends at this time or later.

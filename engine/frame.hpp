@@ -69,7 +69,7 @@ struct FrameScan {
   std::uint32_t body = 0;    ///< index into Frame::mobile
   std::uint32_t ranger = 0;  ///< index into FrameScene::rangers
   std::size_t first = 0;     ///< index of its first reading in Frame::ranges
-  Pose moved;                ///< displacement by joints of the ranger from its rest pose, body frame
+  Pose moved;                ///< displacement of the ranger by joints, relative to rest, body frame
 };
 
 /// A detection: a line from a sensor to the part that it detected, world frame, m.

@@ -58,7 +58,7 @@ struct ModelKind {
 /// The argument of the hooks of a device: rows of one body type whose device senses or acts in a tick, with
 /// their data. The argument `i` of the functions is an index into `rows`.
 struct DeviceBatch {
-  const World& world;          ///< the last committed state
+  const World& world;          ///< the world; in the hook `sense`, its state is that of the last tick
   const std::any& data;        ///< result of DeviceKind::prepare
   std::span<const Row> rows;   ///< rows of the batch; all of one type
   StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
@@ -116,14 +116,14 @@ struct Transducer {
   std::size_t first = 0;        ///< index of its first reading among those of the sensor
   std::size_t samples = 1;      ///< number of its readings
   Pose pose_sensor_transducer;  ///< origin of the beams and heading of their middle; sensor frame
-  double range_max = 0;         ///< m
+  double range_max = 0;         ///< length of the beams, m
   double fov = 0;  ///< angle from the first beam to the last, rad; with a single beam, the width of that beam
 };
 
 /// The images of a camera: their size, and the indices of the percepts (Prepared::percepts) that hold them.
 struct Camera {
-  std::size_t width = 0;   ///< pixels
-  std::size_t height = 0;  ///< pixels
+  std::size_t width = 0;   ///< width of the images, pixels
+  std::size_t height = 0;  ///< height of the images, pixels
   double range_far = 0;    ///< depth of a pixel that shows no surface, m
   /// Index of the colour percept: u8 [red green blue opacity] per pixel, row by row from the upper left.
   std::size_t color = 0;
@@ -144,7 +144,7 @@ struct HeldFlags {
 
 /// The argument of DeviceKind::draw: the device of one row.
 struct DeviceView {
-  const World& world;       ///< the last committed state
+  const World& world;       ///< the world, between two ticks
   const std::any& data;     ///< result of DeviceKind::prepare
   const StateTable& state;  ///< state of the device, by slot
   std::size_t slot = 0;     ///< index of the row in `state`
@@ -155,7 +155,7 @@ struct DeviceView {
   Eigen::Vector3d at(double x, double y, double z) const;
 };
 
-/// The layer of a frame in which devices of a kind are drawn.
+/// The list of a Frame to which devices of a kind add what they show.
 enum class FrameLayer : std::uint8_t {
   none,    ///< not drawn
   sights,  ///< detections: Frame::sights
@@ -195,8 +195,7 @@ struct DeviceKind {
     /// Radius of a disc around the body's origin, m. `sense` and `act` must not read the data of a body whose
     /// enclosing circle is outside the disc, except for bodies that move together with the device's own body
     /// (World::same_tree()). For bodies with joints, the engine adds BodyType::joint_reach to the radius.
-    /// Tests enforce
-    /// it: World::hide_beyond_reach().
+    /// Tests enforce this: World::hide_beyond_reach().
     double reach_m = 0;
     /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
     /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
@@ -257,7 +256,7 @@ struct DeviceKind {
   /// their own. A supply of the root part also serves the drive. Null: the device is not a power supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
-  bool needs_supply = false;  ///< true: a world in which no power supply serves the device is an error
+  bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
   /// The energy account of a row. Null: the device stores no energy.
   Energy (*energy)(const StateTable& state, std::size_t slot) = nullptr;
   /// The flags of a row. Null: the device holds no flags.
@@ -520,8 +519,9 @@ struct ControllerKind {
   /// A controller compiled from its parameters.
   struct Prepared {
     std::any data;  ///< the argument `data` of `decide`
-    /// Indices of the devices that the controller uses. It runs in the ticks in which the first of them runs;
-    /// without devices, in the ticks in which its drive runs.
+    /// Indices of the devices that the controller uses. It runs in the ticks in which the first of them runs.
+    /// Without devices it runs when the body's drive runs, and without a drive at the period
+    /// ControllerSpec::period_s.
     std::vector<std::size_t> devices;
   };
   /// Compiles the parameters and chooses among `devices` those that the controller uses. claimed[d] is true

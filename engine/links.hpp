@@ -55,7 +55,7 @@ struct Links {
   std::vector<std::uint32_t> composites;    ///< rows of composite bodies
   std::vector<std::uint32_t> composite_of;  ///< one per row: its index in the lists below; k_none: none
   // One entry per composite body.
-  std::vector<ShapeBuffer> shapes;      ///< shapes of the trees of which they are the root, in its frame
+  std::vector<ShapeBuffer> shapes;      ///< shape of the tree of which the body is the root, in its frame
   std::vector<ShapeBuffer> moved;       ///< this round: the moving pieces of the tree, at their goals
   std::vector<ShapeBuffer> on_the_way;  ///< this round: the moving pieces, at the sample under test
   std::vector<std::uint32_t> samples;   ///< this round: number of samples of the motion; 0: no motion

@@ -73,7 +73,7 @@ std::size_t count_there(const World& world, std::span<const Row> rows);
 template <class Term>
 double exact_sum(World& world, std::size_t count, Term&& term) {
   constexpr std::size_t k_block = 1024;
-  thread_local std::vector<ExactSum> kept;  // kept, because stop conditions are evaluated in every step
+  thread_local std::vector<ExactSum> kept;  // reused, because stop conditions call this in every step
   kept.assign((count + k_block - 1) / k_block, ExactSum());
   const std::span<ExactSum> sums = kept;  // of this thread: `kept` is another array on each worker
   world.parallel().for_each(sums.size(), [&, sums](std::size_t b) {

@@ -100,13 +100,13 @@ double grid_cells(const PlacementRule& rule);
 double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape);
 
 /// Returns poses (world frame) for bodies 0, 1, ... of a population, computed one after another. At each pose
-/// the origin of the body is within `bounds`, and the body overlaps neither the static scene nor the crowd.
-/// The body is then added to the crowd. The function stops at the first body without a free pose: the result
-/// is then shorter than `count`. The pose of body k depends neither on `count` nor on the cells of the
-/// spatial index: its random numbers follow from (seed, population, k, trial), where `population` is the name
-/// of the population. The time is linear in `count` plus the number of skipped grid cells. For free_floor,
-/// the reachable floor is computed within the region of the rule, in steps along x and y, with only the
-/// static scene as obstacles. grid_cells() and floor_cells() must be below 2^32.
+/// the origin of the body is within `bounds` (if given), and the body overlaps neither the static scene nor
+/// the crowd. The body is then added to the crowd. The function stops at the first body without a free pose:
+/// the result is then shorter than `count`. The pose of body k depends neither on `count` nor on the cells of
+/// the spatial index: its random numbers follow from (seed, population, k, trial), where `population` is the
+/// name of the population. The time is linear in `count` plus the number of skipped grid cells. For
+/// free_floor, the reachable floor is computed within the region of the rule, in steps along x and y, with
+/// only the static scene as obstacles. grid_cells() and floor_cells() must be below 2^32.
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);

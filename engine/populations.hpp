@@ -75,8 +75,9 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnos
 /// is an error, reported at PopulationSpec::where_place. Thread-safe.
 ///
 /// bodies      the bodies of these populations and their reserves, in the order of place()
-/// occupancy   as after place(), so that it has all shapes; only its scene and shapes are read
-/// crowd       as before place()
+/// bounds      the bounds of the world (WorldSpec::bounds)
+/// occupancy   the object that place() used, which has all shapes; only its scene and shapes are read
+/// crowd       the crowd as it was before place()
 void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
                  const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,
                  Diagnostics& diagnostics);

@@ -26,7 +26,7 @@ class ShapeBuffer {
 
  private:
   partition::ObstacleShape shape_;
-  std::size_t used_ = 0;     // pieces
+  std::size_t used_ = 0;     // number of pieces of the present shape
   std::vector<Ring> spare_;  // outlines of removed pieces, for reuse
 };
 

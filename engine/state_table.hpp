@@ -22,7 +22,7 @@ enum class Element : std::uint8_t {
   u32,  ///< std::uint32_t
   u8,   ///< std::uint8_t, bool
 };
-std::size_t element_size(Element element);       ///< bytes: 8, 4 or 1
+std::size_t element_size(Element element);       ///< size of a value, bytes: 8, 4 or 1
 std::string_view element_name(Element element);  ///< NumPy's name: "float64", "int32", "uint8", ...
 
 /// The element type for a C++ type T. Does not compile if T is none of the types listed at Element.

@@ -51,7 +51,7 @@ class StopConditions {
   std::vector<Condition> conditions_;
   MeasureSet measures_;
   std::vector<double> values_;  // one per column of measures_
-  std::string text_;            // of all conditions
+  std::string text_;            // the text of all conditions, for memory_name()
   std::optional<std::size_t> holding_;
 };
 

@@ -145,7 +145,7 @@ class World {
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
   /// A callback that step() calls in place of a controller, once per batch of robots. It must itself call
   /// controller.kind->decide(controller.data, batch). Several threads call it at once, so it must be
-  /// thread-safe. Used to check controllers.
+  /// thread-safe. ControllerCheck uses this.
   using OnDecide =
       std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
   /// Replaces the OnDecide callback; an empty one restores the direct call. Call this between steps.
@@ -157,7 +157,7 @@ class World {
   const partition::StaticScene& scene() const { return scene_; }  ///< geometry of the static bodies
   /// Spatial index of the rows, with their poses at the end of the last step.
   const partition::BodyIndex& index() const { return index_; }
-  /// Spatial index of the fiducials of static bodies.
+  /// Spatial index of the parts of static bodies that fiducial finders detect.
   const FixedTargets& fixed_targets() const { return fixed_targets_; }
   /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
   /// exact ray engine.
@@ -199,7 +199,7 @@ class World {
   /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It does not become 0 when an
   /// obstacle blocks the motion.
   std::span<const Velocity> velocities() const { return as<Velocity>(k_velocity); }
-  /// Command to each row's drive.
+  /// Command to the drive of each row. The numbers have no meaning for rows without a drive.
   std::span<const Command> commands() const { return as<Command>(k_command); }
   /// Whether the row's last motion was blocked or would have ended out of bounds.
   bool stalled(Row row) const;
@@ -366,11 +366,12 @@ class World {
   /// State of a device, one table row per slot. DeviceKind::apply may change it, and so may a program between
   /// steps.
   StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
-  /// Vertices of a row's outlines, world frame, in the order of BodyType::outline_vertices.
+  /// Vertices of the outlines of a row's body, m, world frame, in the order of BodyType::outline_vertices.
   std::span<const Vec2> outline(Row row) const {
     return {outlines_.data() + outline_begins_[row.index()], type(row).outline_vertices.size()};
   }
-  /// Contribution of a table to the hash of the state: the sum over its rows, modulo 2^64.
+  /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state is the sum of
+  /// these over all tables.
   std::uint64_t hash(const StateTable& table);
   Hashes hashes();  ///< hashes of the present state; computed on the worker threads
 
@@ -430,7 +431,7 @@ class World {
   void build_lives();
   /// Fills the tables with the state at tick 0, and computes the derived data.
   void start();
-  /// Draws the odometry error of each robot.
+  /// Computes the odometry error of each robot from the seed (Localization::error_of()).
   void draw_odometry_errors();
   /// Sets the state of a row to the state at the beginning of its body's life, with this pose (world frame).
   /// All bytes of the row must be 0 before.

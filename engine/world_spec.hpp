@@ -80,8 +80,8 @@ struct PartSpec {
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
   Pose pose_body_part;           ///< pose of the part's frame in the body frame
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m; GetGeom returns it in Stage
-  std::vector<Solid> solids;            ///< in the body frame, m, after all scaling
-  Returns returns;                      ///< how it interacts with other bodies
+  std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
+  Returns returns;                      ///< how it interacts with other bodies and with sensors
   bool floor_plan = false;              ///< whether its outline comes from an image
   std::optional<ImageSpec> image;       ///< the image that `solids` are made from; not set: no image
   std::optional<FittedBlocks> fitted;   ///< the blocks that `solids` are made from; not set: none
