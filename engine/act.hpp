@@ -33,7 +33,8 @@ struct Act {
   /// Model::set_speed, turn is the steering angle, rad, for a car.
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device
-  /// For `command`: fields of the device's command struct, each with one number per column.
+  /// For `command`: the fields of the device's command struct to set. Each has a name, and one number per
+  /// column.
   std::vector<std::pair<std::string, std::vector<double>>> values;
 
   friend bool operator==(const Act&, const Act&) = default;

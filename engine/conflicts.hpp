@@ -95,9 +95,9 @@ class Conflicts {
     /// Obstacle shapes, body frame. A body with an empty shape blocks no other and is never blocked.
     std::span<const partition::ObstacleShape* const> shapes;
     std::span<const std::uint32_t> ids;  ///< unique ids of the bodies
-    /// A cache: a circle near each row that is free of the static scene. The caller keeps it from tick to
-    /// tick while the static scene does not change; resolve() updates it. It is not state: circles with
-    /// radius 0 give the same outcomes.
+    /// A cache: for each row, a circle near it into which the static scene does not reach. resolve() updates
+    /// the circles. The caller keeps them from tick to tick while the static scene does not change. They are
+    /// not state: circles with radius 0 give the same outcomes.
     std::span<FreeCircle> free;
     std::uint64_t seed = 1;    ///< seed of the world, for priorities
     std::uint64_t tick = 0;    ///< the current tick, for priorities

@@ -86,7 +86,7 @@ class ControllerCheck {
     DecideBatch given;  // the inputs, except those that the following members copy
     std::vector<Row> rows;
     std::vector<Command> commands_before, commands_after;
-    std::vector<Pose> estimates;  // at the time of the decision: those of the world have changed since
+    std::vector<Pose> estimates;  // as they were at the decision; those of the world have changed since
     std::vector<std::vector<std::byte>> written_before, written_after;  // one per entry of `written`
     std::vector<std::vector<std::byte>> percepts;                       // one per chosen device
   };
@@ -129,7 +129,7 @@ class ControllerCheck {
   std::vector<std::vector<Watched>> watched_;  // indexed by type, then by controller
   std::mutex mutex_;                           // protects watched_ while the world steps
   std::uint64_t decisions_ = 0;
-  // Output of the repetitions: as large as the world's own tables.
+  // Outputs of the repetitions, indexed by row or slot like the world's own tables.
   std::vector<Command> commands_;
   std::vector<Pose> estimates_;
   std::vector<std::vector<std::byte>> written_;

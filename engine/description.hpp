@@ -619,7 +619,8 @@ Record to_record(const T& object) {
   return record_of(described<T>(), &object);
 }
 
-/// Converts the fields of a table to those of a state component whose rows are the described struct.
+/// Converts the table of a described struct to state fields, for a state component whose rows are such
+/// structs.
 std::vector<StateField> state_fields(const FieldTable& table);
 
 }  // namespace troupe::engine

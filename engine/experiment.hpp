@@ -28,8 +28,8 @@ struct Condition {
   bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
 };
 
-/// The compiled interventions and faults of a world, and the next ones to be applied. It is not state,
-/// because it follows from the spec and the tick.
+/// The compiled interventions and faults of a world, and which of them are applied next. These data are not
+/// state, because they follow from the spec and the tick.
 struct Experiment {
   /// A tick that never comes.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
@@ -51,7 +51,7 @@ struct Experiment {
 
   /// One impairment of a FaultSpec, for the bodies of one type.
   struct Fault {
-    Impairment impairment;     ///< its effect on a body
+    Impairment impairment;     ///< effect of the fault on a body, and how often it occurs
     std::uint32_t stream = 0;  ///< stream of its random numbers
   };
   std::vector<Fault> faults;  ///< the faults of all specs, in their order

@@ -31,7 +31,7 @@ struct FrameType {
 struct FrameBody {
   std::uint32_t type = 0;  ///< index into the list of FrameScene::types followed by Frame::types
   Pose pose_world_body;    ///< pose at this tick; for static bodies, the pose during the whole run
-  Color color;             ///< colour of the shapes that have none
+  Color color;             ///< colour of the shapes that have no colour of their own
   bool stalled = false;    ///< whether its last motion was blocked or would have ended out of bounds
   std::uint32_t id = 0;    ///< id of the body (BodyId)
 };
@@ -118,7 +118,8 @@ struct FrameTrail {
   std::vector<Eigen::Vector3d> points;
 };
 
-/// The data that change with each tick: bodies that can move, and further data that the viewer requested.
+/// The data that change with each tick: the bodies that are not static, and further data that the viewer
+/// requests.
 struct Frame {
   double time_s = 0;              ///< world time
   std::uint64_t tick = 0;         ///< number of completed ticks

@@ -28,7 +28,7 @@ struct Carried {
 /// body is empty.
 struct Links {
   static constexpr std::uint32_t k_none = ~0u;  ///< no row
-  /// The outcome of a joint's motion in this tick.
+  /// The state of a joint's motion in this tick.
   enum class Goal : std::uint8_t {
     none,     ///< the joint has no command to move
     asked,    ///< the joint has a command that is not yet resolved
@@ -39,10 +39,10 @@ struct Links {
   /// A joint of one body.
   struct Joint {
     Mount now;                ///< maps a point of the body, with the joint at rest, to its present position
-    Mount then;               ///< maps it to its position at the goal; valid while joint motions are resolved
+    Mount then;               ///< maps such a point to its position at the goal; valid during resolution
     Pose goal;                ///< goal in this tick, relative to rest
-    Goal state = Goal::none;  ///< outcome in this tick
-    bool moves = false;       ///< whether the motion is tested in this round of resolution
+    Goal state = Goal::none;  ///< state of the motion in this tick
+    bool moves = false;       ///< whether the joint moves in this round of resolution
   };
 
   std::vector<std::uint32_t> joint_begins;  ///< one per row: its first joint in `joints`
@@ -56,10 +56,10 @@ struct Links {
   std::vector<std::uint32_t> composite_of;  ///< one per row: its index in the lists below; k_none: none
   // One entry per composite body.
   std::vector<ShapeBuffer> shapes;      ///< shape of the tree of which the body is the root, in its frame
-  std::vector<ShapeBuffer> moved;       ///< this round: the moving pieces of the tree, at their goals
-  std::vector<ShapeBuffer> on_the_way;  ///< this round: the moving pieces, at the sample under test
-  std::vector<std::uint32_t> samples;   ///< this round: number of samples of the motion; 0: no motion
-  std::vector<std::uint8_t> refused;    ///< this round: 1 if the motion is blocked
+  std::vector<ShapeBuffer> moved;       ///< pieces of the tree that move in this round, at their goals
+  std::vector<ShapeBuffer> on_the_way;  ///< the same pieces, at the pose that is tested now
+  std::vector<std::uint32_t> samples;   ///< number of poses to test in this round; 0: no motion
+  std::vector<std::uint8_t> refused;    ///< 1 if the motion of this round is blocked
 
   // One per row; empty if there are no composites.
   std::vector<std::uint32_t> roots;        ///< row of the tree's root; its own row if it is not carried

@@ -51,8 +51,8 @@ struct Localization {
 
 constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return {"gps", "odom"}; }
 
-/// The parameters of localization, which are part of the parameters of drives. All are fixed while a world
-/// runs, because a change would change the layout of the state.
+/// The parameters of localization, which are part of the parameters of drives. Interventions cannot change
+/// them while a world runs, because the layout of the state depends on the source of the estimate.
 struct LocalizationParams {
   /// The heading along which a tick's motion is added; in files "old" and "new".
   enum class Heading : std::uint8_t {
@@ -117,7 +117,7 @@ Pose relative_to(const Pose& origin, const Pose& pose);
 struct Estimates {
   const Localization* how = nullptr;     ///< how the poses are estimated; null: there are no estimates
   std::span<const Pose> poses;           ///< true poses, one per row
-  std::span<const Odometry> odometries;  ///< one per slot, if the type has odometry
+  std::span<const Odometry> odometries;  ///< odometry estimates, one per slot; empty without odometry
 
   /// The estimated pose of the robot with this row and slot, m and rad; all values are 0 if `how` is null.
   Pose of(Row row, std::size_t slot) const;

@@ -155,7 +155,7 @@ class World {
   const WorldSpec& spec() const { return spec_; }                 ///< the spec that the world was made from
   std::span<const BodyType> types() const { return types_; }      ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return scene_; }  ///< geometry of the static bodies
-  /// Spatial index of the rows, with their poses at the end of the last step.
+  /// Spatial index of the bodies in the world that have rows, at their poses at the end of the last step.
   const partition::BodyIndex& index() const { return index_; }
   /// Spatial index of the parts of static bodies that fiducial finders detect.
   const FixedTargets& fixed_targets() const { return fixed_targets_; }
@@ -209,8 +209,9 @@ class World {
   /// defines: by default the world frame, or with odometry the frame of the robot's first pose.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   Estimates estimates(const BodyType& type) const;  ///< estimated poses of all robots of a type
-  /// Overwrites the odometry estimate of a robot. Throws std::logic_error if the robot has no odometry,
-  /// std::invalid_argument if the pose is not finite.
+  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate; its height is
+  /// ignored. Throws std::logic_error if the robot has no odometry, and std::invalid_argument if the pose is
+  /// not finite.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command to a robot's drive. Call this between steps.
   void set_command(Row row, const Command& command) {
@@ -221,9 +222,11 @@ class World {
   /// frame while the joint is at rest, it gives the present pose of the part in the world frame. It is the
   /// row's pose, moved by the present displacement of the joint. With joint = k_rigid it is the row's pose.
   Mount mount(Row row, std::int32_t joint) const;
-  /// Greatest distance of the body's surface from its origin, with its joints where they are now, m.
+  /// Greatest distance of a point of the row's body from its origin, with its joints where they are now, m;
+  /// negative if the body is not in the world.
   double radius(Row row) const { return row_radii_[row.index()]; }
-  /// Height by which a joint has raised the parts on it above their rest position, m.
+  /// Height by which a joint of the row's body has raised the parts on it above their rest position, m; 0 for
+  /// k_rigid.
   double lift(Row row, std::int32_t joint) const {
     return joint == k_rigid
                ? 0.0
@@ -652,7 +655,7 @@ class World {
   // or die and the world uses that engine.
   std::vector<std::uint8_t> not_drawn_;
   std::vector<std::uint32_t> next_born_;  // one per reserve: index of its first unborn body in the reserve
-  std::vector<Row> newborn_;              // rows that the index does not contain yet
+  std::vector<Row> newborn_;              // rows of bodies that the index does not contain yet
   std::size_t robots_ = 0;
   std::size_t absent_ = 0;
   std::size_t impaired_ = 0;

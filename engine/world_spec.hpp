@@ -73,12 +73,12 @@ struct FittedBlocks {
 
 /// A part of a body type: one model of a Stage model tree.
 struct PartSpec {
-  std::string name;              ///< relative to the body's name: "ranger:0"; empty for the root (part 0)
-  std::string alias;             ///< the generated name, if the world file gives the part another name
-  std::string kind;              ///< model kind: "position", "ranger", ...
-  std::uint32_t parent = 0;      ///< index of its parent part; the root's is 0
-  std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
-  Pose pose_body_part;           ///< pose of the part's frame in the body frame
+  std::string name;                     ///< name within the body: "ranger:0"; empty for the root (part 0)
+  std::string alias;                    ///< the generated name, if the world file gives the part another name
+  std::string kind;                     ///< model kind: "position", "ranger", ...
+  std::uint32_t parent = 0;             ///< index of its parent part; the root's is 0
+  std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on
+  Pose pose_body_part;                  ///< pose of the part's frame in the body frame
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m; GetGeom returns it in Stage
   std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
   Returns returns;                      ///< how it interacts with other bodies and with sensors
@@ -129,9 +129,10 @@ struct TypeSpec {
   std::string name;                 ///< name, unique in the world
   std::vector<PartSpec> parts;      ///< parts in depth-first order; part 0 is the root
   std::vector<JointSpec> joints;    ///< joints; each comes after its parent joint
-  std::optional<DriveSpec> drive;   ///< not set: the bodies have no drive
-  std::vector<DeviceSpec> devices;  ///< a device that moves a joint comes before the devices on it
-  /// In the order in which they decide. If several controllers command one drive, the last command counts.
+  std::optional<DriveSpec> drive;   ///< drive; not set: the bodies have none
+  std::vector<DeviceSpec> devices;  ///< devices; one that moves a joint comes before those on the joint
+  /// The controllers, in the order in which they decide in a tick. If several controllers command one drive,
+  /// the last command counts.
   std::vector<ControllerSpec> controllers;
 };
 
