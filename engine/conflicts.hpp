@@ -50,29 +50,32 @@ struct Pushables {
 /// rule    Bodies take turns in the order of priority. The body whose turn it is (the mover) takes its
 ///         proposed pose if its motion to that pose is free of the static scene and of every other body. The
 ///         other bodies are tested at their new poses if they had their turn and moved, and otherwise at
-///         their old poses. If the motion is blocked, the mover stays at its old pose. The priority is
-///         mix(seed, tick, id), the lowest first, ties by id. Bodies that only touch do not block each other.
-///         A body that overlaps the mover at the mover's old pose never blocks a motion that increases the
-///         distance between their origins. A static solid that the mover already overlaps never blocks it.
-/// samples A motion is tested at n = ceil(displacement / (thinnest part / 4)) equally spaced poses, but not
-///         more than a million. The last pose is Motion::to. The displacement, which no vertex exceeds, is
-///         |translation| + radius * |turn|. Between two consecutive poses a body moves less than the
-///         thickness of its parts, so no other body, however thin, passes through it completely. A thin body
-///         may pass through a corner of a part, at a depth of less than a quarter of the part's width.
+///         their old poses. If the motion is blocked, the mover stays at its old pose. The priority is a
+///         hash, mix(seed, tick, id): the body with the lowest number has the first turn, and ties are broken
+///         by id. Bodies that only touch do not block each other. A body that overlaps the mover at the
+///         mover's old pose never blocks a motion that increases the distance between their origins. A static
+///         solid that the mover already overlaps never blocks it.
+/// samples A motion is tested at n = ceil(displacement / (width of the mover's thinnest part / 4)) equally
+///         spaced poses, but not at more than a million. The last pose is Motion::to. The displacement, which
+///         no vertex exceeds, is |translation| + radius * |turn|. Between two consecutive poses a body moves
+///         less than the thickness of its parts, so no other body, however thin, passes through it
+///         completely. A thin body may pass through a corner of a part, at a depth of less than a quarter of
+///         the part's width.
 /// pushing A pushable body does not block a body that can push (the pusher), unless the two overlap at the
 ///         pusher's old pose. Either the pushable body gives way, or the whole motion is blocked and no body
-///         moves. The pusher goes through n = ceil(displacement / (thinnest part of it and of all pushable
-///         bodies / 4)) equally spaced poses. A pass at one of these poses goes through the pusher and the
-///         bodies that it pushes, in the order in which they were first met. Each of them shifts every body
-///         that it overlaps, in the order of their ids, by partition::way_out plus k_rounding_m. Pushed
-///         bodies do not turn and do not keep moving. Bodies that were met earlier push bodies that were met
-///         later, never the reverse. Passes are repeated until no bodies overlap, at most k_push_passes
-///         times. The motion is blocked in each of these cases: it needs to push more bodies than the limit;
-///         it needs more passes; a pushed body would be shifted by more than half of its thinnest part
-///         between two poses; the new position of a pushed body is out of bounds, or not free of the static
-///         scene, or not free of every body that is not pushed. Those other bodies are tested at their poses
-///         of that turn, and overlaps that existed before do not count, as in `rule`. Several bodies may push
-///         the same body in a tick, one after another.
+///         moves. The pusher goes through n = ceil(displacement / (width of the thinnest part of the pusher
+///         and of all pushable bodies / 4)) equally spaced poses. A pass at one of these poses goes through
+///         the pusher and the bodies that it pushes, in the order in which they were first met. Each of them
+///         shifts every body that it overlaps, in the order of the ids of those bodies, by the shortest
+///         displacement that separates the two (partition::way_out()) plus k_rounding_m. Pushed bodies do not
+///         turn and do not keep moving. Bodies that were met earlier push bodies that were met later, never
+///         the reverse. Passes are repeated until no bodies overlap, at most k_push_passes times. The motion
+///         is blocked in each of these cases: it needs to push more bodies than the limit; it needs more
+///         passes; a pushed body would be shifted by more than half of its thinnest part between two poses;
+///         the new position of a pushed body is out of bounds, or not free of the static scene, or not free
+///         of every body that is not pushed. Those other bodies are tested at their poses of that turn, and
+///         overlaps that existed before do not count, as in `rule`. Several bodies may push the same body in
+///         a tick, one after another.
 /// result  The outcome of each body is that of this sequential rule, on any number of threads.
 /// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
 ///         algorithms can be fast, PPoPP 2012. A body depends on those moving bodies of higher priority that

@@ -76,19 +76,20 @@ class Description;
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described();
 
-/// A fact about a member: a unit, a limit, a text. Made by the functions of `facts`.
+/// A fact about a described member: a unit, a limit, a text or the like. The functions in the namespace
+/// `facts` make them.
 class Fact {
  public:
   /// What the fact specifies.
   enum class Kind : std::uint8_t {
-    text,             ///< Field::text, from the member `words`
-    unit,             ///< Field::unit, from the member `unit`
-    at_least,         ///< limits from `number` to `high`, both included
-    above,            ///< lower limit `number`, excluded
-    at_most,          ///< upper limit `number`, included
-    choices,          ///< Field::choices, from the member `choices`
-    columns,          ///< Field::columns, from the member `number`
-    required,         ///< the member has no default
+    text,             ///< sets Field::text to the member `words`
+    unit,             ///< sets Field::unit to the member `unit`
+    at_least,         ///< sets the limits to `number` and `high`, both included
+    above,            ///< sets the lower limit to `number`, excluded
+    at_most,          ///< sets the upper limit to `number`, included
+    choices,          ///< sets Field::choices to the member `choices`
+    columns,          ///< sets Field::columns to the member `number`
+    required,         ///< the described member has no default
     counts_readings,  ///< sets Field::counts_readings
     fixed,            ///< sets Field::fixed
     provenance,       ///< sets Field::provenance
@@ -96,12 +97,12 @@ class Fact {
     appearance,       ///< sets Field::appearance
   };
 
-  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< a text: Field::text
-  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< a text: Field::text
-  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< a unit: Field::unit
+  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< gives Field::text
+  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< gives Field::text
+  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< gives Field::unit
   /// A fact of kind k; x is its `number` and y its `high`.
   constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
-  /// The allowed values: Field::choices. The list must live until the call that takes the fact returns.
+  /// Gives the allowed values, Field::choices. The list must live until the call that takes the fact returns.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
   Kind kind;               ///< what the fact specifies

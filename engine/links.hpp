@@ -39,7 +39,7 @@ struct Links {
   /// A joint of one body.
   struct Joint {
     Mount now;                ///< maps a point of the body, with the joint at rest, to its present position
-    Mount then;               ///< maps such a point to its position at the goal; valid during resolution
+    Mount then;               ///< maps such a point to its position at the goal, or at a tested pose
     Pose goal;                ///< goal in this tick, relative to rest
     Goal state = Goal::none;  ///< state of the motion in this tick
     bool moves = false;       ///< whether the joint moves in this round of resolution
@@ -49,7 +49,7 @@ struct Links {
   std::vector<Joint> joints;                ///< joints of all rows, in order of rows
   std::atomic<bool> asked = false;          ///< whether any joint has a command to move in this tick
   /// Number of rounds of joint resolution per tick: the largest number of devices that move joints of one
-  /// body. In each round, one such device of each body moves its joints.
+  /// body. In each round, the joints of at most one device per body move.
   std::size_t rounds = 0;
 
   std::vector<std::uint32_t> composites;    ///< rows of composite bodies

@@ -222,8 +222,9 @@ class World {
   /// frame while the joint is at rest, it gives the present pose of the part in the world frame. It is the
   /// row's pose, moved by the present displacement of the joint. With joint = k_rigid it is the row's pose.
   Mount mount(Row row, std::int32_t joint) const;
-  /// Greatest distance of a point of the row's body from its origin, with its joints where they are now, m;
-  /// negative if the body is not in the world.
+  /// Upper bound on the distance of any point of the row's body from its origin, with its joints where they
+  /// are now, m. For a body that carries others and is not carried itself, it includes the obstacle shapes of
+  /// its cargo. Negative if the body is not in the world.
   double radius(Row row) const { return row_radii_[row.index()]; }
   /// Height by which a joint of the row's body has raised the parts on it above their rest position, m; 0 for
   /// k_rigid.
