@@ -130,8 +130,8 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed);
 
-/// Compiles a type. Reports errors (unknown kinds, controllers without the sensors that they need) at the
-/// file positions of the spec.
+/// Compiles a type of a world. Reports errors (unknown kinds, controllers without the sensors that they need)
+/// to `diagnostics`, at the file positions that the spec gives.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 

@@ -165,7 +165,7 @@ class Conflicts {
   class Dependency {
    public:
     Dependency() = default;  ///< leaves the members uninitialised
-    /// if_moved: true if `row` blocks the other row when it has moved, false if it does so when it has not
+    /// if_moved: true if `row` blocks the other row only when `row` has moved; false if only when it has not
     /// moved
     Dependency(std::uint32_t row, bool if_moved) : word_(2 * row + (if_moved ? 1 : 0)) {}
     std::uint32_t row() const { return word_ / 2; }

@@ -101,7 +101,7 @@ class ControllerCheck {
       return device ? batch.device_commands[*device] : batch.memories;
     }
   };
-  /// One controller of one type.
+  /// What is stored about one controller of one type: the tables that it writes to, and its decisions.
   struct Watched {
     std::vector<Written> written;
     Decisions taken;

@@ -30,7 +30,7 @@ inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", "
 /// Whether `a COMPARISON b` is true. If a or b is NaN it is false, also for Comparison::unequal.
 bool holds(double a, Comparison comparison, double b);
 
-/// A condition on a measure.
+/// A stop condition: a comparison of a measure with a number.
 struct StopSpec {
   MeasureSpec measure;                        ///< left operand
   Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
@@ -100,7 +100,7 @@ inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "di
 struct FaultSpec {
   GroupSpec whom;     ///< bodies that may fail; chosen when a world is built or restarted
   double from_s = 0;  ///< earliest world time at which a fault may occur
-  /// One impairment.
+  /// One possible fault of the bodies.
   struct Impairment {
     std::string kind;  ///< name in Registry::faults
     Record params;     ///< one value for each field of the kind's table

@@ -13,7 +13,7 @@ namespace troupe::engine {
 
 struct Value;
 
-/// The values of a parameter block: one for each field of its FieldTable, in that order.
+/// The values of a parameter block: one for each field of its FieldTable, in the order of the fields.
 using Record = std::vector<Value>;
 
 /// The value of a parameter, in SI units.

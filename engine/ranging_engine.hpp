@@ -21,7 +21,7 @@ inline std::string_view ranging_engine_name(RangingEngine engine) {
   return k_ranging_engines[static_cast<std::size_t>(engine)];
 }
 
-/// Default length of the edges of the grid's cells, m. It is that of Stage.
+/// Default edge of the grid's cells, m. Stage has the same default.
 inline constexpr double k_resolution_m = 0.02;
 inline constexpr double k_min_resolution_m = 1e-4;  ///< smallest edge of the grid's cells, m
 inline constexpr double k_max_resolution_m = 100;   ///< largest edge of the grid's cells, m

@@ -44,8 +44,9 @@ struct WorldOptions {
   double tile_size_m = 0;
 };
 
-/// Thrown when a step cannot be completed: a value is not a finite number, or a function of a sensor, drive,
-/// controller or other kind threw an exception. The text names the tick and the robot.
+/// Thrown when a step cannot be completed, because the velocity of a robot or the goal of a joint is not a
+/// finite number, or because a function of a kind of sensor, drive, controller or other device threw an
+/// exception. The text names the tick and the robot.
 class StepError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -82,9 +83,10 @@ class World {
   World& operator=(const World&) = delete;
 
   // ---- the tick: engine/step.cpp
-  /// Computes one tick: from S(k) to S(k+1). Throws StepError if a value is not a finite number or a function
-  /// of a kind throws. Exceptions of callbacks propagate unchanged. After an exception the state is
-  /// incomplete, see require_whole(). Apart from the first steps, a step allocates no memory.
+  /// Computes one tick: from S(k) to S(k+1). Throws StepError if the velocity of a robot or the goal of a
+  /// joint is not a finite number, or if a function of a kind throws. Exceptions of callbacks propagate
+  /// unchanged. After an exception the state is incomplete, see require_whole(). Apart from the first steps,
+  /// a step allocates no memory.
   void step();
   /// Throws std::logic_error if a step threw and no reset(), restart() or restore() followed: some rows then
   /// have the state of the new tick and others that of the old one. All functions that read or continue the
@@ -167,7 +169,7 @@ class World {
   /// The worker threads of step(). Measures may use them between steps.
   partition::Parallel& parallel() { return parallel_; }
   /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed. Rows are
-  /// ordered by the place of their bodies at tick 0.
+  /// ordered by the place of their bodies at tick 0, so that neighbours in space are close in memory.
   std::size_t rows() const { return row_bodies_.size(); }
   /// Number of robots (rows whose type has a drive) that are in the world at tick 0.
   std::size_t robots_at_start() const { return robots_at_start_; }
