@@ -16,7 +16,7 @@ namespace troupe::engine {
 struct Act {
   /// The kind of action.
   enum class Kind : std::uint8_t {
-    move,     ///< puts a body at `pose`, if that place is free
+    move,     ///< places a body at `pose`, if it is free there
     speed,    ///< commands `speed` to a robot, once
     hold,     ///< commands `speed` to a robot before every tick, overriding its controller, until `release`
     release,  ///< ends a `hold`: the controller commands the robot again
@@ -29,10 +29,12 @@ struct Act {
   Kind kind = Kind::move;  ///< kind of action; its name is in k_acts
   std::string whom;        ///< name of a body; for `add`, of a population
   Pose pose;               ///< for `move` and `add`: new pose of the body, world frame, m and rad
-  /// For `speed` and `hold`: forward and left m/s, turn rad/s, body frame, as in Model::set_speed.
+  /// For `speed` and `hold`: the speeds [forward, left, turn], m/s and rad/s, body frame. As in
+  /// Model::set_speed, turn is the steering angle, rad, for a car.
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device
-  /// For `command`: fields of the device's command struct, each with one number per column.
+  /// For `command`: the fields of the device's command struct to set. Each has a name, and one number per
+  /// column.
   std::vector<std::pair<std::string, std::vector<double>>> values;
 
   friend bool operator==(const Act&, const Act&) = default;

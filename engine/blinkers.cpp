@@ -6,7 +6,8 @@
 
 namespace troupe::engine {
 
-/// The memory of hide_beyond_reach(): what the hidden rows have lost, and an index without them.
+/// The data of the test mode hide_beyond_reach(): copies of the data of the hidden rows, and a spatial index
+/// without these rows.
 struct World::Blinkers {
   explicit Blinkers(const World& world)
       : transforms(world.transforms_),
@@ -16,7 +17,7 @@ struct World::Blinkers {
         tables(world.tables_),
         index(world.geometry_) {}
 
-  // As in the world; only the elements of hidden rows are used.
+  // Copies of the world's members. Only the elements of hidden rows are used.
   std::vector<Transform> transforms;
   std::vector<Vec2> outlines;
   std::vector<double> radii;
@@ -37,7 +38,7 @@ void World::hide_beyond_reach(bool on) {
 
 void World::hide_from(Row row, double reach) {
   Blinkers& b = *blinkers_;
-  constexpr double k_slack_m = 1e-6;  // of the sum of a distance and a radius
+  constexpr double k_slack_m = 1e-6;  // for the rounding of a distance and a radius
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   static const partition::ObstacleShape k_no_shape;
   const Vec2 origin = transform(row).position;
@@ -59,7 +60,7 @@ void World::hide_from(Row row, double reach) {
       b.outlines[v] = std::exchange(outlines_[v], Vec2(k_nan, k_nan));
     for_tables_of(other, [&](std::size_t t, std::size_t at) {
       b.tables[t].copy_row(at, tables_[t]);
-      tables_[t].fill_row(at, std::byte{0xff});  // not a number, as a float
+      tables_[t].fill_row(at, std::byte{0xff});  // a floating-point field is then NaN
     });
   }
   std::swap(index_, b.index);

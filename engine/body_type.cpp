@@ -22,7 +22,7 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   return unknown_name(what, name, std::move(names));
 }
 
-/// Index of the joint of each piece of obstacle_shape(spec), in the order of its pieces.
+/// Returns, for each piece of obstacle_shape(spec) in order, the index of the joint that it is mounted on.
 std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
   std::vector<std::int32_t> joints;
   for (const PartSpec& part : spec.parts) {
@@ -76,7 +76,7 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
   type.radius = sqrt(radius2);
 }
 
-/// Names of the kinds that supply power.
+/// Names of the device kinds that supply power.
 std::vector<std::string_view> supply_names(const Registry& registry) {
   std::vector<std::string_view> names;
   for (const DeviceKind& kind : registry.devices)
@@ -84,8 +84,8 @@ std::vector<std::string_view> supply_names(const Registry& registry) {
   return names;
 }
 
-/// Assigns each device its power supply: that of its part or, if the part has none, of the nearest part that
-/// carries its part.
+/// Assigns each device its power supply: the supply on its part or, if there is none, on the nearest part
+/// that carries its part. The drive gets the supply of the root part.
 void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& type,
                       Diagnostics& diagnostics) {
   std::vector<std::optional<std::size_t>> supplies(spec.parts.size());  // by part
@@ -115,8 +115,9 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
   if (type.drive) type.drive->supply = supplies.front();
 }
 
-/// Index of the drive device that controllers of a part command: that of the part itself or, if it has none,
-/// of the nearest part that carries it. Without a result they command the body's drive.
+/// Index of the drive device (DeviceKind::drives) that controllers of a part command: the one on the part
+/// itself or, if there is none, on the nearest part that carries the part. If the result is std::nullopt,
+/// they command the body's drive.
 std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, std::uint32_t part) {
   for (;; part = spec.parts[part].parent) {
     for (std::size_t d = 0; d < type.devices.size(); ++d)
@@ -286,7 +287,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
               sensor.kind, spec.name));
       continue;
     }
-    // Readings are looked up, and hashed, by name, so the name must be unique.
+    // Readings are looked up and hashed by the name of the device, so the name must be unique.
     std::string name = sensor.name;
     for (int n = 2; std::ranges::find(type.devices, name, &BodyType::Device::name) != type.devices.end(); ++n)
       name = fmt::format("{}#{}", sensor.name, n);
@@ -315,7 +316,8 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
     type.joint_reach += type.devices.back().prepared.joint_reach_m;
     if (moves) type.joint_devices.push_back(type.devices.size() - 1);
   }
-  // Limit of joint_reach, m. The circle of a body is stored in every grid cell that it touches.
+  // Limit of joint_reach, m. The circle of a large body is stored in every grid cell that it touches, so an
+  // unlimited circle would take unlimited memory.
   constexpr double k_most_reach = 1000;
   if (!(type.joint_reach <= k_most_reach))
     diagnostics.error(

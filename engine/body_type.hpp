@@ -21,22 +21,24 @@ struct RayOutline {
   /// Intensity that rangers read (Returns::ranger); negative if their beams pass through the outline.
   float ranger_return = 1;
   std::uint32_t part = 0;        ///< index of its part in the type
-  std::uint32_t solid = 0;       ///< index in the type: contours of one solid form one even-odd region
+  std::uint32_t solid = 0;       ///< number of its solid; outlines of one solid bound one even-odd region
   std::int32_t joint = k_rigid;  ///< index of the joint that moves it; k_rigid: none
 };
 
 /// A compiled TypeSpec: the data that bodies of one type share. It is constant during a run, except for
 /// parameters that an intervention changes (SettingSpec).
 struct BodyType {
-  std::string name;                           ///< name of the type (TypeSpec::name)
-  partition::ObstacleShape obstacle;          ///< obstacle shape with every joint at rest, body frame
-  std::vector<std::int32_t> obstacle_joints;  ///< joint of each piece; empty if the type has no joints
-  partition::ObstacleShape grip;            ///< shape that grippers sense; empty if they cannot grip the body
-  std::vector<Vec2> outline_vertices;       ///< vertices of all outlines, body frame, m
-  std::vector<RayOutline> outlines;         ///< visible to rangers; their vertices come first
-  std::vector<RayOutline> hidden_outlines;  ///< invisible to rangers, visible to the other sensors
-  /// Radius of the circle about the origin that encloses every outline, obstacle and fiducial target with
-  /// every joint at rest, m.
+  std::string name;                   ///< name of the type (TypeSpec::name)
+  partition::ObstacleShape obstacle;  ///< obstacle shape with every joint at rest, body frame
+  /// For each piece of `obstacle`, the index of the joint that it is mounted on. Empty if the type has no
+  /// joints.
+  std::vector<std::int32_t> obstacle_joints;
+  partition::ObstacleShape grip;       ///< shape that grippers detect; empty if they cannot grip the body
+  std::vector<Vec2> outline_vertices;  ///< vertices of all outlines, body frame, m
+  std::vector<RayOutline> outlines;    ///< outlines that rangers see; their vertices come first
+  std::vector<RayOutline> hidden_outlines;  ///< outlines that only sensors other than rangers see
+  /// Radius of the circle about the body's origin that encloses every outline, obstacle and fiducial target
+  /// with every joint at rest, m.
   double radius = 0;
   double joint_reach = 0;              ///< largest distance by which the joints can extend `radius`, m
   std::vector<std::uint32_t> targets;  ///< indices of the parts that fiducial finders detect
@@ -62,21 +64,21 @@ struct BodyType {
     std::uint8_t pushes = 0;  ///< largest number of bodies that it can push at once
   };
   std::optional<Drive> drive;  ///< none: bodies of the type do not move on their own
-  bool pushable = false;       ///< robots can push it; it has no drive
+  bool pushable = false;       ///< robots can push bodies of the type, which has no drive
 
   /// A compiled DeviceSpec.
   struct Device {
-    std::string name;                   ///< name of the device (DeviceSpec::name)
-    const DeviceKind* kind;             ///< its kind, owned by the registry
-    DeviceKind::Prepared prepared;      ///< result of DeviceKind::prepare
-    std::uint64_t period;               ///< ticks from one run to the next
-    bool active;                        ///< runs without a subscriber: DeviceSpec::active, or it is read
-    std::uint32_t part;                 ///< part that carries it: index in the type
-    std::int32_t joint;                 ///< joint that it is mounted on: index in the type
-    std::int32_t moves;                 ///< first of the joints that it moves: index in the type
-    std::uint32_t stream;               ///< stream of its random numbers
-    std::optional<std::size_t> supply;  ///< its power supply: index into `devices`
-    std::size_t table = 0;              ///< table of its percepts: index into World::tables()
+    std::string name;               ///< name of the device (DeviceSpec::name)
+    const DeviceKind* kind;         ///< its kind, owned by the registry
+    DeviceKind::Prepared prepared;  ///< result of DeviceKind::prepare
+    std::uint64_t period;           ///< ticks from one run to the next
+    bool active;           ///< it runs without a subscription: DeviceSpec::active, or a controller uses it
+    std::uint32_t part;    ///< part that carries it: index in the type
+    std::int32_t joint;    ///< joint that it is mounted on: index in the type
+    std::int32_t moves;    ///< first of the joints that it moves: index in the type
+    std::uint32_t stream;  ///< stream of its random numbers
+    std::optional<std::size_t> supply;         ///< its power supply: index into `devices`
+    std::size_t table = 0;                     ///< table of its percepts: index into World::tables()
     std::optional<std::size_t> command_table;  ///< table of its commands: index into World::tables()
     std::uint32_t switch_bit = 0;              ///< its bit in Command::off; 0: no controller switches it
   };
@@ -89,7 +91,7 @@ struct BodyType {
   struct Controller {
     const ControllerKind* kind;        ///< its kind, owned by the registry
     std::any data;                     ///< result of ControllerKind::prepare
-    std::vector<std::size_t> devices;  ///< indices into BodyType::devices; it runs when the first one runs
+    std::vector<std::size_t> devices;  ///< indices into BodyType::devices; it runs when the first runs
     std::uint64_t period;              ///< ticks from one run to the next
     std::uint32_t stream;              ///< stream of its random numbers
     std::optional<std::size_t> table;  ///< table of its memories: index into World::tables()
@@ -98,7 +100,8 @@ struct BodyType {
   };
   std::vector<Controller> controllers;  ///< in the order in which they decide (TypeSpec::controllers)
 
-  /// Estimated memory per body, bytes: readings, memories and its outline.
+  /// Estimated memory that each body takes, bytes: for its outlines, joints, readings, device commands and
+  /// controller memories.
   double row_bytes() const;
   /// Whether bodies of the type have a row in the state tables: they can move, sense, decide, be gripped or
   /// be pushed.
@@ -107,27 +110,28 @@ struct BodyType {
   bool is_composite() const { return !joints.empty() || carries; }
 };
 
-/// The number of readings that the parameters of a device ask for. It is used to check the memory of a device
-/// before it is allocated. It is the sum of the parameters that count readings (Field::counts_readings),
-/// including those in lists of parameter blocks.
+/// The number of readings that a device with these parameters has: the sum of the parameters that count
+/// readings (Field::counts_readings), including those in lists of parameter blocks. It is used to check the
+/// memory of a device before it is allocated.
 double samples_asked_for(const FieldTable& table, const Record& params);
 
-/// Prepares a device of a type. The error says what is wrong with the device, or which exception its kind
+/// Calls the hooks of a device kind that compile a device: prepare, bind_part, bind_world and reach_m. `spec`
+/// is the type that has the device. The error says what is wrong with the device, or which exception its kind
 /// threw.
 Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
                                             const WorldSpec& world, const TypeSpec& spec);
 
-/// Prepares a controller for a type whose devices are already prepared. The controller chooses among the
-/// devices of its part and of the parts mounted on that part, without drives. It sets claimed[d] for each
-/// device d of the type that it reserves for itself. The error says what the controller lacks, or which
-/// exception its kind threw.
+/// Compiles a controller of a type whose devices are already compiled: `spec` and `type` are that type. The
+/// controller chooses among the devices of its part and of the parts mounted on that part, except drives. It
+/// sets claimed[d] for each device d of the type that it reserves for itself. The error says what the
+/// controller lacks, or which exception its kind threw.
 Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const ControllerSpec& controller, const WorldSpec& world,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed);
 
-/// Compiles a type. Reports errors (unknown kinds, controllers without the sensors that they need) at the
-/// file positions of the spec.
+/// Compiles a type of a world. Reports errors (unknown kinds, controllers without the sensors that they need)
+/// to `diagnostics`, at the file positions that the spec gives.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 

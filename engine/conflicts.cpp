@@ -21,13 +21,14 @@ using partition::ObstacleShape;
 using partition::PlacedShape;
 
 constexpr std::size_t k_batch = 128;  // rows per task
-// Largest number of dependencies that a row lists. A row with more dependencies repeats its geometric tests
-// in each round.
+// Largest number of dependencies that are stored for a row. For a row with more dependencies, the geometric
+// tests are repeated in each round.
 constexpr std::size_t k_listed = 64;
 constexpr std::uint32_t k_unlisted = ~0u;
 
-// A motion that is longer than this is called far. Up to k_max_far bodies with far motions are not found
-// through the index, but tested one by one, because they would otherwise widen the search of every body.
+// A motion that is longer than this is called far. Bodies with far motions are not looked up in the index:
+// each mover is tested against all of them, because they would otherwise widen the search of every mover. If
+// there are more than k_max_far of them, they are looked up like all other bodies.
 constexpr double k_far_m = 0.5;
 
 template <class T>
@@ -35,8 +36,8 @@ std::atomic_ref<T> atomic(T& value) {
   return std::atomic_ref(value);
 }
 
-/// Updates an atomic maximum with a value. All values are non-negative, so their bit patterns have the order
-/// of the values.
+/// Sets `most`, the bits of a double, to those of `value` if that is larger. All values are non-negative, so
+/// their bit patterns have the order of the values.
 void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
@@ -55,8 +56,8 @@ std::size_t motion_samples(double displacement, double thinnest) {
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
 }
 
-/// A row that proposes a motion. Samples and placed shapes are computed on first use: only some rows need
-/// them.
+/// A row that proposes a motion. The number of samples and the placed shapes are computed on first use,
+/// because only some rows need them.
 class Mover {
  public:
   Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
@@ -70,7 +71,7 @@ class Mover {
     if (samples_ == 0) samples_ = motion_samples(displacement(), shape.thinnest);
     return samples_;
   }
-  /// Pose at sample k of the motion, 1 <= k < n, where n is the number of samples.
+  /// Pose at sample k of the motion, 1 <= k < n, world frame. n is the number of samples.
   Pose between(std::size_t k) { return between(k, samples()); }
   Pose between(std::size_t k, std::size_t n) const {
     const double t = static_cast<double>(k) / static_cast<double>(n);
@@ -93,9 +94,9 @@ class Mover {
   std::optional<PlacedShape> there_;
 };
 
-/// Returns the first and the last sample of a motion at which the mover's origin may lie within `reach` of a
-/// point, with a margin on both sides. If there is none, the first is greater than the last. For motions with
-/// few samples, all of them are returned. (The motion of a fast body can have thousands.)
+/// Returns the first and the last sample of a motion at which the mover's origin may lie within the distance
+/// `reach` of a point, with a margin on both sides. If there is none, the first is greater than the last. If
+/// the motion has only a few samples, returns all of them. (The motion of a fast body can have thousands.)
 std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
   constexpr std::size_t k_few = 8;
   const std::size_t n = mover.samples();
@@ -133,17 +134,17 @@ class Few {
   std::size_t count_ = 0;
 };
 
-/// A body that is being pushed, with its positions, m, world frame.
+/// A body that a pusher pushes, and the positions of its origin, m, world frame.
 struct Pushed {
   std::uint32_t row;
-  Vec2 before;  // before the pusher's motion
-  Vec2 last;    // at the previous sample of the pusher's motion
-  Vec2 now;     // at the present sample
+  Vec2 before;  // position before the pusher's motion
+  Vec2 last;    // position at the previous sample of the pusher's motion
+  Vec2 now;     // position at the present sample
 };
 
 }  // namespace
 
-/// The resolution of one tick, shared by all threads.
+/// The resolution of the motions of one tick. All threads share one object.
 class Conflicts::Resolver {
  public:
   Resolver(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
@@ -155,8 +156,8 @@ class Conflicts::Resolver {
         round_(conflicts.base_ + 1),
         mixture_(mix(crowd.seed, crowd.tick)) {}
 
-  /// Called before the first round: finds the longest motions. Their length determines how far to search for
-  /// neighbours.
+  /// Called before the first round, for the rows [first, last): finds the longest motions. Their length
+  /// determines how far to search for neighbours.
   void bound_motions(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
@@ -181,8 +182,9 @@ class Conflicts::Resolver {
     conflicts_.longest_ = sqrt(std::max(longest2, value_of(longest_far2_))) + partition::k_rounding_m;
   }
 
-  /// First round, for one row: tests its motion against the static scene and every other body. Resolves the
-  /// row unless its outcome depends on whether certain bodies of higher priority move; the row then waits.
+  /// First round, for one row: tests its motion against the static scene and all other bodies. If the outcome
+  /// depends on whether certain bodies of higher priority move, the row is put on the list of waiting rows.
+  /// Otherwise it is resolved.
   void propose_and_check(std::uint32_t row) {
     const Motion& motion = crowd_.motions[row];
     if (!motion.moves) return;
@@ -211,10 +213,10 @@ class Conflicts::Resolver {
     wait(conflicts_.waiting_.get(), waiting);
   }
 
-  /// Further rounds, for one waiting row. The row is resolved if earlier rounds have resolved all bodies that
-  /// it depends on, or if a resolved body blocks it. Each round resolves at least the waiting body of highest
-  /// priority, so the rounds end. A round reads only outcomes of earlier rounds, so the number of rounds also
-  /// does not depend on the number of threads.
+  /// A further round, for one waiting row. The row is resolved if earlier rounds have resolved all bodies
+  /// that it depends on, or if a resolved body blocks it. Each round resolves at least the waiting body of
+  /// highest priority, so the rounds end. A round reads only outcomes of earlier rounds, so the number of
+  /// rounds does not depend on the number of threads.
   void resolve_waiting(const Waiting& waiting) {
     if (waiting.count == k_in_zone) return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
     bool open = false;
@@ -249,7 +251,8 @@ class Conflicts::Resolver {
 
   // ---- Only if the world has pushable bodies
 
-  /// Finds the radius of the largest zone, which determines how far to search for overlapping zones.
+  /// Finds the radius of the largest zone of the rows [first, last). It determines how far to search for
+  /// overlapping zones.
   void bound_zones(std::size_t first, std::size_t last) {
     double largest = 0;
     for (std::size_t row = first; row < last; ++row)
@@ -271,8 +274,8 @@ class Conflicts::Resolver {
         zone = Zone::pushes;
     });
   }
-  /// Changes a plain zone to Zone::may_push if it overlaps a zone of kind Zone::pushes: the pushable body
-  /// there may be pushed into this zone.
+  /// Changes the row's zone from Zone::plain to Zone::may_push if it overlaps a zone of kind Zone::pushes: a
+  /// pushable body of that zone may be pushed into this one.
   void widen_zone(std::uint32_t row) {
     Zone& zone = conflicts_.zones_[row];
     if (zone != Zone::plain || !is_mover(row)) return;
@@ -312,9 +315,9 @@ class Conflicts::Resolver {
   bool is_mover(std::size_t row) const {
     return crowd_.motions[row].moves && !crowd_.shapes[row]->empty() && !leaves_world(crowd_.motions[row]);
   }
-  /// Radius of the row's zone: a circle about its old position that contains its whole motion, and every body
-  /// that it may push, wherever that body is pushed. This radius suffices because each pushed body touches
-  /// the mover or a body that was pushed before it.
+  /// Radius of the row's zone, m. The zone is a circle about the row's old position that contains its whole
+  /// motion, and every body that it may push, wherever that body is pushed. This radius suffices because each
+  /// pushed body touches the mover or a body that was pushed before it.
   double zone_radius(std::size_t row) const {
     constexpr double k_slack_m = 1e-6;  // each shift adds k_rounding_m
     const double length = sqrt(length2_of(row));
@@ -340,8 +343,8 @@ class Conflicts::Resolver {
     return found.round() > conflicts_.base_ && found.round() < round_;
   }
 
-  /// Place of a body at the turn of `mover`. All bodies of higher priority that may affect the mover are then
-  /// resolved.
+  /// Place of a body when it is the turn of `mover`. All bodies of higher priority that may affect the mover
+  /// are resolved before that.
   struct Place {
     Transform at;
     double z;
@@ -370,7 +373,7 @@ class Conflicts::Resolver {
   std::uint32_t last_push(std::uint32_t row) const {
     return atomic(conflicts_.pushed_last_[row]).load(std::memory_order_acquire);
   }
-  /// Current position of a pushable body.
+  /// Position of a pushable body after the pushes so far, m, world frame.
   Vec2 position_now(std::uint32_t row) const {
     const std::uint32_t push = last_push(row);
     return push == 0 ? crowd_.transforms[row].position : conflicts_.pushes_[push - 1].position;
@@ -383,8 +386,8 @@ class Conflicts::Resolver {
     return goes_first(a, b) ? overlap(at_a, at_b) : overlap(at_b, at_a);
   }
 
-  /// Returns whether the motion is free, or becomes free by pushing other bodies. In that case it records the
-  /// pushes.
+  /// Returns whether the motion of the mover is free, or becomes free by pushing other bodies. In the second
+  /// case, records the pushes.
   bool push(Mover& mover) {
     const std::size_t limit = crowd_.pushables.limits[mover.row];
     const Vec2 from = mover.from.position();
@@ -449,12 +452,12 @@ class Conflicts::Resolver {
   }
 
   /// Shifts the bodies that overlap the mover at this pose, then those that overlap the shifted bodies, until
-  /// no bodies overlap. Returns false if too many bodies would have to be shifted or too many passes are
-  /// needed.
+  /// no bodies overlap. Updates `set`, the `count` bodies that the mover has pushed so far. Returns false if
+  /// more than `limit` bodies would have to be pushed or too many passes are needed.
   bool make_way(std::uint32_t row, const PlacedShape& mover, std::span<const std::uint32_t> pushable,
                 std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
-    /// Shifts the bodies that row `by` overlaps, except those that were shifted before `by` (the first
-    /// `after` entries of `set`).
+    /// Shifts the bodies that row `by` at the place `at` overlaps, except the first `after` entries of `set`:
+    /// these were met before `by`, or are `by`. Sets `shifted` if it shifts any.
     const auto shift = [&](std::uint32_t by, const PlacedShape& at, std::size_t after, bool& shifted) {
       for (const std::uint32_t other : pushable) {
         if (other == by) continue;
@@ -537,7 +540,8 @@ class Conflicts::Resolver {
     list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
   }
 
-  /// Whether the row's free circle contains the whole motion. Computes a new circle if that may help.
+  /// Whether the mover's free circle contains the whole motion, so that the static scene cannot block it.
+  /// Computes a new circle if the present one is too small and a new one may suffice.
   bool clear_of_scene(Mover& mover) const {
     FreeCircle& free = crowd_.free[mover.row];
     const auto holds = [&](const Vec2& p) {
@@ -563,7 +567,8 @@ class Conflicts::Resolver {
 
   bool scene_blocks(Mover& mover) const {
     if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
-    // A body in a floor plan crosses many edges of one solid. The test against that solid is made only once.
+    // A body in a floor plan crosses many edges of one solid. `known` is the last solid that the mover
+    // already overlaps, so that the test against a solid is not repeated for each edge.
     std::uint32_t known = ~0u;
     const auto already_in = [&](std::uint32_t solid) {
       if (solid == known) return true;
@@ -578,19 +583,20 @@ class Conflicts::Resolver {
   }
 
   /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, and for some
-  /// others. If there are more than 32, a row may be visited twice.
+  /// others. If there are more than 32 such bodies, a row may be visited more than once.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();
     const Vec2 to = mover.motion.to.position();
     const Vec2 middle = 0.5 * (from + to);
-    // A circle about the whole motion, widened by the longest motion of other bodies and by a rounding bound.
+    // The circle about the whole motion is widened by the longest motion of other bodies and by a rounding
+    // bound.
     const double around = 0.5 * (to - from).norm() + mover.shape.radius + longest_;
     const double rounding = 0x1p-23 * (std::abs(middle.x()) + std::abs(middle.y()));
     const auto reach = static_cast<float>((around + rounding) * (1 + 0x1p-20));
     const auto x = static_cast<float>(middle.x());
     const auto y = static_cast<float>(middle.y());
-    const bool has_wide = index_.has_wide();  // a wide body lies in several cells
+    const bool has_wide = index_.has_wide();  // a wide body is listed in several cells
     std::array<std::uint32_t, 32> visited;
     std::size_t visits = 0;
     const auto is_repeat = [&](std::uint32_t row) {
@@ -623,9 +629,9 @@ class Conflicts::Resolver {
     return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
   }
 
-  /// Whether another body blocks the mover. For moving bodies of higher priority that block it at only one of
-  /// their two poses, depends(row, blocks_at_its_new_pose) is called, which returns whether the body blocks
-  /// the mover.
+  /// Whether another body blocks the mover. Some bodies of higher priority propose a motion and would block
+  /// the mover at only one of their two poses. For each of them, depends(row, blocks_at_new_pose) is called,
+  /// which must return true if that body is known to block the mover.
   template <class Depends>
   bool blocked_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
@@ -646,8 +652,9 @@ class Conflicts::Resolver {
     return blocked;
   }
 
-  /// Returns false only if no piece of the mover comes near any piece of another shape during the whole
-  /// motion. This saves exact tests: most bodies near a shape of many pieces are not near any single piece.
+  /// Returns false only if no piece of the mover comes near any piece of another shape, placed at `at`,
+  /// during the whole motion. This saves exact tests: most bodies near a shape of many pieces are not near
+  /// any single piece.
   bool parts_come_near(const Mover& mover, const ObstacleShape& shape, const Transform& at) const {
     if (mover.shape.pieces.size() == 1 && shape.pieces.size() == 1) return true;
     return partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
@@ -683,10 +690,11 @@ class Conflicts::Resolver {
   const partition::BodyIndex& index_;
   std::uint32_t round_;
   std::uint64_t mixture_;
-  std::atomic<std::uint64_t> longest2_ = 0;  // bits of the largest squared length of motions not far, m^2
+  // Bits of the largest squared length of the motions that are not far, and of those that are far, m^2.
+  std::atomic<std::uint64_t> longest2_ = 0;
   std::atomic<std::uint64_t> longest_far2_ = 0;
   std::atomic<std::size_t> far_count_ = 0;
-  std::span<const std::uint32_t> far_;  // rows that are tested one by one
+  std::span<const std::uint32_t> far_;  // rows with far motions, against which each mover is tested
   double longest_ = 0;                  // length of the longest motion found through the index, m
   std::atomic<std::size_t> waiting_count_ = 0;
   std::atomic<std::uint32_t> others_count_ = 0;

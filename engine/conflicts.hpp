@@ -13,7 +13,7 @@
 
 namespace troupe::engine {
 
-/// A motion that a body proposes for one tick. If `moves` is false, the other members have no meaning.
+/// The motion that a body proposes for one tick. If `moves` is false, the other members have no meaning.
 struct Motion {
   Pose to;             ///< proposed pose, world frame
   Rotation rotation;   ///< rotation by the heading of `to`
@@ -23,7 +23,7 @@ struct Motion {
   Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, without the height
 };
 
-/// A circle that no edge of a static obstacle enters, m, world frame.
+/// A circle in the plane into which no edge of a static obstacle reaches, m, world frame.
 struct FreeCircle {
   float x = 0;       ///< x of its centre
   float y = 0;       ///< y of its centre
@@ -38,7 +38,7 @@ inline constexpr std::size_t k_most_pushed = 16;
 struct Pushables {
   std::span<const std::uint8_t> is_pushable;  ///< 1 if the row can be pushed, otherwise 0
   std::span<const std::uint8_t> limits;       ///< bodies that the row can push, 0 to k_most_pushed
-  double radius = 0;                          ///< radius of the largest pushable body, m
+  double radius = 0;                          ///< radius of the largest pushable body about its origin, m
   double thinnest = 0;                        ///< width of the thinnest part of all pushable bodies, m
   std::size_t most = 0;                       ///< sum of `limits`
 
@@ -50,29 +50,32 @@ struct Pushables {
 /// rule    Bodies take turns in the order of priority. The body whose turn it is (the mover) takes its
 ///         proposed pose if its motion to that pose is free of the static scene and of every other body. The
 ///         other bodies are tested at their new poses if they had their turn and moved, and otherwise at
-///         their old poses. If the motion is blocked, the mover stays at its old pose. The priority is
-///         mix(seed, tick, id), the lowest first, ties by id. Bodies that only touch do not block each other.
-///         A body that overlaps the mover at the mover's old pose never blocks a motion that increases the
-///         distance between their origins. A static solid that the mover already overlaps never blocks it.
-/// samples A motion is tested at n = ceil(displacement / (thinnest part / 4)) equally spaced poses, but not
-///         more than a million. The last pose is Motion::to. The displacement, which no vertex exceeds, is
-///         |translation| + radius * |turn|. Between two consecutive poses a body moves less than the
-///         thickness of its parts, so no other body, however thin, passes through it completely. A thin body
-///         may pass through a corner of a part, at a depth of less than a quarter of the part's width.
+///         their old poses. If the motion is blocked, the mover stays at its old pose. The priority is a
+///         hash, mix(seed, tick, id): the body with the lowest number has the first turn, and ties are broken
+///         by id. Bodies that only touch do not block each other. A body that overlaps the mover at the
+///         mover's old pose never blocks a motion that increases the distance between their origins. A static
+///         solid that the mover already overlaps never blocks it.
+/// samples A motion is tested at n = ceil(displacement / (width of the mover's thinnest part / 4)) equally
+///         spaced poses, but not at more than a million. The last pose is Motion::to. The displacement, which
+///         no vertex exceeds, is |translation| + radius * |turn|. Between two consecutive poses a body moves
+///         less than the thickness of its parts, so no other body, however thin, passes through it
+///         completely. A thin body may pass through a corner of a part, at a depth of less than a quarter of
+///         the part's width.
 /// pushing A pushable body does not block a body that can push (the pusher), unless the two overlap at the
 ///         pusher's old pose. Either the pushable body gives way, or the whole motion is blocked and no body
-///         moves. The pusher goes through n = ceil(displacement / (thinnest part of it and of all pushable
-///         bodies / 4)) equally spaced poses. A pass at one of these poses goes through the pusher and the
-///         bodies that it pushes, in the order in which they were first met. Each of them shifts every body
-///         that it overlaps, in the order of their ids, by partition::way_out plus k_rounding_m. Pushed
-///         bodies do not turn and do not keep moving. Bodies that were met earlier push bodies that were met
-///         later, never the reverse. Passes are repeated until no bodies overlap, at most k_push_passes
-///         times. The motion is blocked in each of these cases: it needs to push more bodies than the limit;
-///         it needs more passes; a pushed body would be shifted by more than half of its thinnest part
-///         between two poses; the new position of a pushed body is out of bounds, or not free of the static
-///         scene, or not free of every body that is not pushed. Those other bodies are tested at their poses
-///         of that turn, and overlaps that existed before do not count, as in `rule`. Several bodies may push
-///         the same body in a tick, one after another.
+///         moves. The pusher goes through n = ceil(displacement / (width of the thinnest part of the pusher
+///         and of all pushable bodies / 4)) equally spaced poses. A pass at one of these poses goes through
+///         the pusher and the bodies that it pushes, in the order in which they were first met. Each of them
+///         shifts every body that it overlaps, in the order of the ids of those bodies, by the shortest
+///         displacement that separates the two (partition::way_out()) plus k_rounding_m. Pushed bodies do not
+///         turn and do not keep moving. Bodies that were met earlier push bodies that were met later, never
+///         the reverse. Passes are repeated until no bodies overlap, at most k_push_passes times. The motion
+///         is blocked in each of these cases: it needs to push more bodies than the limit; it needs more
+///         passes; a pushed body would be shifted by more than half of its thinnest part between two poses;
+///         the new position of a pushed body is out of bounds, or not free of the static scene, or not free
+///         of every body that is not pushed. Those other bodies are tested at their poses of that turn, and
+///         overlaps that existed before do not count, as in `rule`. Several bodies may push the same body in
+///         a tick, one after another.
 /// result  The outcome of each body is that of this sequential rule, on any number of threads.
 /// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
 ///         algorithms can be fast, PPoPP 2012. A body depends on those moving bodies of higher priority that
@@ -95,9 +98,9 @@ class Conflicts {
     /// Obstacle shapes, body frame. A body with an empty shape blocks no other and is never blocked.
     std::span<const partition::ObstacleShape* const> shapes;
     std::span<const std::uint32_t> ids;  ///< unique ids of the bodies
-    /// A cache: a circle near each row that is free of the static scene. The caller keeps it from tick to
-    /// tick while the static scene does not change; resolve() updates it. It is not state: circles with
-    /// radius 0 give the same outcomes.
+    /// A cache: for each row, a circle near it into which the static scene does not reach. resolve() updates
+    /// the circles. The caller keeps them from tick to tick while the static scene does not change. They are
+    /// not state: circles with radius 0 give the same outcomes.
     std::span<FreeCircle> free;
     std::uint64_t seed = 1;    ///< seed of the world, for priorities
     std::uint64_t tick = 0;    ///< the current tick, for priorities
@@ -124,8 +127,8 @@ class Conflicts {
   void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
                partition::Parallel& parallel);
 
-  /// Overwrites with junk all data that the next resolution must not read, so that tests can show that no
-  /// outcome depends on it.
+  /// Overwrites with junk all data that the next resolution must not read. Tests call this to show that no
+  /// outcome depends on these data.
   void forget();
 
   /// Outcome of a row in the last resolution.
@@ -134,12 +137,13 @@ class Conflicts {
   }
   /// Number of rounds of the last resolution; 1 if no body had to wait for another.
   std::uint64_t rounds() const { return rounds_; }
-  /// Upper bound, m, on how far any body's origin moved in the last resolution, driven or pushed.
+  /// Upper bound on the distance that the origin of any body, driven or pushed, moved in the last resolution,
+  /// m.
   double longest() const { return longest_; }
   /// All pushes of the last resolution, in any order. A row may have several; is_last() is true for exactly
   /// one of them.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }
-  /// Whether this is the last push of its row, so that its position is final. Only for elements of pushes().
+  /// Whether a push, an element of pushes(), is the last push of its row, so that its position is final.
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
 
  private:
@@ -147,7 +151,7 @@ class Conflicts {
   /// An outcome and the round that found it, in one word that is read and written atomically.
   class Resolution {
    public:
-    Resolution() = default;  ///< of round 0, which does not exist
+    Resolution() = default;  ///< of round 0; real rounds begin with 1
     Resolution(std::uint32_t round, Outcome outcome)
         : word_(round * k_outcomes + static_cast<std::uint32_t>(outcome)) {}
     std::uint32_t round() const { return word_ / k_outcomes; }
@@ -160,8 +164,9 @@ class Conflicts {
   /// A row on which the outcome of another row depends, in one word.
   class Dependency {
    public:
-    Dependency() = default;  ///< not initialised
-    /// if_moved: the row blocks the other if it has moved; false: if it has not
+    Dependency() = default;  ///< leaves the members uninitialised
+    /// if_moved: true if `row` blocks the other row only when `row` has moved; false if only when it has not
+    /// moved
     Dependency(std::uint32_t row, bool if_moved) : word_(2 * row + (if_moved ? 1 : 0)) {}
     std::uint32_t row() const { return word_ / 2; }
     bool if_moved() const { return word_ % 2 != 0; }
@@ -175,8 +180,9 @@ class Conflicts {
     std::uint32_t first;
     std::uint32_t count;
   };
-  /// Whether the zone of a mover contains pushable bodies: none (plain), some (pushes), or none unless
-  /// another body pushes one into the zone (may_push).
+  /// Whether the zone of a mover (see `source`, above) contains pushable bodies. `plain`: it contains none.
+  /// `pushes`: it contains some. `may_push`: it contains none at first, but another body may push one into
+  /// it.
   enum class Zone : std::uint8_t { plain, pushes, may_push };
   static constexpr std::size_t k_max_far = 64;
 
@@ -196,9 +202,10 @@ class Conflicts {
   std::unique_ptr<Dependency[]> others_;
   std::array<std::uint32_t, k_max_far> far_;
 
-  // Only used if bodies can be pushed. Each push is written once and never changed, so a thread that reads a
-  // position while another thread replaces it finds either the old or the new one, complete.
-  /// The pushes of a row: [first, first + count) of pushes_.
+  // Only used if bodies can be pushed. An entry of pushes_ is written once and then never changed; a further
+  // push of a row gets a new entry. So a thread that reads a position while another thread pushes the row
+  // finds either the old or the new position, and never a mixture.
+  /// The pushes that a row made as a pusher: [first, first + count) of pushes_.
   struct PushesOf {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
@@ -208,7 +215,7 @@ class Conflicts {
   std::vector<Push> pushes_;
   std::size_t push_count_ = 0;
   std::vector<std::uint32_t>
-      pushed_last_;  // last push of each row, counted from 1; 0: none. Read and written atomically
+      pushed_last_;  // one per row: index of its last push in pushes_, plus 1; 0: none. Accessed atomically
 };
 
 }  // namespace troupe::engine

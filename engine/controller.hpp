@@ -12,10 +12,10 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists every member of a controller's Memory, or of another struct that is state. It is the short form of
-/// `describe` (engine/description.hpp), without units and texts. State is hashed, compared, saved and
-/// recorded by these fields. A member that is not listed, or is not a number, a bool or an array of these, is
-/// a compile error.
+/// Lists the members of a controller's Memory, or of another struct that is state. It is the short form of
+/// `describe` (engine/description.hpp), without units and texts. The state is hashed, compared, saved and
+/// recorded field by field, as listed here. It is a compile error if a member is not listed, or is not a
+/// number, a bool or an array of these.
 #define TROUPE_FIELDS(...)                                         \
   constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
@@ -50,7 +50,7 @@ struct Shape<std::array<T, N>> {
   static constexpr std::uint32_t columns = N;
 };
 
-/// The n-th name of a comma-separated list.
+/// Name number n, counted from 0, of a comma-separated list of names.
 constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
   for (; n > 0; --n) names.remove_prefix(names.find(',') + 1);
   names = names.substr(0, names.find(','));

@@ -15,14 +15,14 @@
 namespace troupe::engine {
 namespace {
 
-// Bytes with which storage is filled before a controller writes to it. The check of `start` uses both.
+// Bytes with which storage is filled before a controller writes to it. start_twice() uses both.
 constexpr std::byte k_junk{0xa5};
 constexpr std::byte k_other_junk{0x5a};
-// Rows per batch of the repetitions. It does not divide the batch size of the step, so that each robot is in
-// a batch with other robots than in the step.
+// Rows per batch of the repetitions. It does not divide the number of rows per batch in a step, so that the
+// batches consist of other robots than in the step.
 constexpr std::size_t k_batch = 61;
 
-/// Leaves junk on the stack, where the next call places its local variables.
+/// Overwrites with junk the part of the stack in which the next call places its local variables.
 [[gnu::noinline]] void spoil_stack() {
   std::array<volatile std::byte, 16384> below;
   for (volatile std::byte& byte : below) byte = k_junk;
@@ -37,8 +37,9 @@ std::string controller_name(const BodyType::Controller& controller, std::size_t 
   return fmt::format("{}/{}", controller.kind->name, number);
 }
 
-/// Merges a finding into a list that has each field of each controller at most once: with the repetition that
-/// found it first, the lowest id of a body, and the number of decisions that differ.
+/// Merges a finding into a list that has at most one finding for each field of each controller. The finding
+/// in the list has the repetition that found the difference first, the lowest id of a body in which it
+/// occurred, and the number of decisions that differ.
 void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findings) {
   const auto known = std::ranges::find_if(findings, [&](const ControllerFinding& other) {
     return other.controller == finding.controller && other.field == finding.field;
@@ -52,10 +53,11 @@ void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findi
   }
 }
 
-/// Makes a controller of a type again, on a stack that is filled with junk. Without the junk, the stack would
-/// hold what the preparation of other parts left there, which may be the same each time.
+/// Makes a controller of a type again, on a stack that is filled with junk. Without the junk, a member that
+/// the controller leaves unset could get the same value each time, from data that earlier calls left on the
+/// stack.
 void make_afresh(const WorldSpec& world, const TypeSpec& spec, BodyType& type, std::size_t controller) {
-  std::vector<bool> claimed(type.devices.size(), false);  // by earlier controllers
+  std::vector<bool> claimed(type.devices.size(), false);  // devices that earlier controllers reserve
   for (std::size_t c = 0; c <= controller; ++c) {
     spoil_stack();
     Result<ControllerKind::Prepared> prepared =
@@ -141,9 +143,9 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
   return findings;
 }
 
-/// Settings take effect between two ticks, in the order of their ticks: a setting at the end of a tick
-/// applies to the decisions of the next tick. As in the world itself, a setting of a controller makes only
-/// this controller again.
+/// Settings take effect between two ticks, in the order of their ticks. A setting at the end of a tick
+/// applies to the decisions of the next tick. As in the world itself, only the controller whose parameters a
+/// setting changes is made again.
 void ControllerCheck::follow_settings(std::uint64_t tick) {
   const WorldSpec& spec = world_.spec();
   const auto in_force = static_cast<std::size_t>(
@@ -186,8 +188,8 @@ ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
   return watched;
 }
 
-/// Called on the world's worker threads in place of the decision: lets the controller decide, and stores
-/// copies of its inputs and outputs.
+/// The OnDecide callback, which the worker threads of the world call for each batch. It lets the controller
+/// decide, and stores copies of its inputs and outputs.
 void ControllerCheck::record(const BodyType& type, const BodyType::Controller& controller,
                              const DecideBatch& batch) {
   Watched& watched = watched_[static_cast<std::size_t>(&type - world_.types().data())]
@@ -239,7 +241,7 @@ std::size_t ControllerCheck::pending() const {
 }
 
 std::vector<ControllerFinding> ControllerCheck::repeat() {
-  restore_fp_environment();  // the calling thread may never have set it
+  restore_fp_environment();  // the calling thread may have another floating-point mode
   follow_settings(world_.tick());
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
@@ -261,7 +263,8 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   return findings;
 }
 
-/// Repeats the decisions from the stored inputs. The outputs are in commands_ and written_.
+/// Repeats the stored decisions of `watched` with a controller, from the stored inputs. The outputs are in
+/// commands_ and written_.
 void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& watched) {
   const Decisions& taken = watched.taken;
   DecideBatch batch = taken.given;

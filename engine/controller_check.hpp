@@ -13,29 +13,31 @@
 
 namespace troupe::engine {
 
-/// A field that a controller set to different values although its inputs were identical.
+/// A result of ControllerCheck: a field that a controller set to different values although its inputs were
+/// identical.
 struct ControllerFinding {
-  /// Which repetition found it.
+  /// The repetition that found the difference.
   enum class Repeat : std::uint8_t {
-    start,   ///< starting the memory on storage that held other bytes
+    start,   ///< a second start of a memory, in storage that held other bytes before
     again,   ///< a second decision of the same controller
     afresh,  ///< a decision of a newly made controller with the same parameters
   };
-  /// Kind and number within its body, as in the component of its memory: "wander/0".
+  /// Kind of the controller and its index among the controllers of its type, as in the name of the component
+  /// of its memory: "wander/0".
   std::string controller;
   std::string field;              ///< name of the field, such as "memory turn_left_s" or "command x"
-  Repeat repeat = Repeat::again;  ///< which repetition found it
+  Repeat repeat = Repeat::again;  ///< the repetition that found it
   BodyId body;                    ///< the lowest id of a body whose field differs
-  StateValue first;               ///< value of that body after the first decision
-  StateValue second;              ///< value of that body after the repeated decision
+  StateValue first;               ///< value of that body after the first decision or start
+  StateValue second;              ///< value of that body after the repetition
   std::size_t decisions = 1;      ///< number of decisions that differ in this field
 };
 /// The message of a finding: `controller "wander/0": memory avoid_updates of "r3" (id 4) is 0x0000000b (11)
 /// when decided again, not 0x0000000a (10); 12 decisions differ`.
 std::string finding_text(const World& world, const ControllerFinding& finding);
 
-/// Finds controllers whose decisions depend on anything but their inputs. Each decision of a world is made
-/// three times from the same percepts, memory and command: once by the step, and twice by repeat().
+/// Finds controllers whose decisions depend on anything other than their inputs. Each decision is made three
+/// times from the same percepts, memory and command: once by the step of the world, and twice by repeat().
 ///
 ///     ControllerCheck check(world, registry);
 ///     world.step();                                                  // the first decisions take effect
@@ -51,24 +53,26 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 /// catches  Dependence on rand(), statics, thread locals, clocks that advance between two decisions, members
 ///          that change or were left unset, addresses, padding, and the other robots of the batch.
 /// misses   Dependence on things that are constant within one process: environment, files, the processor.
-/// cost     While a check exists: a copy of each memory and reading, and two more decisions. Otherwise none.
+/// cost     While a check exists, each decision costs a copy of the robot's readings and memory, and two more
+///          decisions. Without a check there is no cost.
 ///
 /// Not thread-safe: call repeat() between steps only. At most one check per world at a time.
 class ControllerCheck {
  public:
-  using Finding = ControllerFinding;  ///< the name that tests of controllers use
+  using Finding = ControllerFinding;  ///< a short name for the result of a check
 
-  /// `registry` must be that of the world, or have the same kinds. World and registry must outlive the check.
+  /// Sets the OnDecide callback of the world. `registry` must be the registry of the world, or have the same
+  /// kinds. World and registry must outlive the check.
   ControllerCheck(World& world, const Registry& registry);
   ~ControllerCheck();
   ControllerCheck(const ControllerCheck&) = delete;
   ControllerCheck& operator=(const ControllerCheck&) = delete;
 
-  /// Returns the fields of memories that ControllerKind::start leaves unset, or sets to different values in
-  /// two calls.
+  /// Calls ControllerKind::start twice for each controller of each type. Returns one finding for each field
+  /// of the memory that it leaves unset, or sets to different values in the two calls.
   std::vector<Finding> start_twice() const;
-  /// Repeats the decisions of the last step twice. Returns one finding for each field of each controller that
-  /// differs. Exceptions of a controller propagate.
+  /// Repeats each decision of the last step twice; call it before the next step. Returns one finding for each
+  /// field of each controller that differs. If a controller throws an exception, throws a StepError.
   std::vector<Finding> repeat();
   /// Number of decisions of the last step that repeat() has not yet repeated.
   std::size_t pending() const;
@@ -76,16 +80,18 @@ class ControllerCheck {
   std::uint64_t decisions() const { return decisions_; }
 
  private:
-  /// The decisions of one controller of one type in one tick. Each vector has the robots in the same order.
+  /// The decisions that one controller of one type made in one tick. Each vector has the robots in the same
+  /// order.
   struct Decisions {
     DecideBatch given;  // the inputs, except those that the following members copy
     std::vector<Row> rows;
     std::vector<Command> commands_before, commands_after;
-    std::vector<Pose> estimates;  // at the time of the decision: those of the world have changed since
+    std::vector<Pose> estimates;  // as they were at the decision; those of the world have changed since
     std::vector<std::vector<std::byte>> written_before, written_after;  // one per entry of `written`
     std::vector<std::vector<std::byte>> percepts;                       // one per chosen device
   };
-  /// What a controller writes in addition to its robot's command: its memory, and commands of devices.
+  /// A table to which a controller writes, in addition to the commands of its robots: that of its memories,
+  /// or that of the commands to a device.
   struct Written {
     std::string what;  ///< "memory", or the name of the component that holds a device's commands
     std::vector<StateField> fields;
@@ -95,13 +101,14 @@ class ControllerCheck {
       return device ? batch.device_commands[*device] : batch.memories;
     }
   };
-  /// One controller of one type.
+  /// What is stored about one controller of one type: the tables that it writes to, and its decisions.
   struct Watched {
     std::vector<Written> written;
     Decisions taken;
   };
 
-  /// Updates fresh_types_ to the parameters that are in force when the robots decide in a tick.
+  /// Updates fresh_types_ and type_specs_ to the parameters that are in force when the robots decide in a
+  /// tick.
   void follow_settings(std::uint64_t tick);
   Watched watch(const BodyType& type, const BodyType::Controller& controller) const;
   void record(const BodyType& type, const BodyType::Controller& controller, const DecideBatch& batch);
@@ -110,19 +117,19 @@ class ControllerCheck {
 
   World& world_;
   std::vector<BodyType> fresh_types_;
-  /// A change of parameters by the experiment.
+  /// A change of parameters by an intervention of the world.
   struct Setting {
     std::uint64_t tick = 0;                ///< last tick with the old parameters
     const SettingSpec* setting = nullptr;  ///< in the world's spec
   };
-  std::vector<Setting> settings_;  // by tick
+  std::vector<Setting> settings_;  // sorted by tick
   std::size_t followed_ = 0;       // number of settings that fresh_types_ and type_specs_ include
   std::vector<TypeSpec> type_specs_;
   std::vector<StateField> command_fields_;
-  std::vector<std::vector<Watched>> watched_;  // by type and controller
+  std::vector<std::vector<Watched>> watched_;  // indexed by type, then by controller
   std::mutex mutex_;                           // protects watched_ while the world steps
   std::uint64_t decisions_ = 0;
-  // Output of the repetitions: as large as the world's own tables.
+  // Outputs of the repetitions, indexed by row or slot like the world's own tables.
   std::vector<Command> commands_;
   std::vector<Pose> estimates_;
   std::vector<std::vector<std::byte>> written_;

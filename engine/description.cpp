@@ -47,15 +47,15 @@ void say(Field& field, const Fact& fact) {
   }
 }
 
-/// Whether a record equals the defaults of its table in all fields that have one.
+/// Whether each field of a record that has a default (Value::given()) has that value.
 bool is_default(const Record& record, const Record& defaults) {
   for (std::size_t i = 0; i < defaults.size(); ++i)
     if (defaults[i].given() && record[i] != defaults[i]) return false;
   return true;
 }
 
-/// The default of a field: the value of its member in T{}. No value for a struct whose members all have the
-/// defaults of the struct's own table.
+/// The default of a field: the value of its member in `example`, which is T{}. A member that is a struct gets
+/// no default if all its members have the defaults of that struct's own table.
 Value fallback_of(const Field& field, const void* example) {
   Value value = get(field, example);
   if (field.type == FieldType::record && field.record != nullptr && value.given() &&
@@ -180,7 +180,7 @@ Value get(const Field& field, const void* object) {
   const std::size_t size = type.size(member);
   if (size == 0 && type.optional) return {};
   records.reserve(size);
-  for (std::size_t i = 0; i < size; ++i)  // block() takes a mutable pointer; here it only reads
+  for (std::size_t i = 0; i < size; ++i)  // block() takes a mutable pointer, but does not write
     records.push_back(record_of(*field.record, type.block(const_cast<void*>(member), i)));
   return records;
 }
@@ -196,7 +196,7 @@ void set(const Field& field, void* object, const Value& value) {
   }
   const std::size_t size = value.given() ? value.records().size() : 0;
   if (type.resize != nullptr) {
-    type.resize(member, 0);  // members that the records do not give get the defaults of new structs
+    type.resize(member, 0);  // creates new structs: members that the records do not give have defaults
     type.resize(member, size);
   }
   for (std::size_t i = 0; i < std::min(size, type.size(member)); ++i)

@@ -44,11 +44,11 @@
 ///       }
 ///     };
 ///
-/// `described<Transducer>()` returns its table, `from_record<Transducer>(record)` makes the struct from a
-/// record, and `to_record(transducer)` a record from the struct. A member that is not described, or described
-/// twice, is a compile error. Fields have the order of the description. A struct of another folder can be
-/// described next to the code that needs it, by `constexpr void describe(Description<Pose>&)` in namespace
-/// troupe::engine.
+/// `described<Transducer>()` returns the table, `from_record<Transducer>(record)` makes the struct from a
+/// record of values, and `to_record(transducer)` makes a record from the struct. A member that is not
+/// described, or described twice, is a compile error. Fields have the order of the description. A struct of
+/// another folder can be described next to the code that needs it, by a function such as
+/// `constexpr void describe(Description<Pose>&)` in namespace troupe::engine.
 ///
 /// members   bool; integers; float, double; std::string; enums with names_of(Enum), in the order of their
 ///           values from 0; std::vector<double>; std::vector<std::string>; std::array and Eigen vectors of
@@ -58,7 +58,8 @@
 ///           whose table the reader of the struct knows)
 /// defaults  A member has the default that it has in T{}. A `required` member has no default. A std::optional
 ///           has no default either, but may be missing.
-/// limits    As described, and never wider than the range of the member's type. Other values are errors.
+/// limits    A member has the limits that its description gives, and never wider ones than those of its type.
+///           A value outside the limits is an error.
 ///
 /// A struct that is state (a controller's memory, a device's state or commands: memory_fields<T>()) is
 /// described in the same way. Its members are numbers, bools and arrays of numbers or bools. Recordings store
@@ -66,8 +67,8 @@
 
 namespace troupe::engine {
 
-// Templates instantiated for a type have hidden visibility: two plug-ins in one process may have types of the
-// same name, and the dynamic linker would merge them.
+// Templates that are instantiated for a type have hidden visibility. Two plug-ins in one process may have
+// different types of the same name, and the dynamic linker would otherwise merge their instances.
 #define TROUPE_OF_TYPE [[gnu::visibility("hidden")]]
 
 template <class T>
@@ -75,19 +76,20 @@ class Description;
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described();
 
-/// A fact about a member: a unit, a limit, a text. Made by the functions of `facts`.
+/// A fact about a described member: a unit, a limit, a text or the like. The functions in the namespace
+/// `facts` make them.
 class Fact {
  public:
   /// What the fact specifies.
   enum class Kind : std::uint8_t {
-    text,             ///< Field::text, from the member `words`
-    unit,             ///< Field::unit, from the member `unit`
-    at_least,         ///< limits from `number` to `high`, both included
-    above,            ///< lower limit `number`, excluded
-    at_most,          ///< upper limit `number`, included
-    choices,          ///< Field::choices, from the member `choices`
-    columns,          ///< Field::columns, from the member `number`
-    required,         ///< the member has no default
+    text,             ///< sets Field::text to the member `words`
+    unit,             ///< sets Field::unit to the member `unit`
+    at_least,         ///< sets the limits to `number` and `high`, both included
+    above,            ///< sets the lower limit to `number`, excluded
+    at_most,          ///< sets the upper limit to `number`, included
+    choices,          ///< sets Field::choices to the member `choices`
+    columns,          ///< sets Field::columns to the member `number`
+    required,         ///< the described member has no default
     counts_readings,  ///< sets Field::counts_readings
     fixed,            ///< sets Field::fixed
     provenance,       ///< sets Field::provenance
@@ -95,18 +97,18 @@ class Fact {
     appearance,       ///< sets Field::appearance
   };
 
-  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< a text: Field::text
-  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< a text: Field::text
-  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< a unit: Field::unit
+  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< gives Field::text
+  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< gives Field::text
+  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< gives Field::unit
   /// A fact of kind k; x is its `number` and y its `high`.
   constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
-  /// The allowed values: Field::choices. The list must live until the call that takes the fact returns.
+  /// Gives the allowed values, Field::choices. The list must live until the call that takes the fact returns.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
   Kind kind;               ///< what the fact specifies
   Unit unit = Unit::none;  ///< the unit, for Kind::unit
   double number = 0;       ///< the number, for Kind::at_least, above, at_most and columns
-  double high = std::numeric_limits<double>::infinity();  ///< for `at_least`: the upper limit
+  double high = std::numeric_limits<double>::infinity();  ///< upper limit, for Kind::at_least
   std::string_view words;                                 ///< the text, for Kind::text
   std::span<const std::string_view> choices;              ///< the allowed values, for Kind::choices
 };
@@ -133,15 +135,15 @@ constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(c
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
 /// The member has no default.
 inline constexpr Fact required{Fact::Kind::required};
-/// The member is a number of readings of a sensor: Field::counts_readings.
+/// The member gives a number of readings of a sensor: Field::counts_readings.
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
 /// Interventions cannot change the member while the world runs: Field::fixed.
 inline constexpr Fact fixed{Fact::Kind::fixed};
 /// The member records where the other members come from (a file and a line). It is stored, but two structs
 /// that differ only in it are equal.
 inline constexpr Fact provenance{Fact::Kind::provenance};
-/// For members of state: StateField::sparse. For members of other structs: a stored record may lack the
-/// field, which then gets its default.
+/// For members of state: the member adds nothing to the hash while it is zero (StateField::sparse). For
+/// members of other structs: a stored record may lack the field, which then gets its default.
 inline constexpr Fact is_sparse{Fact::Kind::sparse};
 /// For members of state: the appearance of a body depends on the member (StateField::appearance).
 inline constexpr Fact is_appearance{Fact::Kind::appearance};
@@ -150,24 +152,24 @@ inline constexpr Fact is_appearance{Fact::Kind::appearance};
 /// Type-erased access to members of one C++ type.
 struct MemberType {
   FieldType type = FieldType::number;                     ///< type of the field
-  std::size_t columns = 0;                                ///< length of a fixed array; 0: no fixed array
+  std::size_t columns = 0;                                ///< length of a fixed array; 0: not a fixed array
   double min = -std::numeric_limits<double>::infinity();  ///< smallest value of the type
   double max = std::numeric_limits<double>::infinity();   ///< largest value of the type
   bool optional = false;                                  ///< whether the member is a std::optional
-  bool is_unsigned = false;                        ///< unsigned 64-bit integer: a Value holds the same bits
-  std::span<const std::string_view> choices = {};  ///< names of an enum
+  bool is_unsigned = false;  ///< whether it is an unsigned 64-bit integer, whose bits a Value keeps
+  std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
   const FieldTable& (*table)() = nullptr;          ///< for records: returns described<T>()
   /// Returns the value of a member. Null for records.
   Value (*get)(const void* member) = nullptr;
   /// Sets a member to a value. Throws std::bad_variant_access if the value has another type, and
   /// std::invalid_argument if the member cannot hold it. Null for records.
   void (*set)(void* member, const Value& value) = nullptr;
-  /// For records: access to the structs that a member holds. A struct holds one (itself), a std::optional
-  /// none or one, a list any number.
+  /// For records: access to the structs that a member holds. A member that is a struct holds one (itself), a
+  /// std::optional holds none or one, and a list holds any number.
   ///@{
   std::size_t (*size)(const void* member) = nullptr;      ///< number of structs
-  void (*resize)(void* member, std::size_t n) = nullptr;  ///< sets their number; null: it is always one
-  void* (*block)(void* member, std::size_t i) = nullptr;  ///< i-th struct
+  void (*resize)(void* member, std::size_t n) = nullptr;  ///< sets that number; null: it is always 1
+  void* (*block)(void* member, std::size_t i) = nullptr;  ///< address of struct i
   ///@}
   /// For lists of lists of numbers: the type of an inner list. The functions above then access the inner
   /// lists, get() returns all numbers concatenated, and set() is null.
@@ -195,7 +197,7 @@ constexpr bool takes(std::index_sequence<I...>) {
   return Takes<T, I...>;
 }
 
-/// Members of an aggregate: the largest number of initialisers it takes.
+/// Returns the number of members of an aggregate T, found as the largest number of initialisers that T takes.
 template <class T, std::size_t N = 0>
 constexpr std::size_t member_count() {
   if constexpr (takes<T>(std::make_index_sequence<N + 1>{}))
@@ -221,14 +223,14 @@ constexpr void describe_members(Description<T>& d) {
     describe(d);
 }
 
-/// A distinct text per member that constant expressions can compare. (They cannot compare addresses of
-/// variables when gcc instruments null pointers.)
+/// A text that is different for each member, so that constant expressions can tell members apart. (They
+/// cannot compare addresses of variables when gcc instruments null pointers.)
 template <auto k_member>
 constexpr std::string_view tag() {
   return __PRETTY_FUNCTION__;
 }
 
-/// The class and the type of a pointer to a member.
+/// The class C and the member type M of a pointer to member `M C::*`.
 template <class M>
 struct Pointed;
 template <class C, class M>
@@ -238,7 +240,7 @@ struct Pointed<M C::*> {
 };
 
 Value numbers_value(const double* numbers, std::size_t count);
-/// The numbers of a value. Throws std::invalid_argument unless there are `count` of them.
+/// The numbers of a value. Throws std::invalid_argument unless the value has exactly `count` numbers.
 std::span<const double> numbers_of(const Value& value, std::size_t count);
 std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
@@ -250,7 +252,8 @@ void set_colors(std::vector<Color>& colors, const Value& value);
 template <class E>
 TROUPE_OF_TYPE inline constexpr auto k_names = names_of(E{});
 
-/// The element type and the size of fixed arrays.
+/// The element type and the size of a fixed array (std::array or Eigen vector). The size is 0 for other
+/// types.
 template <class M>
 struct Fixed {
   static constexpr std::size_t size = 0;
@@ -396,7 +399,8 @@ struct TROUPE_OF_TYPE TypeOf {
   static constexpr MemberType value = plain_type<M>();
 };
 
-/// Whether a std::vector of these is a list of lists of numbers.
+/// Whether std::vector<M> is a list of lists of numbers: M is a fixed array of numbers, or a std::vector of
+/// such M.
 template <class M>
 inline constexpr bool k_is_listed = Fixed<M>::size > 0;
 template <class M>
@@ -462,13 +466,15 @@ struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
   static constexpr MemberType value = optional_type<M>();
 };
 
-/// Appends the field of a member of a struct. Throws std::logic_error if the facts contradict one another or
-/// the type.
+/// Appends the field of a member of a struct. `object` is the struct with its default values, and `member`
+/// points into it. Throws std::logic_error if the facts contradict one another or the type, or if the table
+/// has a field of that name.
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
-/// Appends the field of a member that has no generic access (Field::member is null).
+/// Appends a field for a member that has no generic access: Field::member is null.
 void add_apart(FieldTable& table, std::string_view name);
-/// Appends all fields of a member struct.
+/// Appends the fields of a member that is itself a described struct, from its table `part`. Their offsets
+/// become offsets in `object`, and their defaults, if they have any, are the values in `member`.
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail
@@ -477,12 +483,14 @@ void add_part(FieldTable& table, const FieldTable& part, const void* object, con
 template <class T>
 class Description {
  public:
-  /// Only counts the described members. Used in constant expressions.
+  /// A description that only counts the described members, for use in constant expressions.
   constexpr Description() = default;
-  /// Appends a field to `table` for each described member. example: T{}, which gives the defaults
+  /// A description that appends a field to `table` for each described member. `example` is T{}, whose values
+  /// become the defaults. It must outlive the description.
   constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
 
-  /// Describes a member as a field. Names are unique, and must live as long as the program or the plug-in.
+  /// Describes a member as a field. Its name must be unique in the struct, and must live as long as the
+  /// program or the plug-in.
   template <auto k_member, class... Facts>
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -492,8 +500,8 @@ class Description {
       detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
                         {Fact(facts)...});
   }
-  /// Describes a member that is itself a described struct: its fields are inserted here as fields of T. Used
-  /// by kinds that extend the parameters of another kind.
+  /// Describes a member that is itself a described struct. The fields of that struct become fields of T, at
+  /// this position. Kinds use this to extend the parameters of another kind.
   template <auto k_member>
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -509,8 +517,9 @@ class Description {
     if (table_ == nullptr) count(detail::tag<k_member>(), false);
   }
 
-  /// Marks a member that has no generic access: each function that walks over the fields (storing, comparing,
-  /// checking) handles it with code of its own. Its field has no Field::member, and marks its position.
+  /// Marks a member that has no generic access. Each function that walks over the fields (to store, compare
+  /// or check them) handles such a member with code of its own. The member gets a field with a name and a
+  /// position in the table, but without Field::member.
   template <auto k_member>
   [[gnu::cold]] constexpr void apart(std::string_view name) {
     if (table_ == nullptr)
@@ -521,9 +530,9 @@ class Description {
 
   /// Number of members described so far.
   constexpr std::size_t members() const { return count_; }
-  /// Whether a member was described twice.
+  /// Whether any member was described more than once.
   constexpr bool repeats() const { return repeats_; }
-  /// Whether all described members can be state.
+  /// Whether all members described so far can be state.
   constexpr bool is_state() const { return is_state_; }
 
  private:
@@ -544,7 +553,7 @@ class Description {
 };
 
 namespace detail {
-/// The description of a type, without a table.
+/// Runs the description of T without a table, so that its members are counted.
 template <class T>
 constexpr Description<T> described_members() {
   Description<T> d;
@@ -583,11 +592,12 @@ constexpr void describe(Description<Pose>& d) {
   d.member<&Pose::heading>("heading", radians, within(-k_turns, k_turns), "counter-clockwise from +x");
 }
 
-/// Returns the values of a struct as a record of its table.
+/// Returns the values of the struct at `object` as a record of its table.
 Record record_of(const FieldTable& table, const void* object);
-/// Sets the members of a struct from a record of its table. Members that the record does not give keep their
-/// values. Throws std::bad_variant_access if a value has another type than its member, and
-/// std::invalid_argument if a member cannot hold its value. Records that a reader has checked never throw.
+/// Sets the members of the struct at `object` from a record of its table. Members that the record does not
+/// give keep their values. Throws std::bad_variant_access if a value has another type than its member, and
+/// std::invalid_argument if a member cannot hold its value. Neither happens with a record that a reader has
+/// checked against the table.
 void fill(const FieldTable& table, void* object, const Record& record);
 
 /// Returns the value of one member of a struct. For an empty std::optional, Value::given() is false.
@@ -610,7 +620,8 @@ Record to_record(const T& object) {
   return record_of(described<T>(), &object);
 }
 
-/// Converts the fields of a table to those of a state component whose rows are the described struct.
+/// Converts the table of a described struct to state fields, for a state component whose rows are such
+/// structs.
 std::vector<StateField> state_fields(const FieldTable& table);
 
 }  // namespace troupe::engine

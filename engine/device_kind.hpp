@@ -32,21 +32,22 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 
 }  // namespace detail
 
-/// Makes the kind of a sensor, or of another device, from a class C. Its hooks are members of C, and the
-/// `data` of DeviceKind is a C. C may have
+/// Makes the kind of a sensor, or of another device, from a class C. The hooks of the kind call members of C,
+/// and their argument `data` contains a C. C may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
-///     struct State { ...; describe };             // its percepts, one struct per row; may have
-///     TROUPE_FIELDS struct Command { ...; describe };           // its commands from controllers static
-///     DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
+///     struct State { ...; describe };             // its percepts, one struct per row
+///     struct Command { ...; describe };           // its commands from controllers, one struct per row
+///         // State and Command may list their members with TROUPE_FIELDS instead of describe
+///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
 ///         // DeviceKind::prepare; the member `data` of the result must be a C. If the result has no percepts
 ///         // or no commands, these are set to the fields of State or Command. If C has no Params, the pose
 ///         // is the only argument
 ///     static C make(const Params&, const Pose& pose_body_device);
 ///         // instead of prepare, if `data` is the only member to be set; default: C{params}
 ///
-/// and the following hooks of DeviceKind, without the argument `data`. If C has a State, the hooks marked
-/// "row" may take a State& instead of the table and the slot:
+/// C may also have the following hooks of DeviceKind, without the argument `data`. If C has a State, the
+/// hooks marked "row" may take a State& instead of the table and the slot:
 ///
 ///     std::uint64_t sense(const DeviceBatch&) const;
 ///     void act(const DeviceBatch&) const;

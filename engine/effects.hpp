@@ -10,16 +10,15 @@
 
 namespace troupe::engine {
 
-// Verbs (Effect::verb) of births and deaths, which any device may emit and the engine itself applies. They
-// are applied after all other effects of the tick: first all deaths, then all births, in the order of the
-// effects.
+// The verbs (Effect::verb) of births and deaths. Any device may emit them, and the engine itself applies them
+// after all other effects of the tick: first all deaths, then all births, each in the order of the effects.
 /// Birth of the next body of Effect::reserve. The payload is its pose: x, y, z (m), heading (rad), world
 /// frame.
 inline constexpr std::uint32_t k_birth = ~0u;
 /// Death of Effect::target.
 inline constexpr std::uint32_t k_death = ~0u - 1;
 
-/// The result of a birth. The numbers are stored in the state of the requesting device.
+/// Whether a requested body was born. The numerical values are stored in the state of the requesting device.
 enum class BirthStatus : std::uint8_t {
   unasked,   ///< no birth was requested yet
   born,      ///< Birth::body was born
@@ -32,14 +31,14 @@ struct Birth {
   BodyId body;                                ///< the new body; invalid if none was born
 };
 
-/// An action of one body on another in a tick, such as gripping, charging or releasing it. Effects are
-/// records because no body may write to the rows of another body. They are emitted while all bodies decide,
-/// in any order and on any thread. After all bodies have moved they are applied one by one, in an order that
-/// does not depend on the threads.
+/// An action of one body on another in a tick, such as gripping, charging or releasing it. No body may write
+/// to the rows of another body, so its device only emits a record of the action. Devices emit effects in the
+/// phase `actuate`, in any order and on any thread. After all bodies have moved, the effects are applied one
+/// by one, in an order that does not depend on the threads.
 struct Effect {
   BodyId source;                    ///< the acting body
   std::uint32_t device = 0;         ///< the acting device: index within the source's type
-  std::uint32_t sequence = 0;       ///< order among the effects of one device in one tick
+  std::uint32_t sequence = 0;       ///< order among the effects of one device of one body in one tick
   std::uint32_t verb = 0;           ///< the action; defined by the device's kind
   BodyId target;                    ///< the affected body; not valid() if there is none
   std::array<double, 4> payload{};  ///< arguments of the verb, in SI units; positions in the world frame

@@ -5,10 +5,11 @@ namespace troupe::engine {
 inline constexpr double k_most_watts = 1e9;    ///< largest power that a world file may give
 inline constexpr double k_most_mass_kg = 1e6;  ///< largest mass that a world file may give
 
-/// The energy account of a device, J. Dissipated, received and given energy are sums since tick 0.
+/// The energy account of a device that stores energy. All energies are in J. Dissipated, received and given
+/// energy are sums since tick 0.
 struct Energy {
-  double stored_j = 0;      ///< present charge
-  double capacity_j = 0;    ///< largest possible charge
+  double stored_j = 0;      ///< energy stored now
+  double capacity_j = 0;    ///< largest energy that it can store
   double dissipated_j = 0;  ///< consumed by the devices and drive that it supplies
   double received_j = 0;    ///< received from other bodies, by contact
   double given_j = 0;       ///< given to other bodies, by contact

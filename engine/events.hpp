@@ -11,16 +11,16 @@ namespace troupe::engine {
 
 /// The types of events, in the order in which one robot's events of one tick are listed.
 enum class EventType : std::uint8_t {
-  stall_ends,    ///< the robot's motion is no longer blocked
-  held_ends,     ///< the robot's motion would no longer end out of bounds
-  stall_begins,  ///< the robot's motion was blocked, unlike in the tick before
-  held_begins,   ///< the robot's motion would have ended out of bounds, unlike in the tick before
+  stall_ends,    ///< the motion of the robot was blocked in the tick before, but not in this tick
+  held_ends,     ///< its motion would have ended out of bounds in the tick before, but not in this tick
+  stall_begins,  ///< the motion of the robot was blocked in this tick, but not in the tick before
+  held_begins,   ///< its motion would have ended out of bounds in this tick, but not in the tick before
   release,       ///< the robot stopped carrying another body
   grip,          ///< the robot began to carry another body
   birth,         ///< the body was born
   death,         ///< the body died
-  fails,         ///< the robot stopped working completely
-  recovers,      ///< the robot works again
+  fails,         ///< the robot was disabled, or a fault stopped it completely
+  recovers,      ///< the robot is no longer disabled or stopped by a fault
 };
 
 /// Name and text of an event type in tables and recordings.
@@ -40,16 +40,16 @@ struct Event {
   BodyId other;    ///< for `release` and `grip`: the other body; not valid() for other types
 };
 
-/// Derives the events of a tick from two consecutive states. It stores nothing except the previous state, so
-/// it may start at any tick.
+/// Finds the events of a tick by comparing the state after it with the state before it. It stores only what
+/// it needs of the state before, so it may start at any tick.
 class EventWatch {
  public:
   /// Starts from the present state of the world.
   explicit EventWatch(const World& world);
 
-  /// Returns the events of the tick that has just ended, sorted by Event::body, type and Event::other. Call
-  /// it after every step. If the tick does not follow that of the last call (after a reset), there are no
-  /// events. The result is valid until the next call.
+  /// Returns the events of the tick that has just ended, sorted by (Event::body, Event::type, Event::other).
+  /// Call this after every step. If the tick does not follow that of the last call, as after a reset, the
+  /// result is empty. The result is valid until the next call.
   std::span<const Event> see(const World& world);
 
  private:

@@ -28,8 +28,8 @@ struct Condition {
   bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
 };
 
-/// The compiled interventions and faults of a world, and the next ones to be applied. It is not state,
-/// because it follows from the spec and the tick.
+/// The compiled interventions and faults of a world, and which of them are applied next. These data are not
+/// state, because they follow from the spec and the tick.
 struct Experiment {
   /// A tick that never comes.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
@@ -39,19 +39,19 @@ struct Experiment {
     std::uint64_t tick = 0;    ///< it is applied at the end of this tick
     std::size_t spec = 0;      ///< index into ExperimentSpec::at
     std::uint32_t stream = 0;  ///< stream of its random numbers
-    std::vector<Row> whom;     ///< rows of the group, in order of ids; empty for `add`
+    std::vector<Row> whom;     ///< rows of the whole group, in order of ids; empty for `add` and `set`
     std::size_t reserve = 0;   ///< for `add`: index into WorldSpec::reserves
-    /// For `set` of a drive or controller: the data prepared from the new parameters. Applying the
-    /// intervention swaps them with the data of the old parameters.
+    /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. When the
+    /// intervention is applied, they are swapped with the data of the old parameters.
     std::any data;
-    DeviceKind::Prepared device;  ///< for `set` of a device: as `data`, which is then empty
+    DeviceKind::Prepared device;  ///< for `set` of a device: used like `data`, which is then empty
   };
   std::vector<Intervention> interventions;  ///< sorted by tick; within a tick in the order of the file
   std::size_t next = 0;                     ///< index of the next intervention to be applied
 
   /// One impairment of a FaultSpec, for the bodies of one type.
   struct Fault {
-    Impairment impairment;     ///< its effect on a body
+    Impairment impairment;     ///< effect of the fault on a body, and how often it occurs
     std::uint32_t stream = 0;  ///< stream of its random numbers
   };
   std::vector<Fault> faults;  ///< the faults of all specs, in their order
@@ -63,13 +63,15 @@ struct Experiment {
     Row row;                  ///< row of the body
     bool begins = true;       ///< true: the fault begins; false: it ends
   };
-  /// The first event of each fault in each body: a heap with the earliest event on top.
+  /// The first event of each fault in each body, from the beginning of a run: a heap with the earliest event
+  /// on top.
   std::vector<FaultEvent> first_fault_events;
-  /// The next event of each fault in each body: a heap with the earliest event on top.
+  /// The next event of each fault in each body, from the present tick on: a heap with the earliest event on
+  /// top.
   std::vector<FaultEvent> fault_events;
 
   std::uint64_t due = k_never;  ///< tick of the next intervention or fault event
-  /// A body that an intervention may choose. The intervention chooses the bodies with the lowest keys.
+  /// A body that may be in a random choice. The bodies with the lowest keys are chosen.
   struct Candidate {
     std::uint64_t key = 0;  ///< random number; equal keys are ordered by id
     BodyId body;            ///< id of the body

@@ -30,7 +30,7 @@ inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", "
 /// Whether `a COMPARISON b` is true. If a or b is NaN it is false, also for Comparison::unequal.
 bool holds(double a, Comparison comparison, double b);
 
-/// A condition on a measure.
+/// A stop condition: a comparison of a measure with a number.
 struct StopSpec {
   MeasureSpec measure;                        ///< left operand
   Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
@@ -39,7 +39,7 @@ struct StopSpec {
 /// The text of a condition: `coverage >= 0.9`, `stalls:leaders > 10`.
 std::string text_of(const StopSpec& condition);
 
-/// A group of bodies: a population (NAME0, NAME1, ...), the bodies of a type, or one model. If `count` or
+/// A group of bodies: a population (NAME0, NAME1, ...), the bodies of a type, or one body. If `count` or
 /// `share` is set, the group is a random choice among these bodies.
 struct GroupSpec {
   /// What `name` refers to.
@@ -49,12 +49,12 @@ struct GroupSpec {
     model,       ///< the name of one body
   };
   By by = By::population;             ///< what `name` refers to
-  std::string name;                   ///< name of the population, type or model
+  std::string name;                   ///< name of the population, type or body
   std::optional<std::int64_t> count;  ///< number of bodies to choose; all if there are fewer
-  std::optional<double> share;        ///< fraction of the bodies to choose, 0 to 1; their number is rounded
+  std::optional<double> share;        ///< fraction of the bodies to choose, 0 to 1, rounded to a whole number
 };
 
-/// New values for some parameters of a type.
+/// New values for some parameters of the drive, of a device or of a controller of a type.
 struct SettingSpec {
   /// The owner of the parameters.
   enum class Of : std::uint8_t {
@@ -62,13 +62,13 @@ struct SettingSpec {
     device,      ///< the device TypeSpec::devices[index]
     controller,  ///< the controller TypeSpec::controllers[index]
   };
-  TypeId type;              ///< the type; all its bodies share its parameters
+  TypeId type;              ///< the type; the change affects all its bodies
   Of of = Of::drive;        ///< the owner of the parameters
   std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec
-  Record params;            ///< new values, in the order of the kind's field table; others are not given
+  Record params;            ///< in the order of the kind's field table; parameters that stay have no value
 };
 
-/// Returns `params` with the values that the setting gives.
+/// Returns a copy of `params` in which the values that the setting gives replace the old ones.
 Record changed(const Record& params, const SettingSpec& setting);
 
 /// An intervention of the world file: a change of the running world, applied between two ticks.
@@ -76,35 +76,36 @@ struct InterventionSpec {
   /// The kind of intervention.
   enum class Action : std::uint8_t {
     remove,   ///< removes the bodies of the group from the world
-    add,      ///< spawns bodies of a reserve
+    add,      ///< spawns bodies of the population's reserve
     disable,  ///< stops the devices, controllers and drives of the group's bodies
     enable,   ///< lets disabled bodies run again
-    move,     ///< moves one model to `pose`
+    move,     ///< moves one body to `pose`
     set,      ///< changes parameters of a type
   };
-  double time_s = 0;               ///< world time, rounded up to the end of a tick
+  /// World time. The intervention is applied at the end of the first tick that ends at this time or later.
+  double time_s = 0;
   Action action = Action::remove;  ///< kind of intervention; its name is in k_actions
-  GroupSpec whom;                  ///< affected bodies; for `add` a population with a reserve
+  GroupSpec whom;                  ///< affected bodies; for `add`, a population with a reserve
   std::optional<Pose> pose;        ///< for `move` the new pose, for `add` the pose of each new body
   /// For `add` without `pose`: box in which the new bodies get random poses; not set: the world's bounds.
   std::optional<Box> region;
-  std::optional<SettingSpec> setting;  ///< for `set`: the new values of parameters; `whom` is then unused
+  std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
   Where where;                         ///< file position, for messages
 };
 /// The names of Action in files, in its order.
 inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "disable",
                                                            "enable", "move", "set"};
 
-/// Faults that may occur in some of the bodies that are present at tick 0.
+/// Faults that may occur in bodies of a group. Bodies that are born later never have faults.
 struct FaultSpec {
-  GroupSpec whom;     ///< bodies that may fail; chosen once, when the world is built
+  GroupSpec whom;     ///< bodies that may fail; chosen when a world is built or restarted
   double from_s = 0;  ///< earliest world time at which a fault may occur
-  /// One impairment.
+  /// One possible fault of the bodies.
   struct Impairment {
     std::string kind;  ///< name in Registry::faults
     Record params;     ///< one value for each field of the kind's table
   };
-  std::vector<Impairment> impairments;  ///< each occurs independently of the others
+  std::vector<Impairment> impairments;  ///< the faults; each occurs independently of the others
   Where where;                          ///< file position, for messages
 };
 
@@ -112,9 +113,10 @@ struct FaultSpec {
 struct ExperimentSpec {
   std::vector<StopSpec> stop_when;   ///< the run ends when one of them holds
   std::vector<InterventionSpec> at;  ///< interventions, in any order of time
-  std::vector<FaultSpec> faults;     ///< faults of robots that are present at tick 0
+  std::vector<FaultSpec> faults;     ///< faults of bodies that are present at tick 0
 
-  /// Whether the world has no experiment. The run then ends only at its end time or when its program ends it.
+  /// Whether there are no stop conditions, interventions and faults. The run then ends only at its end time,
+  /// or when its program ends it.
   bool empty() const { return stop_when.empty() && at.empty() && faults.empty(); }
 };
 

@@ -12,9 +12,9 @@ struct BodyType;
 
 /// The effect of a fault on a body, and how often it occurs.
 struct Impairment {
-  std::uint32_t dead = 0;  ///< devices that stop working: one bit each, in the order of the type's devices
+  std::uint32_t dead = 0;  ///< devices that stop working: bit d for device d of the type
   double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
-  bool drops_out = false;  ///< true: all devices, controllers and the drive stop (a drop-out)
+  bool drops_out = false;  ///< true: a drop-out, which stops all devices, all controllers and the drive
   double per_s = 0;        ///< mean rate of occurrence, 1/s, from FaultSpec::from_s on; 0: once, at from_s
   double lasts_s = 0;      ///< duration of a drop-out, s; it may then occur again; 0: it never ends
 };
@@ -22,8 +22,8 @@ struct Impairment {
 /// The largest number of devices that can fail: Impairment::dead has as many bits.
 inline constexpr std::size_t k_most_fallible = 32;
 
-/// A kind of fault. It defines only the effect. The world decides which robots fail and when. A robot without
-/// a fault takes no extra computing time.
+/// A kind of fault. It defines only the effect of the fault on a body. The world decides which robots fail
+/// and when. A robot without a fault takes no extra computing time.
 struct FaultKind {
   std::string_view name;  ///< name in files; unique in the registry
   std::string_view text;  ///< one sentence for `troupe describe`

@@ -13,7 +13,7 @@ namespace troupe::engine {
 
 struct Value;
 
-/// The values of a parameter block: one for each field of its FieldTable, in that order.
+/// The values of a parameter block: one for each field of its FieldTable, in the order of the fields.
 using Record = std::vector<Value>;
 
 /// The value of a parameter, in SI units.
@@ -24,14 +24,14 @@ struct Value {
 
   // None of these functions is inline: nearly every source file makes and copies records, and each would
   // instantiate the variant's members again.
-  /// No value: given() is false.
+  /// Makes an object without a value: given() is false.
   Value();
   Value(const Value&);                 ///< a copy
   Value(Value&&) noexcept;             ///< moves
   Value& operator=(const Value&);      ///< a copy
   Value& operator=(Value&&) noexcept;  ///< moves
   ~Value();
-  /// A given value. Its type is kept: 1 is an integer and 1.0 a number.
+  /// Makes a value of the type of the argument: 1 becomes an integer and 1.0 a number.
   ///@{
   Value(bool x);
   Value(int x);
@@ -46,8 +46,9 @@ struct Value {
 
   /// Whether there is a value.
   bool given() const { return !std::holds_alternative<std::monostate>(v); }
-  /// The value, of the type that the function names. Throws std::bad_variant_access if it has another type;
-  /// in a record that a reader has checked against a field table, it has the type of its field.
+  /// The value, which must have the type that the function names. Throws std::bad_variant_access if it has
+  /// another type. In a record that a reader has checked against a field table, each value has the type of
+  /// its field.
   ///@{
   bool boolean() const { return std::get<bool>(v); }
   std::int64_t integer() const { return std::get<std::int64_t>(v); }
@@ -85,7 +86,7 @@ enum class FieldType {
   number,   ///< a double, of the field's unit
   text,     ///< a string; if Field::choices is not empty, one of these
   texts,    ///< a list of strings, of any length
-  numbers,  ///< a list of Field::columns numbers of one unit; 0 columns: of any length
+  numbers,  ///< a list of numbers of one unit; its length is Field::columns, or any if that is 0
   color,    ///< a colour; files may also give its name (stored as numbers: red, green, blue, opacity)
   colors,   ///< a list of opaque colours of any length (stored as numbers: red, green, blue, red, ...)
   record,   ///< one parameter block, described by Field::record (stored as a list of one)
@@ -109,11 +110,12 @@ struct Field {
   std::string_view text;                  ///< one sentence for `troupe describe`, errors and the schema
   std::size_t columns = 0;                ///< for type numbers: length of the list; 0: any length
   std::vector<std::string_view> choices;  ///< for type text: the allowed values; empty: any text
-  const FieldTable* record = nullptr;     ///< for types record and records: fields; must outlive this
+  /// For types record and records: the table of a block. It must outlive this object.
+  const FieldTable* record = nullptr;
   /// True: the number must be greater than `min` (sizes, periods).
   bool above_min = false;
-  /// For type integer: the value is a number of readings of a sensor. The sum of these fields is limited, to
-  /// check the memory of a device before it is allocated.
+  /// For type integer: the value is a number of readings of a sensor. The sum of these fields is limited, so
+  /// that the memory of a device is checked before it is allocated.
   bool counts_readings = false;
   /// The field may be missing, and then has no value: it is not required and has no default.
   bool optional = false;
@@ -122,7 +124,7 @@ struct Field {
   /// The field records where the other fields come from (a file and a line). It is stored, but records that
   /// differ only in it are equal.
   bool provenance = false;
-  bool sparse = false;      ///< for state: StateField::sparse; else: a stored record may lack the field
+  bool sparse = false;      ///< for state: StateField::sparse; otherwise: a stored record may lack the field
   bool appearance = false;  ///< for state: StateField::appearance
   /// For a described struct (engine/description.hpp): access to the member, and its offset in the struct.
   ///@{
@@ -144,7 +146,8 @@ struct FieldTable {
   Record defaults() const;
 };
 
-/// A key suffix for a unit, with the factor to SI: {"_deg", "deg", pi/180}.
+/// A suffix by which the key of a number in a file names its unit, with the factor to the SI unit: {"_deg",
+/// "deg", pi/180}.
 struct UnitSuffix {
   std::string_view suffix;  ///< end of the key: "_deg"; empty for Unit::none
   std::string_view symbol;  ///< symbol of the unit in messages: "rad", "deg", "m/s"

@@ -9,7 +9,7 @@
 
 namespace troupe::engine {
 
-/// A spatial index of the fiducial targets of static bodies.
+/// A spatial index of the parts of static bodies that fiducial finders detect.
 class FixedTargets {
  public:
   /// A part that fiducial finders detect (Returns::fiducial is not 0).
@@ -23,8 +23,8 @@ class FixedTargets {
   /// Collects the targets of all bodies for which is_fixed(body) is true.
   FixedTargets(const WorldSpec& spec, const std::function<bool(BodyId)>& is_fixed);
 
-  /// Calls visit(target) for all targets whose origin lies in the box, and possibly for others near the box.
-  /// A target may be visited more than once.
+  /// Calls visit(target) for all targets whose origin lies in the box (world frame, m), and possibly for
+  /// others near the box. A target may be visited more than once.
   template <class Visit>
   void for_each_near(const Box& box, Visit&& visit) const {
     places_.any_near(box, [&](std::uint32_t i) {

@@ -29,10 +29,10 @@ struct FrameType {
 
 /// A body to draw.
 struct FrameBody {
-  std::uint32_t type = 0;  ///< index into the list FrameScene::types, extended by Frame::types
+  std::uint32_t type = 0;  ///< index into the list of FrameScene::types followed by Frame::types
   Pose pose_world_body;    ///< pose at this tick; for static bodies, the pose during the whole run
-  Color color;             ///< colour of the shapes that have none
-  bool stalled = false;    ///< its last motion was blocked or out of bounds
+  Color color;             ///< colour of the shapes that have no colour of their own
+  bool stalled = false;    ///< whether its last motion was blocked or would have ended out of bounds
   std::uint32_t id = 0;    ///< id of the body (BodyId)
 };
 
@@ -69,7 +69,7 @@ struct FrameScan {
   std::uint32_t body = 0;    ///< index into Frame::mobile
   std::uint32_t ranger = 0;  ///< index into FrameScene::rangers
   std::size_t first = 0;     ///< index of its first reading in Frame::ranges
-  Pose moved;                ///< displacement of the ranger from its rest pose by joints, body frame
+  Pose moved;                ///< displacement of the ranger by joints, relative to rest, body frame
 };
 
 /// A detection: a line from a sensor to the part that it detected, world frame, m.
@@ -79,8 +79,8 @@ struct FrameSight {
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the detected part
 };
 
-/// A blob of one colour that a blob finder sees: the triangle of the sensor and both edges of the blob, world
-/// frame, m.
+/// A blob of one colour that a blob finder sees. It is drawn as a triangle between the sensor and the two
+/// edges of the blob, world frame, m.
 struct FrameBlob {
   std::uint32_t body = 0;                           ///< index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();   ///< position of the sensor
@@ -103,10 +103,11 @@ struct FrameTie {
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< other end, world frame, m
 };
 
-/// A square of the floor that robots have visited: [x, x + 1) times [y, y + 1), in units of Frame::covered_m.
+/// A square of the floor that robots have visited. It is [x, x + 1) times [y, y + 1) in the world frame, in
+/// units of Frame::covered_m.
 struct FrameSquare {
-  std::int32_t x = 0;   ///< number of squares from the origin in direction x
-  std::int32_t y = 0;   ///< number of squares from the origin in direction y
+  std::int32_t x = 0;   ///< lower edge in x, in units of Frame::covered_m
+  std::int32_t y = 0;   ///< lower edge in y, in units of Frame::covered_m
   float freshness = 1;  ///< time of the last visit, from 0 (the viewer's first tick) to 1 (now)
 };
 
@@ -117,16 +118,17 @@ struct FrameTrail {
   std::vector<Eigen::Vector3d> points;
 };
 
-/// The data that change with each tick: bodies that can move, and further data that the viewer requested.
+/// The data that change with each tick: the bodies that are not static, and further data that the viewer
+/// requests.
 struct Frame {
   double time_s = 0;              ///< world time
   std::uint64_t tick = 0;         ///< number of completed ticks
-  std::vector<FrameBody> mobile;  ///< bodies that have a row and are in the world, in order of ids
-  std::vector<FrameType> types;   ///< present shapes of bodies whose joints are not at rest
+  std::vector<FrameBody> mobile;  ///< bodies in the world that are not static, in order of ids
+  std::vector<FrameType> types;   ///< one per body whose joints are not at rest: its present shapes
 
   // The following are empty unless the viewer requests them.
   std::vector<FrameScan> scans;      ///< scans of rangers, in order of bodies
-  std::vector<float> ranges;         ///< ranges of all scans, m
+  std::vector<float> ranges;         ///< ranges of all scans, one after another, m
   std::vector<FrameSight> sights;    ///< detections of fiducial finders, in order of bodies
   std::vector<FrameBlob> blobs;      ///< blobs that blob finders see, in order of bodies
   std::vector<FrameTie> grips;       ///< beams between paddles, and the bodies that grippers hold
@@ -134,7 +136,7 @@ struct Frame {
   std::vector<FrameTrail> trails;    ///< past positions of bodies
   std::vector<FrameSquare> covered;  ///< squares that robots have visited
   double covered_m = 0;              ///< edge of the squares of `covered`, m
-  std::vector<std::string> names;    ///< one per body of `mobile`
+  std::vector<std::string> names;    ///< names of bodies, one per body of `mobile`
   std::vector<double> charges;  ///< one per body of `mobile`: charge of its power pack, 0 to 1; NaN: none
   std::vector<double> values;   ///< one per body of `mobile`: value that selects its colour; NaN: none
   std::string value_name;       ///< name of `values` with unit: "velocity.x (m/s)"

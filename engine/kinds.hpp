@@ -35,10 +35,10 @@ struct TypeSpec;
 struct WorldSpec;
 
 /// A *kind* is a table of functions (hooks) that implements one sort of sensor, drive or controller. The
-/// engine calls the hooks and includes no implementation. When the world is built, the hook `prepare`
+/// engine itself implements none: it only calls the hooks. When the world is built, the hook `prepare`
 /// converts the parameters to data of a type that the kind chooses. The other hooks receive these data, and
-/// the robots in batches of rows. They run on several threads at once, so they may write only to their
-/// arguments. If a hook throws, the step ends with a StepError.
+/// robots in batches of rows. Several threads call them at once, so they may write only to their arguments.
+/// If a hook throws an exception, the step ends with a StepError.
 ///
 /// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
 /// its type. The state of a sensor is also called its percepts or readings.
@@ -55,13 +55,13 @@ struct ModelKind {
   FieldTable params;        ///< parameters of that device, or of the model itself
 };
 
-/// The argument of a device's hooks: rows of one type whose device senses or acts in a tick, with their data.
-/// The argument i of the functions is an index into `rows`.
+/// The argument of the hooks of a device: rows of one body type whose device senses or acts in a tick, with
+/// their data. The argument `i` of the functions is an index into `rows`.
 struct DeviceBatch {
-  const World& world;          ///< the last committed state
+  const World& world;          ///< the world; in the hook `sense`, its state is that of the last tick
   const std::any& data;        ///< result of DeviceKind::prepare
   std::span<const Row> rows;   ///< rows of the batch; all of one type
-  StateTable& state;           ///< state of the device, by slot; hooks may write to the slots of `rows`
+  StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
   const StateTable* commands;  ///< commands from controllers, by slot; null if the kind takes none
   Effects& effects;            ///< receives effects on other bodies: see emit()
   Links& links;                ///< receives goals of joints: see move_joint()
@@ -73,38 +73,39 @@ struct DeviceBatch {
   std::size_t slot(std::size_t i) const;  ///< index of the row in `state` and `commands`
   /// The random numbers of a row in this tick.
   Random random(std::size_t i) const;
-  /// The random numbers of a row in this tick, from an independent stream with a name. For kinds that wrap
-  /// another kind: their draws do not disturb those of the wrapped kind.
+  /// The random numbers of a row in this tick, from an independent stream with this name. A kind that wraps
+  /// another kind uses such a stream, so that its draws do not change those of the wrapped kind.
   Random random(std::size_t i, std::string_view name) const;
   /// Transform from the body frame to the world frame, including the displacement of the joint that the
   /// device is mounted on.
   Mount mount(std::size_t i) const;
-  /// Pose, relative to rest, of the n-th of the joints that the device moves.
+  /// Present pose of joint n relative to its rest pose, m and rad. Here and below, n counts the joints that
+  /// the device moves (DeviceKind::joints), from 0.
   const Pose& joint(std::size_t i, std::size_t n) const;
-  /// Sets the goal of a joint for this tick, relative to rest. Only the hook `act` may call this. The joints
-  /// of one device move together or not at all. So do joints of different bodies of one tree (bodies that
-  /// carry one another) that move in the same round of resolution.
+  /// Sets the goal of a joint for this tick: a pose relative to its rest pose, m and rad. Only the hook `act`
+  /// may call this. The joints of one device move together or not at all. The same holds for joints of
+  /// different bodies of one tree (bodies that carry one another) that move in the same round of resolution.
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
-  /// Whether the joint had a goal in this tick. Only the hook `joints_moved` may call this.
+  /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
   /// Whether the joint reached its goal in this tick. Only the hook `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
   /// Emits an effect, which DeviceKind::apply applies after all bodies have moved. Throws std::length_error
   /// if there are more effects than Prepared::most_effects allows.
   ///
-  /// sequence: order among the effects of a row in a tick
-  /// verb, payload: have the meaning that the kind gives them
-  /// target: the affected body; may be invalid if there is none
+  /// sequence: order of this effect among the effects that the device of one body emits in a tick
+  /// verb, payload: their meaning is defined by the kind
+  /// target: the affected body; not valid() if there is none
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
   }
-  /// Requests the birth of the next body of a reserve at a pose, m and rad, world frame. DeviceKind::born
-  /// receives the result.
+  /// Requests the birth of the next body of a reserve (an index into WorldSpec::reserves) at a pose, m and
+  /// rad, world frame. DeviceKind::born receives the result.
   void emit_birth(std::size_t i, std::uint32_t sequence, std::uint32_t reserve, const Pose& at) const {
     effects.emit({body(i), device, sequence, k_birth, BodyId(), {at.x, at.y, at.z, at.heading}, reserve});
   }
-  /// Requests the death of a body. The device must have Prepared::ends_lives.
+  /// Requests the death of the body `whose`. The kind must have set Prepared::ends_lives.
   void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
     effects.emit({body(i), device, sequence, k_death, whose});
   }
@@ -115,21 +116,21 @@ struct Transducer {
   std::size_t first = 0;        ///< index of its first reading among those of the sensor
   std::size_t samples = 1;      ///< number of its readings
   Pose pose_sensor_transducer;  ///< origin of the beams and heading of their middle; sensor frame
-  double range_max = 0;         ///< m
+  double range_max = 0;         ///< length of the beams, m
   double fov = 0;  ///< angle from the first beam to the last, rad; with a single beam, the width of that beam
 };
 
 /// The images of a camera: their size, and the indices of the percepts (Prepared::percepts) that hold them.
 struct Camera {
-  std::size_t width = 0;   ///< pixels
-  std::size_t height = 0;  ///< pixels
-  double range_far = 0;    ///< m: depth of a pixel that shows no surface
+  std::size_t width = 0;   ///< width of the images, pixels
+  std::size_t height = 0;  ///< height of the images, pixels
+  double range_far = 0;    ///< depth of a pixel that shows no surface, m
   /// Index of the colour percept: u8 [red green blue opacity] per pixel, row by row from the upper left.
   std::size_t color = 0;
   std::size_t depth = 1;  ///< index of the depth percept: f32 per pixel, m along the optical axis
 };
 
-/// The marked parts (Returns::fiducial) that a sensor detects.
+/// Specifies which marked parts (parts with a Returns::fiducial that is not 0) a sensor detects.
 struct SoughtMarks {
   std::int32_t key = 0;       ///< Returns::fiducial_key of the parts
   bool at_any_height = true;  ///< false: only parts whose height interval contains the height of the sensor
@@ -141,9 +142,9 @@ struct HeldFlags {
   std::uint64_t received = 0;  ///< number of flags that other bodies gave it since tick 0
 };
 
-/// The device of one row, for viewers.
+/// The argument of DeviceKind::draw: the device of one row.
 struct DeviceView {
-  const World& world;       ///< the last committed state
+  const World& world;       ///< the world, between two ticks
   const std::any& data;     ///< result of DeviceKind::prepare
   const StateTable& state;  ///< state of the device, by slot
   std::size_t slot = 0;     ///< index of the row in `state`
@@ -154,7 +155,7 @@ struct DeviceView {
   Eigen::Vector3d at(double x, double y, double z) const;
 };
 
-/// The layer of a frame in which devices of a kind are drawn.
+/// The list of a Frame to which devices of a kind add what they show.
 enum class FrameLayer : std::uint8_t {
   none,    ///< not drawn
   sights,  ///< detections: Frame::sights
@@ -168,19 +169,21 @@ struct DeviceKind {
   std::string_view name;  ///< name in files: "ranger"
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// Names of the joints that it moves. A single joint may have an empty name.
+  /// Names of the joints that it moves; empty if it moves none. If there is only one joint, its name may be
+  /// empty.
   std::vector<std::string_view> joints;
-  /// Whether it can pick up other bodies.
+  /// Whether it can pick up other bodies (World::attach()).
   bool carries = false;
   /// Whether it is a drive. It is then commanded by the controllers of its part and of the parts mounted on
-  /// that part. Its commands are a Command (command_fields), and its state begins with its estimated pose.
+  /// that part. Its command struct is a Command (command_fields()), and its state begins with its estimated
+  /// pose.
   bool drives = false;
   /// A solid of a device, with its joints at rest.
   struct Fixture {
     Solid solid;              ///< device frame
     std::int32_t joint = -1;  ///< index of the device's joint that moves the solid; -1: none
   };
-  /// Solids that the device adds to its body. Null: none.
+  /// Returns the solids that the device adds to its body. Null: it adds none.
   std::vector<Fixture> (*body)(const Record& params) = nullptr;
   /// A device compiled from its parameters: the data of its hooks and the layout of its state.
   struct Prepared {
@@ -189,19 +192,21 @@ struct DeviceKind {
     std::size_t percept_bytes = 0;  ///< size of the struct of a row (memory_fields); 0: rows are no structs
     std::vector<StateField> commands;  ///< commands from controllers: fields of a struct (memory_fields)
     std::size_t command_bytes = 0;     ///< size of the command struct; 0: the device takes no commands
-    /// Radius of a disc around the body's origin: `sense` and `act` read nothing of bodies of other trees
-    /// whose circles are outside it. Joints of the own body extend it. Tests enforce it:
-    /// World::hide_beyond_reach().
+    /// Radius of a disc around the body's origin, m. `sense` and `act` must not read the data of a body whose
+    /// enclosing circle is outside the disc, except for bodies that move together with the device's own body
+    /// (World::same_tree()). For bodies with joints, the engine adds BodyType::joint_reach to the radius.
+    /// Tests enforce this: World::hide_beyond_reach().
     double reach_m = 0;
-    /// The reach for which the cells of the spatial index are chosen; unset: reach_m. For devices that rarely
-    /// search far, so that they do not make the cells coarse for others.
+    /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
+    /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
+    /// devices.
     std::optional<double> cell_hint_m = {};
-    std::size_t beams = 0;         ///< rays that each device casts each time it runs
+    std::size_t beams = 0;         ///< number of rays that the device casts each time it runs
     std::size_t most_effects = 0;  ///< largest number of effects that a row may emit in a tick
     bool ends_lives = false;       ///< whether it may emit deaths: emit_death()
-    double watts = 0;              ///< power drawn from its supply while it runs
+    double watts = 0;              ///< power that it draws from its supply while it runs, W
     std::vector<Pose> joints;      ///< poses of its joints at tick 0, relative to rest; empty: at rest
-    double joint_reach_m = 0;      ///< bound on how far its joints move from rest
+    double joint_reach_m = 0;      ///< upper bound on how far its joints move from rest, m
     /// For rangers: heading of each reading in the sensor frame, rad. Percept 0 of a ranger holds the ranges.
     /// Empty for all other devices.
     std::vector<double> bearings;
@@ -211,30 +216,32 @@ struct DeviceKind {
     std::optional<Camera> camera;      ///< for cameras: their images
     std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
-  /// Compiles the parameters, which the caller has checked against the limits of their table. A pure
-  /// function.
+  /// Compiles the parameters, which the caller has checked against the limits of their table. It must be a
+  /// pure function.
   ///
   /// pose_body_device: frame in which the parameters are given
   Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
-  /// Called once after `prepare`: completes the data from the type and the part that carries the device. The
-  /// error says what is wrong with them. Null: not needed.
+  /// Called once after `prepare`: completes `data` from the type and from the part that carries the device
+  /// (an index into TypeSpec::parts). The error says why the type or the part does not suit the device. Null:
+  /// not needed.
   Result<> (*bind_part)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
-  /// Called once after `bind_part`: completes the data from the world. The error says what is wrong with it.
-  /// Null: not needed.
+  /// Called once after `bind_part`: completes `data` from the world. The error says why the world does not
+  /// suit the device. Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
-  /// Called after both: the reach, if it is known only then. Null: Prepared::reach_m holds it.
+  /// Called after `bind_part` and `bind_world`: returns the reach, m, which replaces Prepared::reach_m. For
+  /// kinds whose reach depends on the part or the world. Null: Prepared::reach_m stays.
   double (*reach_m)(const std::any& data) = nullptr;
-  /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes are 0 before the
-  /// call. Null: all bytes stay 0.
+  /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes of the row are 0
+  /// before the call. Null: they stay 0.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
-  /// Called in the sense phase: writes the percepts of every row of the batch. It must read only the last
-  /// committed state. Returns the number of rays cast. Null: the device senses nothing.
+  /// Called in the phase `sense`: writes the percepts of every row of the batch. It must read only the state
+  /// at the end of the last tick. Returns the number of rays cast. Null: the device senses nothing.
   std::uint64_t (*sense)(const DeviceBatch& batch) = nullptr;
   /// Called together with the drives, before the controllers decide: executes the commands of the previous
   /// tick. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
-  /// Called after bodies and joints have moved, if any joint of the batch had a goal: reads whether the
-  /// joints reached their goals (moved_joint). Null: not needed.
+  /// Called after bodies and joints have moved, if any joint of the world had a goal in this tick. The hook
+  /// can then read with DeviceBatch::moved_joint() whether its joints reached their goals. Null: not needed.
   void (*joints_moved)(const DeviceBatch& batch) = nullptr;
   /// Called after the bodies have moved: applies one effect of this kind. Effects are applied one by one, in
   /// the order of (source, device, sequence); each sees the results of those before it. Null: the device has
@@ -246,10 +253,10 @@ struct DeviceKind {
 
   /// For power supplies: whether the supply of a row is empty. The devices that it serves then stop. A supply
   /// serves the devices of its part and of the parts mounted on that part, except parts with a supply of
-  /// their own. A supply of the root part also serves the drive. Null: the device supplies no power.
+  /// their own. A supply of the root part also serves the drive. Null: the device is not a power supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
-  bool needs_supply = false;  ///< true: a world in which no power supply serves the device is an error
+  bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
   /// The energy account of a row. Null: the device stores no energy.
   Energy (*energy)(const StateTable& state, std::size_t slot) = nullptr;
   /// The flags of a row. Null: the device holds no flags.
@@ -260,8 +267,8 @@ struct DeviceKind {
   /// name.
   bool shows_color = false;
   FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
-  /// Adds the drawing of a row to the layer `layer` of a frame. For sensors it is called only if they have
-  /// sensed and still run. Null if `layer` is none.
+  /// Adds what the device of a row shows to the layer `layer` of a frame. For sensors it is called only if
+  /// they have sensed and still run. Null if `layer` is FrameLayer::none.
   void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
   /// True if the device only senses.
@@ -283,7 +290,7 @@ struct Command {
   double x = 0;                              ///< forward
   double y = 0;                              ///< left
   double turn = 0;                           ///< counter-clockwise
-  ControlMode mode = ControlMode::velocity;  ///< meaning of the numbers
+  ControlMode mode = ControlMode::velocity;  ///< meaning of x, y and turn
   std::uint32_t off = 0;  ///< devices that the controller has switched off: bits BodyType::Device::switch_bit
 };
 
@@ -318,9 +325,9 @@ struct DriveKind {
   Result<> (*check)(const Record& params);
   /// Computes the velocities of a batch from the commands, within the limits of the drive.
   void (*drive)(const std::any& data, const DriveBatch& batch);
-  /// Velocity of a robot until its drive runs for the first time. Null: 0.
+  /// Returns the velocity of a robot until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;
-  /// Parameters that the engine itself implements.
+  /// Parameters that the engine itself implements, not the kind.
   ///@{
   /// How robots with this drive estimate their poses; the error says why the parameters are inconsistent.
   /// Null: their estimates are their true poses.
@@ -337,14 +344,14 @@ inline constexpr std::size_t k_most_devices_read = 16;
 class Readings {
  public:
   Readings() = default;
-  /// A row of a device's table, which must outlive this.
+  /// The state in row `slot` of a device's table. The table must outlive this object.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
   /// The values of field f (its index among the percepts of the device's kind), one per column.
   template <class T>
   std::span<const T> field(std::size_t f) const {
     return table_->cell<T>(slot_, f);
   }
-  /// The whole row as a struct. Only for kinds whose percepts are the members of the struct State.
+  /// The whole row as a struct. The percepts of the device's kind must be the members of this struct.
   template <class State>
   const State& as() const {
     return table_->as<State>(slot_);
@@ -363,10 +370,10 @@ struct Percept {
   std::uint32_t body = 0;  ///< id of the robot
   /// The sensors and other devices that the controller chose in `prepare`, in that order.
   std::span<const Readings> devices;
-  /// Estimated pose of the robot: engine/localization.hpp.
+  /// Estimated pose of the robot, m and rad (engine/localization.hpp).
   Pose estimate;
 
-  /// Ranges of the ranger with this index in `devices`, m.
+  /// Ranges that a ranger measured, m, one per beam. `ranger` is its index in `devices`.
   std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
 };
 
@@ -390,13 +397,13 @@ struct Actions {
   /// Whether the present command leaves a device switched on.
   bool is_on(std::size_t chosen) const { return (command.off & switches[chosen]) == 0; }
 
-  /// Commands a speed, m/s and rad/s, from the next tick on, until replaced. For a car `turn` is the steering
-  /// angle, rad.
+  /// Commands a speed, m/s and rad/s, from the next tick on, until the command is replaced. For a car `turn`
+  /// is the steering angle, rad.
   void set_speed(double forward, double left, double turn) {
     command = {forward, left, turn, ControlMode::velocity};
   }
-  /// Commands an acceleration, m/s^2 and rad/s^2, until replaced. For a car `turn` is the steering angle,
-  /// rad.
+  /// Commands an acceleration, m/s^2 and rad/s^2, from the next tick on, until the command is replaced. For a
+  /// car `turn` is the steering angle, rad.
   void accelerate(double forward, double left, double turn) {
     command = {forward, left, turn, ControlMode::acceleration};
   }
@@ -404,7 +411,7 @@ struct Actions {
   /// command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
-  /// The command to a device, whose kind must take commands of the struct DeviceCommand.
+  /// The command to a chosen device. The kind of the device must take commands of the struct DeviceCommand.
   template <class DeviceCommand>
   DeviceCommand& device(std::size_t chosen) const {
     return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
@@ -412,8 +419,9 @@ struct Actions {
 };
 
 /// The argument of ControllerKind::decide: robots of one type whose controller decides in a tick, with their
-/// data. "Robot i" of the functions is that of rows[i]. A chosen device is one that the controller uses
-/// (ControllerKind::Prepared::devices); its index in that list is the argument `sensor` of the functions.
+/// data. In the functions, robot i is the robot of rows[i]. A chosen device is a device that the controller
+/// uses (ControllerKind::Prepared::devices). Its index in that list is the argument `sensor` of the
+/// functions.
 struct DecideBatch {
   std::uint64_t tick = 0;                ///< number of the present tick; the first tick is 1
   double time_s = 0;                     ///< world time at the end of the tick
@@ -426,7 +434,7 @@ struct DecideBatch {
   std::span<Command> commands;           ///< drive command of each row of the world
   Estimates estimates;                   ///< estimated poses
 
-  /// Rows of a table, by slot.
+  /// The rows of a table of the type, which are indexed by slot.
   struct Rows {
     std::byte* first = nullptr;  ///< slot 0; null: there is no such table
     std::size_t row_bytes = 0;   ///< stride from one slot to the next
@@ -460,13 +468,13 @@ struct DecideBatch {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
     return estimates.of(rows[i], slots[rows[i].index()]);
   }
-  /// The random numbers of robot i in this tick, from the first draw on.
+  /// The random numbers of robot i in this tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   /// Memory of robot i; null if the kind has none.
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
   /// Readings of a chosen device of robot i.
   Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }
-  /// Ranges of a ranger of robot i, m, one number per beam.
+  /// Ranges that a chosen ranger of robot i measured, m, one number per beam.
   std::span<const float> ranges(std::size_t sensor, std::size_t i) const {
     return percepts[sensor]->cell<float>(slot(i), 0);
   }
@@ -476,9 +484,9 @@ struct DecideBatch {
   }
 };
 
-/// An exception with the robot that it concerns. ControllerKind::decide may throw this, so that the message
-/// names the robot. For any other exception the message names the first robot of the batch and how many
-/// others it has.
+/// An exception with the robot that it concerns. ControllerKind::decide may throw this, so that the error
+/// message names the robot. For any other exception the message names the first robot of the batch, and the
+/// size of the batch.
 struct DecisionError {
   Row row;                    ///< row of the robot
   std::exception_ptr thrown;  ///< the controller's exception
@@ -503,15 +511,17 @@ struct ControllerKind {
   /// Fields of the memory struct of each robot. The engine owns its bytes.
   std::vector<StateField> memory;
   std::size_t memory_bytes = 0;  ///< size of that struct; 0: it has no memory
-  /// Initialises a memory: must set every field, whatever the bytes held before. `troupe check --controllers`
-  /// tests this by calling it on memories filled with two different bytes.
+  /// Initialises a memory struct. It must set every field, whatever the bytes of the struct held before.
+  /// `troupe check --controllers` tests this: it calls the hook on two memories that are filled with
+  /// different bytes.
   void (*start)(std::byte* memory);
 
   /// A controller compiled from its parameters.
   struct Prepared {
     std::any data;  ///< the argument `data` of `decide`
-    /// Indices of the devices that the controller uses. It runs in the ticks in which the first of them runs;
-    /// without devices, in the ticks in which its drive runs.
+    /// Indices of the devices that the controller uses. It runs in the ticks in which the first of them runs.
+    /// Without devices it runs when the body's drive runs, and without a drive at the period
+    /// ControllerSpec::period_s.
     std::vector<std::size_t> devices;
   };
   /// Compiles the parameters and chooses among `devices` those that the controller uses. claimed[d] is true
@@ -525,11 +535,13 @@ struct ControllerKind {
                          std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries although its file does not list them.
   std::vector<std::string_view> brings;
-  /// Decides for all robots of the batch. make_controller_kind makes it from a function for one robot.
+  /// Decides for all robots of the batch: sets their commands and memories. make_controller_kind() makes it
+  /// from a function for one robot.
   void (*decide)(const std::any& data, const DecideBatch& batch);
 };
 
-/// All kinds that a world can use. Always an argument, never global; assembled in troupe/registry.cpp.
+/// All kinds that a world can use. A registry is passed as an argument and is never global.
+/// troupe/registry.cpp assembles the one with all kinds of Troupe.
 struct Registry {
   std::vector<ModelKind> models;            ///< model kinds of Stage files
   std::vector<DeviceKind> devices;          ///< sensors and other devices
@@ -538,7 +550,7 @@ struct Registry {
   std::vector<MeasureKind> measures;        ///< measures
   std::vector<FaultKind> faults;            ///< faults
 
-  /// A second name for a controller with certain parameters, such as Stage's expand_swarm.
+  /// A name for a controller kind with certain parameters, such as Stage's expand_swarm.
   struct Preset {
     std::string_view name;                                   ///< name in files
     std::string_view kind;                                   ///< name of the controller kind
@@ -548,14 +560,16 @@ struct Registry {
   std::vector<Preset> presets;  ///< their names differ from those of the controllers
 
   /// A callback that finds controllers of plug-ins (troupe/plugins.hpp), which are not in the lists above.
-  /// `unknown` is the error message for an unknown name; the returned error is this message, extended by
-  /// details. The kinds live as long as the registry and its copies. Empty: there are no plug-ins.
+  /// `unknown` is the error message for a name that no plug-in has; the returned error is this message,
+  /// extended by details. The kinds live as long as the registry and its copies. Empty: there are no
+  /// plug-ins.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
   /// A callback that finds sensors and other devices of plug-ins; otherwise like `plugged_controllers`.
   std::function<Result<const DeviceKind*>(std::string_view name, std::string unknown)> plugged_devices;
 
-  /// The kind of this name; null if there is none. The pointer is valid as long as the lists are not changed.
+  /// The kind of this name in the lists above, or for devices and controllers also of a plug-in; null if
+  /// there is none. The pointer is valid as long as the lists are not changed.
   ///@{
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;

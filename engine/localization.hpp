@@ -20,8 +20,8 @@ namespace troupe::engine {
 /// gps   The estimate is the true pose. It is given in the frame `origin` if that is set, else in the world
 ///       frame.
 /// odom  Wheel odometry with an error. Each tick adds the robot's true motion times 1 + error, along the
-///       estimated heading. A blocked motion adds nothing, nor does a pose that a program sets. The estimate
-///       is given in the frame `origin` if that is set, else in the frame of the robot's first pose.
+///       estimated heading. Neither a blocked motion nor a pose that a program sets changes the estimate. The
+///       estimate is given in the frame `origin` if that is set, else in the frame of the robot's first pose.
 struct Localization {
   /// The source of the estimate.
   enum class Kind : std::uint8_t {
@@ -37,21 +37,22 @@ struct Localization {
 
   Kind kind = Kind::gps;       ///< source of the estimate
   std::optional<Pose> origin;  ///< frame of the estimate, as a pose in the world frame
-  std::optional<Error> error;  ///< errors of all robots; not set: random for each robot
-  /// True: the motion of a tick is added along the heading after its turn, as in Stage. False: it is added
-  /// along the heading before the turn, as the robot really moves; only then does odometry with error 0 give
-  /// the true pose.
+  std::optional<Error> error;  ///< error of every robot; not set: each robot has its own random error
+  /// True: odometry adds the motion of a tick along the estimated heading after the turn of that tick, as in
+  /// Stage. False: it adds the motion along the heading before the turn, as the robot really moves. Only then
+  /// does odometry with error 0 give the true pose.
   bool along_new_heading = false;
 
-  /// The error of one robot's odometry: `error` if that is set. Otherwise random, a function of the seed and
-  /// the id: uniform from -0.015 to 0.015 for motions and from -0.025 to 0.025 for the turn.
+  /// The error of one robot's odometry: `error` if that is set. Otherwise it is random, a function of the
+  /// seed and the id of the body: uniform from -0.015 to 0.015 for x and y, and from -0.025 to 0.025 for the
+  /// turn.
   Error error_of(std::uint64_t seed, BodyId body) const;
 };
 
 constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return {"gps", "odom"}; }
 
-/// The parameters of localization, which are part of the parameters of drives. All are fixed while a world
-/// runs, because a change would change the layout of the state.
+/// The parameters of localization, which are part of the parameters of drives. Interventions cannot change
+/// them while a world runs, because the layout of the state depends on the source of the estimate.
 struct LocalizationParams {
   /// The heading along which a tick's motion is added; in files "old" and "new".
   enum class Heading : std::uint8_t {
@@ -92,7 +93,7 @@ struct LocalizationParams {
                                                 "Stage");
   }
 
-  /// The localization that the parameters describe, or why they are inconsistent.
+  /// Returns the localization that the parameters describe. The error says why they are inconsistent.
   Result<Localization> read() const;
 };
 
@@ -102,21 +103,23 @@ struct Odometry {
   double y = 0;        ///< estimated y, m, in the frame of the estimate
   double heading = 0;  ///< estimated heading, rad
 
-  /// Adds the true motion of one tick: x forward and y to the left, m, and turn, rad. The formula is in
+  /// Adds the true motion of one tick, changed by `error`, to the estimate: x forward and y to the left, m,
+  /// and turn, rad. `how` gives the heading along which the motion is added. The formula is in
   /// docs/driving.md.
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 
-/// Converts a pose from the world frame to the frame of `origin`. The height does not change.
+/// Converts a pose from the world frame to the frame whose pose in the world frame is `origin`. The height
+/// does not change.
 Pose relative_to(const Pose& origin, const Pose& pose);
 
 /// The estimated poses of robots of one type.
 struct Estimates {
-  const Localization* how = nullptr;     ///< how they are estimated; null: there are no estimates
+  const Localization* how = nullptr;     ///< how the poses are estimated; null: there are no estimates
   std::span<const Pose> poses;           ///< true poses, one per row
-  std::span<const Odometry> odometries;  ///< one per slot, if the type has odometry
+  std::span<const Odometry> odometries;  ///< odometry estimates, one per slot; empty without odometry
 
-  /// The estimated pose of one robot, m and rad; all 0 without estimates.
+  /// The estimated pose of the robot with this row and slot, m and rad; all values are 0 if `how` is null.
   Pose of(Row row, std::size_t slot) const;
 };
 

@@ -14,22 +14,24 @@ namespace troupe::engine {
 
 class World;
 
-/// A measure of a run: computes one number from the present state and its own memory of earlier states. It
-/// never changes the world. Its numbers must follow the rules for state (docs/determinism.md): they have the
-/// same bits for any number of threads and any tile size.
+/// A measure of a run. It computes one number from the present state and from its own memory of earlier
+/// states, and never changes the world. The numbers must have the same bits for any number of threads and any
+/// tile size, like the state (docs/determinism.md).
 class Measure {
  public:
   virtual ~Measure() = default;
   /// Updates the memory with the present state. Called for every tick in order, starting with the state at
   /// which measuring begins.
   virtual void see(World& world) { static_cast<void>(world); }
-  /// Value for the present state, for which see() was called before; NaN if it has no value.
+  /// The value for the present state, for which see() was called before, in the unit of its kind. NaN if the
+  /// measure has no value in this state.
   virtual double value(World& world) = 0;
-  /// The memory as bytes, which a checkpoint saves and overwrites. Its size must never change.
+  /// The memory as bytes. A checkpoint saves these bytes, and a resumed run overwrites them. Their number
+  /// must never change.
   virtual std::span<std::byte> memory() { return {}; }
 };
 
-/// A kind of measure, which is taken of all robots, of some of them, or of one.
+/// A kind of measure. It can be taken of all robots, of some of them, or of one.
 struct MeasureKind {
   std::string_view name;        ///< name of the measure and of its column
   Unit unit = Unit::none;       ///< SI unit, the suffix of the column's name

@@ -16,12 +16,13 @@
 
 namespace troupe::engine {
 
-/// The measures of one run, one column each. Not thread-safe; it computes on the worker threads of the world.
+/// The measures of one run. Each measure is a column of the results. Not thread-safe; the measures compute on
+/// the worker threads of the world.
 class MeasureSet {
  public:
-  /// Measuring begins with the present state. Errors are reported to `diagnostics` at the positions of the
-  /// specs: unknown kinds and robots, two columns with one name, and parameters that need too much memory.
-  /// World and registry must outlive the set.
+  /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of the
+  /// specs in the file: unknown kinds or robots, two columns with one name, and parameters that name
+  /// something unknown or need too much memory. World and registry must outlive the set.
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
              Diagnostics& diagnostics);
 
@@ -30,7 +31,8 @@ class MeasureSet {
   /// Updates the measures. Call this after every step. If the present tick does not follow that of the last
   /// call, for example after a reset, all measures begin again.
   void see();
-  /// Values for the state of the last see(), one per column; NaN if a measure has no value.
+  /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a measure
+  /// has no value.
   std::vector<double> values();
   /// Value of one column, as in values(). Does not compute the other columns.
   double value(std::size_t column);
@@ -56,13 +58,14 @@ class MeasureSet {
   std::uint64_t seen_ = 0;                          // tick of the last see()
 };
 
-/// Returns the robots that `of` names, in order of ids: those of a type, those of a population, or a single
-/// robot. Returns all robots if `of` is empty, and none if no type, population or robot has that name.
+/// Returns the robots that `of` names, in order of ids. These are the robots of the type `of`, the robot
+/// named `of`, and the robots whose name is `of` followed by digits (a population). Returns all robots if
+/// `of` is empty, and none if no type, population or robot has that name.
 std::vector<Row> robots_of(const World& world, std::string_view of);
 /// Names of all types and populations of robots, sorted.
 std::vector<std::string> names_of_robots(const World& world);
 
-/// Number of these rows whose bodies are in the world.
+/// Returns for how many of these rows the body is in the world.
 std::size_t count_there(const World& world, std::span<const Row> rows);
 
 /// Returns term(0) + ... + term(count - 1), computed on the worker threads of the world and rounded once: the
@@ -70,7 +73,7 @@ std::size_t count_there(const World& world, std::span<const Row> rows);
 template <class Term>
 double exact_sum(World& world, std::size_t count, Term&& term) {
   constexpr std::size_t k_block = 1024;
-  thread_local std::vector<ExactSum> kept;  // kept, because stop conditions are evaluated in every step
+  thread_local std::vector<ExactSum> kept;  // reused, because stop conditions call this in every step
   kept.assign((count + k_block - 1) / k_block, ExactSum());
   const std::span<ExactSum> sums = kept;  // of this thread: `kept` is another array on each worker
   world.parallel().for_each(sums.size(), [&, sums](std::size_t b) {

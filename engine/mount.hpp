@@ -4,12 +4,12 @@
 
 namespace troupe::engine {
 
-/// A frame relative to another frame. Like a Pose, but with sine and cosine of the heading already computed,
-/// so that chains of frames are cheap.
+/// A frame relative to another frame. It is like a Pose, but contains the sine and cosine of the heading, so
+/// that chains of frames are cheap to compute.
 struct Mount {
-  Transform transform;  ///< position and rotation in the plane, m
+  Transform transform;  ///< position, m, and rotation in the plane
   double z = 0;         ///< height, m
-  double heading = 0;   ///< heading of the rotation, rad; not wrapped
+  double heading = 0;   ///< angle of the rotation, rad; not wrapped
 
   Mount() = default;  ///< the identity
   Mount(const Transform& at, double height, double turned)
@@ -42,7 +42,7 @@ inline Pose compose(const Mount& a, const Pose& b) {
   return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};
 }
 
-/// Returns mount_b_a from mount_a_b.
+/// Returns the inverse: mount_b_a (frame a relative to frame b) from mount_a_b.
 inline Mount inverse(const Mount& mount) {
   Rotation back;
   back.cos = mount.transform.rotation.cos;

@@ -22,14 +22,14 @@ struct Name {
   friend bool operator==(Name, Name) = default;
 };
 
-/// The table of the words that names consist of. All names of a population share one word, so a million names
-/// take no memory for texts. (A string per body was rejected: it took 32 bytes per body, and most of the
+/// The table of the words that names consist of. All names of a population share one word, so the texts of a
+/// million names take no memory. (A string per body was rejected: it took 32 bytes per body, and most of the
 /// loading time of a large population.)
 class Names {
  public:
   /// A table that contains only the empty word, so that Name() is the empty text.
   Names() { intern(""); }
-  /// A copy of the table whose words() these are: the names of that table are valid for the copy. Throws
+  /// Makes a copy of another table from its words(). Names of the other table are valid for the copy. Throws
   /// std::invalid_argument if the first word is not empty or a word occurs twice.
   explicit Names(std::vector<std::string> words);
 
@@ -42,7 +42,7 @@ class Names {
   Name add(std::string_view text, std::uint32_t number);
   /// Returns the name with this text; std::nullopt if the table lacks its word.
   std::optional<Name> find(std::string_view text) const;
-  std::string text(Name name) const;  ///< the text that was given to add()
+  std::string text(Name name) const;  ///< the name as text: its word and its number
 
  private:
   std::uint32_t intern(std::string_view word);
@@ -71,7 +71,7 @@ class NameMap {
   BodyId find(Name name) const;
 
  private:
-  /// Position of the slot that contains a name, or of the free slot for it.
+  /// Index of the slot that contains the name, or of the free slot in which it must be stored.
   std::size_t slot_of(Name name) const;
   NamedBody& take(Name name);
 

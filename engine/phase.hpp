@@ -10,9 +10,9 @@ namespace troupe::engine {
 enum class Phase : std::uint8_t {
   intervene,  ///< interventions and faults of the world's file, then changes by programs and users
   sense,      ///< due sensors read the state of the last tick
-  actuate,    ///< commands of the last tick become velocities; devices carry out theirs
-  decide,     ///< controllers turn readings, memory and random numbers into new commands
-  move,       ///< bodies and joints move unless blocked; then effects, deaths and births
+  actuate,    ///< drives turn the commands of the last tick into velocities; devices execute theirs
+  decide,     ///< controllers compute new commands from readings, memory and random numbers
+  move,       ///< bodies and joints move unless blocked; then effects, deaths and births are applied
   index,      ///< the spatial index of all bodies is rebuilt
 };
 inline constexpr std::size_t k_phases = 6;  ///< number of phases

@@ -15,26 +15,28 @@
 
 namespace troupe::engine {
 
-/// Returns the solids of those parts of a type that are obstacles, as a shape for overlap tests; empty if no
-/// part is an obstacle. Throws std::length_error if an outline is too complex for convex_pieces().
+/// Returns the solids of the parts of a type that are obstacles (Returns::obstacle), as a shape for overlap
+/// tests. The shape is empty if no part is an obstacle. Throws std::length_error if an outline is too complex
+/// for convex_pieces().
 partition::ObstacleShape obstacle_shape(const TypeSpec& type);
 /// Returns the solids of the parts for which counts(part) is true, as a shape for overlap tests. Throws
 /// std::length_error if an outline is too complex for convex_pieces().
 partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const PartSpec& part));
 
-/// A spatial index of placed bodies. It has a grid of cells for each power of two of the body width (a
-/// level). A body is in the cell of its centre, at the level whose cells are about as wide as the body. A
-/// single large body therefore does not slow every query. The cells do not affect any answer.
+/// A spatial index of placed bodies. It has several grids (levels), whose cell widths are powers of two. A
+/// body is listed in the cell of its origin, at the level whose cells are about as wide as the body. A single
+/// large body therefore does not slow every query. The cells do not affect any answer.
 class Crowd {
  public:
-  /// Adds a body. Its number is size() before the call. The shape is kept as a reference and must outlive the
-  /// crowd. A body whose shape is empty is counted, but overlaps nothing.
+  /// Adds a body. Bodies are numbered from 0 in the order in which they are added. The crowd keeps a
+  /// reference to the shape, which must outlive it. A body with an empty shape gets a number, but overlaps no
+  /// other.
   void add(const partition::ObstacleShape& shape, const Pose& pose_world_body);
   std::size_t size() const { return bodies_.size(); }  ///< number of bodies
 
-  /// Whether no body of the crowd overlaps a shape at a pose.
+  /// Whether no body of the crowd overlaps a shape at a pose in the world frame.
   bool free(const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
-  /// Numbers of the bodies that overlap a shape at a pose, ascending.
+  /// Numbers of the bodies that overlap a shape at a pose in the world frame, ascending.
   std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape,
                                        const Pose& pose_world_body) const;
 
@@ -79,11 +81,11 @@ struct PlacementRule {
   Ring polygon;              ///< polygon that must contain the bodies' origins, m; empty: not restricted
   Box spill;                 ///< grid: second box, filled when all cells of `region` are used, m
   double pitch_m = 1;        ///< grid: edge of the cells
-  double jitter_m = 0;       ///< grid: x and y are displaced randomly by at most this distance each way
+  double jitter_m = 0;       ///< grid: x and y are each displaced by a random distance of at most this
   Vec2 mean{0, 0};           ///< gaussian: mean position, m
   Vec2 deviation{1, 1};      ///< gaussian: standard deviations along x and y, m
   double distance_m = 1;     ///< poisson_disc: smallest distance between origins
-  std::optional<Vec2> from;  ///< free_floor: point on that floor, m; not set: the largest connected floor
+  std::optional<Vec2> from;  ///< free_floor: start of the search, m; not set: the largest connected floor
   double cell_m = 0;         ///< free_floor: step of the search; 0: half the body's radius
   std::optional<double> heading;  ///< heading of all bodies, rad; not set: uniformly random
   double z = 0;                   ///< height of the bodies' origins, m
@@ -97,13 +99,14 @@ double grid_cells(const PlacementRule& rule);
 /// every integer.
 double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape);
 
-/// Returns poses for bodies 0, 1, ... of a population, computed one after another. Each is within `bounds`
-/// and free of the static scene, of the crowd and of the bodies before it. Adds the bodies to the crowd.
-/// Stops at the first body without a free pose: the result is then shorter than `count`. The pose of body k
-/// does not depend on `count` or on the cells of the spatial index: its random numbers follow from (seed,
-/// population, k, trial). The time is linear in `count` plus the number of skipped grid cells. For
-/// free_floor, the reachable floor is computed within the region, in steps along x and y, with only the
-/// static scene as obstacles. grid_cells() and floor_cells() must be below 2^32.
+/// Returns poses (world frame) for bodies 0, 1, ... of a population, computed one after another. At each pose
+/// the origin of the body is within `bounds` (if given), and the body overlaps neither the static scene nor
+/// the crowd. The body is then added to the crowd. The function stops at the first body without a free pose:
+/// the result is then shorter than `count`. The pose of body k depends neither on `count` nor on the cells of
+/// the spatial index: its random numbers follow from (seed, population, k, trial), where `population` is the
+/// name of the population. The time is linear in `count` plus the number of skipped grid cells. For
+/// free_floor, the reachable floor is computed within the region of the rule, in steps along x and y, with
+/// only the static scene as obstacles. grid_cells() and floor_cells() must be below 2^32.
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);

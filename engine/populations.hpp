@@ -22,18 +22,19 @@ struct PopulationSpec {
   std::size_t count = 0;      ///< number of bodies at tick 0
   std::size_t reserve = 0;    ///< further bodies that may be born later, with the next numbers: ReserveSpec
   Color color{1, 0, 0, 1};    ///< colour of the bodies (BodySpec::color)
-  bool random_color = false;  ///< each body gets a random opaque colour instead
+  bool random_color = false;  ///< true: each body gets a random opaque colour instead of `color`
   PlacementRule rule;         ///< where they are placed
   std::string path;           ///< path of `rule` in the file, for messages; empty: `populations[INDEX].rule`
   Where where;                ///< position in the file, for messages (BodySpec::where)
   Where where_place;          ///< position of `rule`, for messages
 };
 
-/// The obstacles while populations are placed: the solids of static bodies, and a crowd of other bodies.
+/// The obstacles that place() avoids: a static scene made of the solids of static bodies, and a crowd of
+/// other bodies.
 class Occupancy {
  public:
-  /// Makes the static scene from the first `fixed` bodies of the spec, without a crowd. Keeps a reference to
-  /// the types of the spec: no type may be added or changed during the lifetime of this object.
+  /// Makes the static scene from the first `fixed` bodies of the spec. The crowd is empty. This object keeps
+  /// a reference to the types of the spec: no type may be added or changed during its lifetime.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
   /// Makes the static scene from all static bodies of the spec, and the crowd from its other bodies at tick
   /// 0. Throws std::length_error as shape() does.
@@ -57,24 +58,26 @@ struct PlaceOptions {
   double most_bodies = 10000000;  ///< largest number of bodies in the world; more are an error
 };
 
-/// Appends populations to a world in their order, and for each population first its bodies and then its
-/// reserve. Each body is placed free of the static scene, the crowd and the bodies before it, and is added to
-/// the crowd. The poses depend only on the spec and the populations, not on the number of threads. Errors are
-/// reported at PopulationSpec::where and where_place: too many bodies, a rule with too many cells, a
-/// population with too little room. The world is then incomplete.
+/// Appends populations to a world in their order: for each population first its bodies, then its reserve.
+/// Each body is placed so that it overlaps neither the static scene nor the crowd of `occupancy`, and is then
+/// added to the crowd. The poses depend only on the spec and the populations, not on the number of threads.
+/// Too many bodies, a rule with too many cells, and a population without enough room are errors, reported at
+/// PopulationSpec::where or where_place. The world is then incomplete.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
            const PlaceOptions& options, Diagnostics& diagnostics);
-/// Appends populations to a world, as above; the obstacles are all bodies that the spec has at tick 0.
+/// Appends populations to a world, as above. The obstacles are all bodies that are in the world of the spec
+/// at tick 0.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
-/// Places bodies again that place() has appended: sets their poses and random colours to those that another
-/// seed gives. Of the bodies of a reserve, which have no pose yet, only the random colours change.
-/// A population with too little room is an error, reported at PopulationSpec::where_place. Thread-safe.
+/// Sets the poses and random colours of bodies that place() has appended to those that another seed gives.
+/// Bodies of a reserve have no pose yet: only their random colours change. A population without enough room
+/// is an error, reported at PopulationSpec::where_place. Thread-safe.
 ///
 /// bodies      the bodies of these populations and their reserves, in the order of place()
-/// occupancy   as after place(), so that it has all shapes; only its scene and shapes are read
-/// crowd       as before place()
+/// bounds      the bounds of the world (WorldSpec::bounds)
+/// occupancy   the object that place() used, which has all shapes; only its scene and shapes are read
+/// crowd       the crowd as it was before place()
 void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
                  const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,
                  Diagnostics& diagnostics);

@@ -8,17 +8,17 @@
 
 namespace troupe::engine {
 
-/// An outline of any body, or a piece of one, in the world frame, m: edges from each vertex to the next, and
-/// from the last to the first if it is closed.
+/// An outline of any body, or a piece of one, in the world frame, m. It has an edge from each vertex to the
+/// next, and one from the last to the first if it is closed.
 struct OutlineChain {
   std::span<const Vec2> vertices;  ///< vertices along the outline; valid until the next step
   bool closed = false;             ///< true: a whole closed outline; false: a section of one
   ZInterval z;                     ///< height interval, world frame, m
   BodyId body;                     ///< the body that it belongs to
   std::uint32_t part = 0;          ///< the part that it belongs to: index in the body's type
-  std::uint32_t solid = 0;         ///< chains with equal `body` and `solid` form one even-odd region
-  /// Distinguishes the chains of one solid. Chains that rangers see are numbered apart from those that
-  /// rangers do not see.
+  std::uint32_t solid = 0;         ///< chains with equal `body` and `solid` bound one region (even-odd rule)
+  /// A number that distinguishes the chains of one solid. Chains that rangers see and chains that they do not
+  /// see are numbered separately.
   std::uint32_t piece = 0;
   float ranger_return = 1;  ///< intensity that rangers read; below 0: rays of rangers pass through the chain
 };
@@ -30,7 +30,7 @@ void for_each_edge(const OutlineChain& chain, Visit&& visit) {
   if (chain.closed && !chain.vertices.empty()) visit(chain.vertices.back(), chain.vertices.front());
 }
 
-/// Piece number `piece` of outlines of the static scene, as a chain.
+/// Returns piece number `piece` of `outlines`, which belong to the static scene, as a chain.
 inline OutlineChain fixed_chain(const partition::StaticScene& scene, const partition::FixedOutlines& outlines,
                                 std::uint32_t piece) {
   const partition::FixedSolid& solid = scene.solids()[outlines.solid(piece)];
@@ -38,8 +38,8 @@ inline OutlineChain fixed_chain(const partition::StaticScene& scene, const parti
           outlines.solid(piece), piece, solid.ranger_return};
 }
 
-/// Calls visit(chain), once or more, for each piece of an outline of the static scene whose enclosing circle
-/// may touch the box and for which wanted(circle) is true.
+/// Calls visit(chain) for each piece of an outline of the static scene whose enclosing circle may touch the
+/// box (world frame, m), if wanted(circle) is true. A piece may be visited more than once.
 template <class Wanted, class Visit>
 void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, Visit&& visit) {
   const partition::StaticScene& scene = world.scene();
@@ -67,9 +67,9 @@ void for_each_chain_of(const World& world, Row row, Visit&& visit) {
                          outline.part, outline.solid, outline.first, outline.ranger_return});
 }
 
-/// Calls visit(chain) for each outline of each body that has a row, whose enclosing circle may touch the box,
-/// and for which wanted(circle) is true. Skips the row `own` and the bodies that carry it or that it carries;
-/// if `own` is not valid(), it skips no row.
+/// Calls visit(chain) for each outline of the bodies with rows whose enclosing circle may touch the box
+/// (world frame, m), if wanted(circle) is true. Skips the row `own` and the bodies that move together with it
+/// (World::same_tree()). If `own` is not valid(), no row is skipped.
 template <class Wanted, class Visit>
 void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
   world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
@@ -84,11 +84,11 @@ struct SightRay {
   Vec2 origin = Vec2::Zero();      ///< start of the ray, world frame, m
   Vec2 direction = Vec2::UnitX();  ///< unit vector, world frame
   double length = 0;               ///< length, m; surfaces at this range or farther are not hit
-  /// Row of the sensor's body. The ray passes through this body and the bodies that carry it or that it
-  /// carries. Not valid(): the ray passes through no body.
+  /// Row of the sensor's body. The ray passes through this body and through the bodies that move together
+  /// with it (World::same_tree()). Not valid(): the ray passes through no body.
   Row own;
   std::optional<double> z;  ///< height of the ray, world frame, m; not set: it hits surfaces at any height
-  bool (*stops)(const Returns&) = nullptr;  ///< whether a part stops the ray; null: all parts do
+  bool (*stops)(const Returns&) = nullptr;  ///< returns whether a part stops the ray; null: all parts do
 };
 
 /// The first surface that a ray hits.
@@ -116,17 +116,18 @@ Color color_of(const World& world, const RayHit& hit);
 ///         many beams at once, use the functions of partition/ranging.hpp.
 RayHit first_met(const World& world, const SightRay& ray);
 
-/// A vertex relative to a ray.
+/// The position of a vertex relative to a ray.
 struct SeenVertex {
   Vec2 to;      ///< vector from the ray's origin to the vertex, world frame, m
   double side;  ///< signed distance of the vertex from the ray's line, m; negative to the left of the ray
-  /// Origin and unit direction of the ray, and the vertex, all in the world frame.
+  /// origin, direction: the ray; the direction has unit length. All arguments are in the world frame, m.
   SeenVertex(const Vec2& origin, const Vec2& direction, const Vec2& vertex)
       : to(vertex - origin), side(cross(to, direction)) {}
 };
 
 /// Range at which a ray with the unit vector `direction` hits the edge from a to b, m; negative if it does
-/// not. The ends belong to the edge, so a ray never passes between two edges that share a vertex.
+/// not hit the edge. The ends belong to the edge, so a ray never passes between two edges that share a
+/// vertex.
 inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
   constexpr double k_missed = -1;
   if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;
@@ -138,14 +139,14 @@ inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const Se
   const double range = along_a + a.side / (a.side - b.side) * (along_b - along_a);
   return std::clamp(range, near, far) < 0 ? k_missed : std::clamp(range, near, far);
 }
-/// Range at which a ray with an origin and a unit direction hits the edge from a to b, m; negative if it does
-/// not. All arguments are in the world frame.
+/// Range at which a ray with this origin and unit direction hits the edge from a to b, m; negative if it does
+/// not hit the edge. All arguments are in the world frame.
 inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
   return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
 }
 
-/// Tests a ray against the edges of a chain, and updates `nearest`, the first surface that the ray has hit so
-/// far. Ties are resolved as in first_met().
+/// Tests a ray (origin and unit direction in the world frame, length in m) against the edges of a chain, and
+/// updates `nearest`, the nearest surface that the ray has hit so far. Ties are resolved as in first_met().
 inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
                        RayHit& nearest) {
   if (chain.vertices.empty()) return;

@@ -7,9 +7,9 @@
 
 namespace troupe::engine {
 
-// The members of a WorldSpec, described once (engine/description.hpp). The code that stores, restores,
-// compares and checks worlds (worldio/json/) uses these tables. Their limits are those of a world that runs
-// and can be stored. Each file format has narrower limits of its own.
+// The tables below describe the members of a WorldSpec (engine/description.hpp). The code that stores,
+// restores, compares and checks worlds (worldio/json/) uses them. Their limits are those of a world that can
+// run and be stored. Each file format has narrower limits of its own.
 
 const FieldTable& world_fields();       ///< fields of WorldSpec
 const FieldTable& type_fields();        ///< fields of TypeSpec

@@ -16,20 +16,21 @@ struct StateValue {
   Element element = Element::f64;  ///< type of the value
   std::uint64_t bits = 0;          ///< bits of the value, in the low bytes; the other bits are 0
 };
-/// The bits and the value as text: `0x3fe0000000000000 (0.5)`. Values with different bits have different
-/// texts.
+/// The bits of a value, and the value itself, as text: `0x3fe0000000000000 (0.5)`. Values with different bits
+/// have different texts.
 std::string value_text(const StateValue& value);
 
-/// Name of a column: `turn`, or `ranges[4]` if the field has several columns.
+/// Name of one column of a field: `turn`, or `ranges[4]` if the field has several columns.
 std::string field_text(const StateField& field, std::size_t column);
 
 /// A callback for a value that differs. Its arguments are the field, the column in the field, and the values
 /// in the first and in the second row.
 using ReportValue =
     std::function<void(const StateField&, std::size_t column, const StateValue&, const StateValue&)>;
-/// Calls `report` for each value that differs between two rows, in the order of the fields. It compares bits:
-/// -0 differs from 0, and a NaN equals a NaN with the same bits. Each row has the fields at
-/// StateField::offset; bytes between the fields are ignored.
+/// Calls `report` for each value that differs between two rows, in the order of the fields. The values are
+/// compared bit by bit: -0 differs from 0, and a NaN equals a NaN with the same bits. `first` and `second`
+/// point to the first byte of each row. A field is at StateField::offset in both; bytes between the fields
+/// are ignored.
 void compare_rows(std::span<const StateField> fields, const std::byte* first, const std::byte* second,
                   const ReportValue& report);
 
@@ -41,9 +42,9 @@ struct ComponentDifference {
   /// component.
   std::size_t entities = 0;
   BodyId body;        ///< lowest id of a body whose row differs
-  std::string field;  ///< first column that differs in the row of that body, see field_text()
-  StateValue first;   ///< value in the first world
-  StateValue second;  ///< value in the second world
+  std::string field;  ///< name of the first column that differs in the row of that body: field_text()
+  StateValue first;   ///< value of that column in the first world
+  StateValue second;  ///< value of that column in the second world
 };
 
 /// Returns the components that differ between two worlds made from one file, in the order in which a tick
@@ -52,9 +53,9 @@ struct ComponentDifference {
 /// matched by the ids of their bodies, so their order may differ.
 std::vector<ComponentDifference> state_differences(World& first, World& second);
 
-/// The text of a difference:
+/// The message for a difference, in which `world` gives the names of bodies:
 /// `ranger/eye: ranges[4] of "r12" (id 13) is 0x3f800001 (1.0000001), not 0x3f800000 (1); 3 entities differ`.
-/// The first value is that of the second world, the value after "not" that of the first world.
+/// The value after "is" is that of the second world, the value after "not" that of the first world.
 std::string difference_text(const World& world, const ComponentDifference& difference);
 
 }  // namespace troupe::engine

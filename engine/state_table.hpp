@@ -22,7 +22,7 @@ enum class Element : std::uint8_t {
   u32,  ///< std::uint32_t
   u8,   ///< std::uint8_t, bool
 };
-std::size_t element_size(Element element);       ///< bytes: 8, 4 or 1
+std::size_t element_size(Element element);       ///< size of a value, bytes: 8, 4 or 1
 std::string_view element_name(Element element);  ///< NumPy's name: "float64", "int32", "uint8", ...
 
 /// The element type for a C++ type T. Does not compile if T is none of the types listed at Element.
@@ -47,25 +47,28 @@ constexpr Element element_of() {
   }
 }
 
-/// One array of the state: name, element type, columns per row, unit and meaning.
+/// A field of a state component: its name, element type, number of columns, unit and meaning.
 struct StateField {
   std::string name;                ///< name, unique in the component
   Element element = Element::f64;  ///< type of each column
   std::uint32_t columns = 1;       ///< values per row
   std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
   std::string text;                ///< meaning, in one line, for `troupe describe` and recordings
-  /// Offset of the field within a row, bytes. StateTable sets it, unless its rows are structs.
+  /// Offset of the field within a row, bytes. The constructor of StateTable sets it, unless the rows are
+  /// structs.
   std::uint32_t offset = 0;
-  /// True: a field whose bytes are all zero adds nothing to the hash. When such a field is added to a version
-  /// of Troupe, worlds that do not use it keep their hashes.
+  /// True: the field adds nothing to the hash of a row in which all its bytes are 0. When a new version of
+  /// Troupe adds such a field, worlds that do not use it keep their hashes.
   bool sparse = false;
   /// True: the appearance of a body depends on the field, so it is recorded whenever poses are recorded.
   bool appearance = false;
 };
-/// Returns the fields with StateField::sparse set: a row of zeros then adds nothing to the hash.
+/// Returns the fields with StateField::sparse set. A field that is zero in a row then adds nothing to the
+/// hash of the row.
 std::vector<StateField> sparse(std::vector<StateField> fields);
 
-/// Groups of components. A hash log has one column per group, with the hash of its components.
+/// Groups of state components. A hash log has one column per group, with the sum of the hashes of its
+/// components.
 enum class HashGroup : std::uint8_t {
   pose,      ///< poses of bodies and joints, which body carries which, births and deaths
   velocity,  ///< velocities, commands of drives and devices, whether motions were blocked
@@ -76,7 +79,7 @@ inline constexpr std::size_t k_hash_groups = 4;     ///< number of hash groups
 std::string_view hash_group_name(HashGroup group);  ///< name of its column in a hash log
 
 /// The state of one component ("pose", "ranger/0", ...): a table with one row per body. Allocation, hashing
-/// and all code that reads state generically use the list of its fields. No part of the state can therefore
+/// and all code that reads state generically use the list of its fields. Therefore no part of the state can
 /// be missing from the determinism tests.
 ///
 /// There are two layouts: `columns` keeps each field contiguous, for loops that read one field of every
@@ -145,9 +148,9 @@ class StateTable {
     return *reinterpret_cast<const T*>(row(r));
   }
 
-  /// Hash of a row, which does not depend on the layout. It is the hash of (component name, id, all fields
-  /// that are not sparse, in declared order), plus the hash of (component name and field name, id, field) for
-  /// each sparse field that is not zero, modulo 2^64.
+  /// Hash of a row, which does not depend on the layout. It is a sum modulo 2^64: the hash of (component
+  /// name, id, all fields that are not sparse, in declared order), plus, for each sparse field that is not
+  /// zero, the hash of (component name and field name, id, field).
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
@@ -156,7 +159,7 @@ class StateTable {
   void clear() { std::ranges::fill(data_, std::byte{0}); }
   void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }  ///< fill_row() with 0
   void fill_row(std::size_t row, std::byte value);                  ///< sets every byte of a row's fields
-  /// Copies a row from a table of the same fields and layout.
+  /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);
 
  private:
@@ -172,7 +175,7 @@ class StateTable {
   std::vector<std::size_t> strides_;  // one per field: distance between rows, bytes
   std::size_t row_bytes_ = 0;
   std::size_t hashed_bytes_ = 0;
-  struct Stretch {  // fields of a row that are consecutive both in memory and in the hash
+  struct Stretch {  // fields of a row that are adjacent both in memory and in the hashed sequence
     std::size_t start;
     std::size_t stride;
     std::size_t bytes;

@@ -15,8 +15,9 @@ namespace troupe::engine {
 /// computed on the worker threads of the world.
 class StopConditions {
  public:
-  /// Measuring begins with the present state; the conditions are not yet evaluated. Reports the same errors
-  /// as MeasureSet, at the positions of the conditions. World and registry must outlive the object.
+  /// Measuring begins with the present state. The conditions are not evaluated yet. Reports the same errors
+  /// as MeasureSet, at the positions of the conditions in the file. World and registry must outlive the
+  /// object.
   StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
                  Diagnostics& diagnostics);
 
@@ -24,12 +25,13 @@ class StopConditions {
   void see();
   /// Evaluates the conditions for the state of the last see(), without updating the measures.
   void ask();
-  /// Begins measuring again with the present state. Call this after a reset.
+  /// Begins measuring again with the present state, and forgets which condition was true. Call this after the
+  /// world was reset.
   void begin();
   /// Index of the first condition that was true at the last evaluation; std::nullopt if none was.
   std::optional<std::size_t> holding() const { return holding_; }
 
-  /// Name under which a checkpoint stores memory(). Different conditions have different names.
+  /// Name under which a checkpoint stores memory(). Different lists of conditions have different names.
   std::string memory_name() const;
   /// Saves and restores the memory of the measures, for a checkpoint: see MeasureSet.
   ///@{
@@ -49,7 +51,7 @@ class StopConditions {
   std::vector<Condition> conditions_;
   MeasureSet measures_;
   std::vector<double> values_;  // one per column of measures_
-  std::string text_;            // of all conditions
+  std::string text_;            // the text of all conditions, for memory_name()
   std::optional<std::size_t> holding_;
 };
 

@@ -15,21 +15,23 @@ struct SightLine {
   double length = 0;               ///< length, m; outlines at this distance or farther are not hit
 };
 
-/// Casts many rays from one origin, with the results of first_met(), bit for bit. first_met() walks along
-/// each ray through the grid. This class looks up the bodies near the origin once for all rays, tests each
-/// ray against the enclosing circles of all of them, and intersects the remaining candidates from near to
-/// far. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
+/// Casts many rays from one origin. The results equal those of engine::first_met() bit for bit. That function
+/// walks along each ray through the grid. This class instead looks up the bodies near the origin once for all
+/// rays, tests each ray against the enclosing circles of these bodies, and intersects the remaining
+/// candidates from near to far. Not thread-safe. Keep one object per thread and reuse it: its arrays keep
+/// their memory.
 class VisibilityQuery {
  public:
   /// Sets the origin (world frame, m) and looks up the bodies near it. The world must not change until the
   /// last ray is cast.
   ///
   /// reach: the largest ray length, m
-  /// own, z: for all rays, as in SightRay
+  /// own, z: as in SightRay; they hold for all rays
   void stand(const World& world, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
-  /// Rows of the bodies whose enclosing circles are within the reach, each once. Some may be slightly beyond
-  /// the reach. The row `own` and the bodies that carry it or that it carries are excluded.
+  /// Rows of the bodies whose enclosing circles reach into the disc with the radius `reach` about the origin,
+  /// each once. Some circles may be slightly outside it. The row `own` and the bodies that move together with
+  /// it (World::same_tree()) are excluded.
   std::span<const std::uint32_t> bodies() const { return {circles_.row.data(), bodies_}; }
 
   /// Sets found[i] to the first surface that rays[i] hits. Both spans must have the same size.

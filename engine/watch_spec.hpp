@@ -9,7 +9,8 @@ namespace troupe::engine {
 inline constexpr double k_most_rate = 1e9;                      ///< limit of WatchSpec::rate
 inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< limit of WatchSpec::clock_ticks
 
-/// The pace of a run, and reports of its time, as the world file gives them. No member affects the results.
+/// How fast a run advances, and whether and how often it reports its time, as the world file gives them. No
+/// member affects the results.
 struct WatchSpec {
   bool clock = false;               ///< whether the time is reported during the run
   std::uint64_t clock_ticks = 100;  ///< ticks between two reports of the time
@@ -30,9 +31,9 @@ struct WatchSpec {
   }
 };
 
-/// Fields of WatchSpec in files: `clock`, `clock_ticks`, `rate`, `paused`.
+/// The fields of WatchSpec as they appear in files: `clock`, `clock_ticks`, `rate`, `paused`.
 const FieldTable& watch_fields();
-Record watch_record(const WatchSpec& watch);  ///< a record of watch_fields()
-WatchSpec watch_spec(const Record& record);   ///< from a record of watch_fields()
+Record watch_record(const WatchSpec& watch);  ///< the members as a record of watch_fields()
+WatchSpec watch_spec(const Record& record);   ///< made from a record of watch_fields()
 
 }  // namespace troupe::engine

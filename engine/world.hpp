@@ -37,14 +37,16 @@ struct FrameType;
 
 /// Options that affect the speed of a run, but never its results.
 struct WorldOptions {
-  /// Number of threads that compute a step; 0: one per processor that the process may use.
+  /// Number of threads that compute a step. With 0 there is one thread per processor that the process may
+  /// use.
   unsigned threads = 0;
-  /// Edge of the square tiles of the spatial index, m; 0: chosen from body sizes and sensor ranges.
+  /// Edge of the square tiles of the spatial index, m. With 0 it is chosen from body sizes and sensor ranges.
   double tile_size_m = 0;
 };
 
-/// Thrown when a step cannot be completed: a value is not a finite number, or a function of a sensor, drive,
-/// controller or other kind threw an exception. The text names the tick and the robot.
+/// Thrown when a step cannot be completed, because the velocity of a robot or the goal of a joint is not a
+/// finite number, or because a function of a kind of sensor, drive, controller or other device threw an
+/// exception. The text names the tick and the robot.
 class StepError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -52,14 +54,14 @@ class StepError : public std::runtime_error {
 
 /// The hash of a state (docs/determinism.md), in total and per group of tables. All sums are modulo 2^64.
 struct Hashes {
-  std::uint64_t state = 0;                            ///< sum over all tables
-  std::array<std::uint64_t, k_hash_groups> groups{};  ///< sum over the tables of each HashGroup
+  std::uint64_t state = 0;                            ///< sum of the hashes of all tables
+  std::array<std::uint64_t, k_hash_groups> groups{};  ///< one per HashGroup: sum of the hashes of its tables
 };
 
 /// Whether a body is in the world.
 enum class Presence : std::uint8_t {
   there,   ///< in the world
-  unborn,  ///< waits in a reserve (ReserveSpec) to be born
+  unborn,  ///< waits in a reserve (ReserveSpec) and may be born later
   dead,    ///< died, and never comes back
 };
 
@@ -73,17 +75,18 @@ class World {
  public:
   /// Builds the world in the state S(0). Throws InputError for errors that a loader of a file cannot find,
   /// such as a controller whose robot lacks the sensor that it needs. If bodies overlap at tick 0, one
-  /// warning gives the number of overlapping pairs, counted up to 10,000; thorough diagnostics list the first
-  /// hundred. The registry must outlive the world.
+  /// warning gives the number of overlapping pairs, counted up to 10,000. If `diagnostics` is thorough, each
+  /// of the first hundred pairs gets a warning of its own instead. The registry must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
   // ---- the tick: engine/step.cpp
-  /// Computes one tick: from S(k) to S(k+1). Throws StepError if a value is not a finite number or a function
-  /// of a kind throws. Exceptions of callbacks propagate unchanged. After an exception the state is
-  /// incomplete, see require_whole(). After the first steps it allocates no memory.
+  /// Computes one tick: from S(k) to S(k+1). Throws StepError if the velocity of a robot or the goal of a
+  /// joint is not a finite number, or if a function of a kind throws. Exceptions of callbacks propagate
+  /// unchanged. After an exception the state is incomplete, see require_whole(). Apart from the first steps,
+  /// a step allocates no memory.
   void step();
   /// Throws std::logic_error if a step threw and no reset(), restart() or restore() followed: some rows then
   /// have the state of the new tick and others that of the old one. All functions that read or continue the
@@ -92,46 +95,51 @@ class World {
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
-  /// Returns to S(0): tables, tick, counters and everything derived from them are as after construction.
-  /// Callbacks and subscriptions stay. Allocates nothing. May be called after a step that threw.
+  /// Returns to S(0). The tables, the tick, the counters and all data derived from them are then as after
+  /// construction. Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step
+  /// that threw.
   void reset();
-  /// Goes to S(0) with another seed and other poses of the bodies. The results equal those of a new world
-  /// that is made from a spec with this seed and these bodies; only the order of the rows may differ.
-  /// Callbacks and subscriptions stay. May be called after a step that threw.
+  /// Goes to S(0) with another seed and other poses of the bodies. The results of the run then equal those of
+  /// a new world whose spec has this seed and these bodies; only the order of the rows may differ. Callbacks
+  /// and subscriptions stay. This is allowed after a step that threw.
   ///
-  /// bodies: one for each body of the spec, with the same names and types; poses and colours may differ. If a
-  /// static body has another pose, the static scene is rebuilt.
+  /// bodies: one for each body of the spec, in the same order and with the same names and types. Poses and
+  /// colours may differ. If a static body has another pose, the static scene is rebuilt.
+  /// registry: the registry that the world was made with
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
-  /// Counters of a run since tick 0. They are not part of the state.
+  /// Counts of events since tick 0. They are not part of the state.
   struct Counters {
     std::uint64_t beams = 0;            ///< rays cast by all sensors
     std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution, see Conflicts::rounds()
   };
-  Counters counters() const { return {beams_, conflict_rounds_}; }  ///< counts since tick 0
-  /// A callback of restore() that writes a saved state into the tables: it must set every field of every row.
+  Counters counters() const { return {beams_, conflict_rounds_}; }  ///< the present counts
+  /// A callback of restore() that writes a saved state into the tables. It must set every field of every row.
   /// Before the call every byte of the tables is 0.
   using Fill = std::function<void(std::span<StateTable>)>;
-  /// Restores a saved state: calls `fill`, checks the result, and recomputes all data that are derived from
-  /// the tables. Returns false, with the world at S(0), if the filled tables do not have the hash
-  /// `state_hash` or contain values that no state has, such as a NaN in a pose. If `fill` throws, the
-  /// exception propagates and the world is also at S(0).
+  /// Restores the state that was saved after `tick` ticks, with the counters of that moment. Calls `fill`,
+  /// checks the filled tables, and recomputes all data that are derived from them. Returns false, and leaves
+  /// the world at S(0), if the filled tables do not have the hash `state_hash` or contain values that no
+  /// state has, such as a NaN in a pose. If `fill` throws, the exception propagates and the world is also at
+  /// S(0).
   bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
-  /// Overwrites with junk everything that is neither constant, nor state, nor set by the program, and then
-  /// derives it again. Tests call this and check that the run continues with the same bits (the "amnesia"
-  /// test, docs/determinism.md).
+  /// Overwrites with junk all data that are neither constant, nor state, nor set by the program, and then
+  /// computes them again from the state. Tests call this and check that the run continues with the same bits
+  /// (the "amnesia" test, docs/determinism.md).
   void forget();
-  /// For tests of the reach that kinds declare. While set, `sense` and `act` of a device compute one row at a
-  /// time, and the bodies whose circles are beyond its reach do not exist for them: they are not in the
-  /// index, and their poses, outlines and state are junk. The hashes stay the same if no kind reads further
-  /// than it declares (docs/determinism.md). Slow: a call takes time proportional to the number of rows.
-  /// Throws std::invalid_argument unless the world has one thread and the exact ray engine.
+  /// Switches a test mode on or off that detects device kinds which read data beyond the reach that they
+  /// declare (DeviceKind::Prepared::reach_m). In this mode the hooks `sense` and `act` of a device are called
+  /// for one row at a time. During each call, the bodies whose circles are outside the reach are not in the
+  /// spatial index, and their poses, outlines and state are junk. If no kind reads further than it declares,
+  /// the hashes of the run stay the same (docs/determinism.md). The mode is slow: each call takes time
+  /// proportional to the number of rows. Throws std::invalid_argument unless the world has one thread and the
+  /// exact ray engine.
   void hide_beyond_reach(bool on);
   std::uint64_t tick() const { return tick_; }    ///< number of completed ticks
   double tick_s() const { return spec_.tick_s; }  ///< length of a tick, s
   /// World time, s: tick() * tick_s().
   double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
-  /// Sets the callback that step() calls at the beginning of each phase, and with std::nullopt at the end of
-  /// the tick.
+  /// Sets the callback that step() calls at the beginning of each phase, with that phase, and at the end of
+  /// the tick, with std::nullopt.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
   /// Sets the callback that each step calls after it has applied the interventions and faults of the world's
   /// file, before the tick begins. The callback may change the world in all ways that are allowed between two
@@ -139,7 +147,7 @@ class World {
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
   /// A callback that step() calls in place of a controller, once per batch of robots. It must itself call
   /// controller.kind->decide(controller.data, batch). Several threads call it at once, so it must be
-  /// thread-safe. Used to check controllers.
+  /// thread-safe. ControllerCheck uses this.
   using OnDecide =
       std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
   /// Replaces the OnDecide callback; an empty one restores the direct call. Call this between steps.
@@ -149,31 +157,32 @@ class World {
   const WorldSpec& spec() const { return spec_; }                 ///< the spec that the world was made from
   std::span<const BodyType> types() const { return types_; }      ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return scene_; }  ///< geometry of the static bodies
-  /// Spatial index of the rows, with their poses at the end of the last step.
+  /// Spatial index of the bodies in the world that have rows, at their poses at the end of the last step.
   const partition::BodyIndex& index() const { return index_; }
-  /// Spatial index of the fiducials of static bodies.
+  /// Spatial index of the parts of static bodies that fiducial finders detect.
   const FixedTargets& fixed_targets() const { return fixed_targets_; }
-  /// Cells in which the grid ray engine traces rays; null if the world uses the exact ray engine.
+  /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
+  /// exact ray engine.
   const partition::RayGrid* ray_grid() const { return ray_grid_.get(); }
-  /// Sizes of the cells and tiles of the spatial index; no result depends on them.
+  /// Sizes of the cells and tiles of the spatial index. No result depends on them.
   const partition::GridGeometry& geometry() const { return geometry_; }
   /// The worker threads of step(). Measures may use them between steps.
   partition::Parallel& parallel() { return parallel_; }
   /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed. Rows are
-  /// ordered by the place of their bodies at tick 0.
+  /// ordered by the place of their bodies at tick 0, so that neighbours in space are close in memory.
   std::size_t rows() const { return row_bodies_.size(); }
   /// Number of robots (rows whose type has a drive) that are in the world at tick 0.
   std::size_t robots_at_start() const { return robots_at_start_; }
   /// Number of robots that are in the world now.
   std::size_t robots() const { return robots_; }
   BodyId body(Row row) const { return row_bodies_[row.index()]; }  ///< body of a row
-  /// Row of a body. Static bodies have no row: the result is then not valid().
+  /// Row of a body. Static bodies have no row: for them the result is not valid().
   Row row(BodyId body) const { return body_rows_[body.index()]; }
   const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }  ///< type of the row's body
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
   std::size_t slot(Row row) const { return row_slots_[row.index()]; }
-  /// Body with a name or alias; not valid() if there is none. If several bodies have the name, the last of
-  /// them. Thread-safe.
+  /// Returns the body that has a name or an alias. If several bodies have the name, returns the one with the
+  /// highest id; aliases then do not count. If there is none, the result is not valid(). Thread-safe.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -182,39 +191,45 @@ class World {
     require_whole();
     return tables_;
   }
-  /// Pose of each row, world frame; for a dead body the pose at which it died.
+  /// Pose of each row, world frame. A dead body has the pose at which it died; all values of an unborn body
+  /// are 0.
   std::span<const Pose> poses() const { return as<Pose>(k_pose); }
   /// Pose of any body, static ones included, in the world frame; NaN if the body is unborn.
   Pose pose(BodyId body) const;
   /// The row's pose as a transform, computed once per tick. Equals Transform(pose) bit for bit.
   const Transform& transform(Row row) const { return transforms_[row.index()]; }
-  /// Velocity that each row's drive computed, body frame, m/s and rad/s. It is the same whether or not the
-  /// motion was then blocked by an obstacle.
+  /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It does not become 0 when an
+  /// obstacle blocks the motion.
   std::span<const Velocity> velocities() const { return as<Velocity>(k_velocity); }
-  /// Command to each row's drive.
+  /// Command to the drive of each row. The numbers have no meaning for rows without a drive.
   std::span<const Command> commands() const { return as<Command>(k_command); }
   /// Whether the row's last motion was blocked or would have ended out of bounds.
   bool stalled(Row row) const;
   /// Whether the row's last motion would have ended out of bounds.
   bool is_out_of_bounds(Row row) const;
-  /// Estimated pose of a robot, in the frame of its odometry or of the world: see engine/localization.hpp.
+  /// Estimated pose of a robot, m and rad. It is given in the frame that the Localization of its drive
+  /// defines: by default the world frame, or with odometry the frame of the robot's first pose.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   Estimates estimates(const BodyType& type) const;  ///< estimated poses of all robots of a type
-  /// Overwrites the odometry estimate of a robot. Throws std::logic_error if the robot has no odometry,
-  /// std::invalid_argument if the pose is not finite.
+  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate; its height is
+  /// ignored. Throws std::logic_error if the robot has no odometry, and std::invalid_argument if the pose is
+  /// not finite.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command to a robot's drive. Call this between steps.
   void set_command(Row row, const Command& command) {
     require_whole();
     tables_[k_command].as<Command>(row.index()) = command;
   }
-  /// Transform that maps body-frame poses of parts and devices on a joint, as the type gives them with the
-  /// joint at rest, to their present poses in the world frame. It is the row's pose, moved by the present
-  /// displacement of the joint. With joint = k_rigid it is the row's pose.
+  /// Frame for the parts and devices on a joint of a body. Composed with the pose that a part has in the body
+  /// frame while the joint is at rest, it gives the present pose of the part in the world frame. It is the
+  /// row's pose, moved by the present displacement of the joint. With joint = k_rigid it is the row's pose.
   Mount mount(Row row, std::int32_t joint) const;
-  /// Greatest distance of the body's surface from its origin, with its joints where they are now, m.
+  /// Upper bound on the distance of any point of the row's body from its origin, with its joints where they
+  /// are now, m. For a body that carries others and is not carried itself, it includes the obstacle shapes of
+  /// its cargo. Negative if the body is not in the world.
   double radius(Row row) const { return row_radii_[row.index()]; }
-  /// Height by which a joint has raised the parts on it above their rest position, m.
+  /// Height by which a joint of the row's body has raised the parts on it above their rest position, m; 0 for
+  /// k_rigid.
   double lift(Row row, std::int32_t joint) const {
     return joint == k_rigid
                ? 0.0
@@ -231,17 +246,18 @@ class World {
   bool same_tree(Row a, Row b) const {
     return a == b || (links_.carried > 0 && links_.roots[a.index()] == links_.roots[b.index()]);
   }
-  /// Attaches the body `cargo` to a carrier, or to one of the carrier's joints (k_rigid: none): from now on
-  /// it keeps its present pose relative to them. Returns false and changes nothing if the cargo is already
-  /// carried, if it carries the carrier itself, or if the carrier cannot carry bodies. Only
+  /// Attaches the body `cargo` to a carrier. From now on it keeps its present pose relative to the carrier,
+  /// or relative to `joint` of the carrier unless that is k_rigid. Returns false and changes nothing if the
+  /// cargo is already carried, if it carries the carrier itself, or if the carrier cannot carry bodies. Only
   /// DeviceKind::apply may call this.
   bool attach(Row cargo, Row carrier, std::int32_t joint);
   /// Detaches a body from its carrier; its pose stays. Only DeviceKind::apply may call this.
   void release(Row cargo);
 
   // ---- births and deaths: engine/lives.cpp
-  /// Whether bodies may be born or die. This is so if the world has reserves, if a device or an intervention
-  /// can remove bodies, or if WorldSpec::mortal is set. Only then does the state have the component `life`.
+  /// Whether bodies of this world may be born or die. They may if the world has reserves, if a device or an
+  /// intervention can remove bodies, or if WorldSpec::mortal is set. Only then does the state have the
+  /// component `life`.
   bool has_lives() const { return life_table_.has_value(); }
   /// Presence of the row's body; Presence::there in a world without lives.
   Presence presence(Row row) const {
@@ -256,21 +272,21 @@ class World {
   /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame.
   Vec2 origin(Row row) const;
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0. The periods
-  /// of its devices, drive and controllers count from there.
+  /// of its devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const {
     return life_table_ ? tables_[*life_table_].as<Life>(row.index()).birth : 0;
   }
-  /// Reserve of the population with this name, as an index into WorldSpec::reserves; std::nullopt if the
-  /// population has no reserve.
+  /// Index of the reserve of a population in WorldSpec::reserves. std::nullopt if there is no population with
+  /// that name (without number), or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
   /// Number of bodies of a reserve that are not yet born.
   std::size_t unborn(std::size_t reserve) const {
     return spec_.reserves[reserve].count - next_born_[reserve];
   }
-  /// Spawns the next body of a reserve at a pose (world frame, m and rad), if that pose is free and the
-  /// reserve is not empty; otherwise the result says why not. The state of the body begins as that of other
-  /// bodies at tick 0. Throws std::invalid_argument if the pose is not finite. Each call rebuilds the spatial
-  /// index of all bodies. Call this between steps.
+  /// Spawns the next body of a reserve at a pose (world frame, m and rad). If the pose is not free or the
+  /// reserve is used up, no body is born, and the result says which. A new body starts with the state that it
+  /// would have had at tick 0. Throws std::invalid_argument if the pose is not finite. Each call rebuilds the
+  /// spatial index of all bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body from the world; bodies that it carries stay where they are. Does nothing if the body is
   /// not in the world. Throws std::logic_error if has_lives() is false. Each call rebuilds the spatial index
@@ -278,58 +294,64 @@ class World {
   void remove(Row row);
 
   // ---- experiments: engine/experiment.cpp
-  /// Whether the row's body is disabled, by an intervention or by a fault: its devices, controllers and drive
-  /// do not run. It stays where it is, blocks motions and is visible.
+  /// Whether the row's body is disabled by an intervention, a program or a fault. Its devices, controllers
+  /// and drive then do not run. It does not move on its own, but still blocks motions and is visible to
+  /// sensors.
   bool is_disabled(Row row) const { return impaired_ > 0 && condition(row).out != 0; }
-  /// Whether the row's device works: no fault has broken it, and its body is not disabled. See Condition.
+  /// Whether no fault has broken the row's device and its body is not disabled.
   bool works(Row row, const BodyType::Device& device) const {
     if (impaired_ == 0) return true;
     const Condition& now = condition(row);
     const auto d = static_cast<std::size_t>(&device - type(row).devices.data());
     return now.out == 0 && (d >= k_most_fallible || (now.dead >> d & 1) == 0);
   }
-  /// Whether bodies may be disabled or fail. This is so if the world has an intervention that disables
-  /// bodies, if it has faults, or if WorldSpec::mortal is set. Only then does the state have the component
-  /// `condition`.
+  /// Whether bodies of this world may be disabled or fail. They may if the world has an intervention that
+  /// disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. Only then does the state
+  /// have the component `condition`.
   bool has_conditions() const { return condition_table_.has_value(); }
   /// Disables or enables a body, as the intervention `disable` or `enable` of a world file does. Returns
   /// false and changes nothing if the body is already in that condition or is not in the world. Throws
   /// std::logic_error if has_conditions() is false. Call this between steps.
   bool set_disabled(Row row, bool disabled);
-  /// Number of rows whose bodies are disabled, or impaired by a fault, such as a broken device.
+  /// Number of bodies in the world that are disabled, or that a fault impairs, for example by a broken
+  /// device.
   std::size_t impaired_count() const { return impaired_; }
 
   /// A row and a pose for its body.
   struct Placed {
     Row row;    ///< row of the body
-    Pose pose;  ///< world frame, m and rad; the heading may have any value and is wrapped
+    Pose pose;  ///< world frame, m and rad; the heading may have any finite value and is wrapped
   };
   /// Sets the poses of bodies. Call this between steps. If a row occurs twice, its last pose counts. The
-  /// odometry of a robot does not register the change, its velocity stays, and a stalled robot is no longer
-  /// stalled. The poses need not be free: as at tick 0, bodies that overlap may then move apart but not
-  /// closer. Carried bodies move with their carriers. Throws std::invalid_argument, and moves no body, if a
-  /// body of the list is carried or not in the world, or if a pose is not finite or out of bounds. Each call
-  /// rebuilds the spatial index of all bodies, so pass all poses in one call.
+  /// odometry estimate and the velocity of a robot do not change; a stalled robot is no longer stalled. The
+  /// poses may overlap other bodies. As at tick 0, bodies that overlap may then move apart but not closer.
+  /// Carried bodies move with their carriers. Throws std::invalid_argument, and moves no body, if a body of
+  /// the list is carried or not in the world, or if a pose is not finite or out of bounds. Each call rebuilds
+  /// the spatial index of all bodies, so pass all poses in one call.
   void set_poses(std::span<const Placed> placed);
-  /// The bodies whose poses set_poses() set just before the last step, and the bodies that they carried, each
-  /// with its pose when that step began. Measures of distance travelled use this. It is not state.
+  /// The bodies that set_poses() placed between the last two steps, or in the phase `intervene` of the last
+  /// step, and all bodies that were carried at that time. Each has the pose that it had before the motions of
+  /// the last step. Measures of the distance travelled use this. It is not state.
   std::span<const Placed> placed_before_step() const { return placed_before_; }
-  /// Whether the row's body, at this pose (world frame), would be within the world's bounds and overlap no
-  /// obstacle. False if the pose is not finite.
+  /// Whether the row's body could be at a pose (world frame, m and rad): it would be within the world's
+  /// bounds, and would overlap neither the static scene nor another body that is an obstacle. False if the
+  /// pose is not finite.
   bool is_free(Row row, const Pose& pose) const;
   /// Readings of one sensor of a type, one table row per slot.
   const StateTable& percepts(const BodyType::Device& sensor) const { return tables_[sensor.table]; }
-  /// Makes every sensor of this body run, including those that no controller reads. Call this before the
-  /// first step.
+  /// Makes every sensor of this body run, including those that no controller reads. The body must have a row.
+  /// Call this before the first step.
   void subscribe(BodyId body) { row_subscribed_[row(body).index()] = 1; }
   /// Bodies for which subscribe() was called, in ascending order of ids.
   std::vector<BodyId> subscribed() const;
-  /// Whether a sensor of the row is active (BodyType::Device::active) or its body is subscribed to.
+  /// Whether a sensor of the row is active (BodyType::Device::active), or subscribe() was called for its
+  /// body.
   bool senses(Row row, const BodyType::Device& sensor) const {
     return sensor.active || row_subscribed_[row.index()] != 0;
   }
-  /// Whether a device of the row gets power. `supply` is the index of its power supply among the type's
-  /// devices: false if that supply is empty, true if there is none.
+  /// Whether a device of the row gets power: false if its power supply is empty. `supply` is the index of
+  /// that supply among the devices of the type; std::nullopt means that the device needs none, and gives
+  /// true.
   bool is_supplied(Row row, std::optional<std::size_t> supply) const {
     if (!supply) return true;
     const BodyType::Device& device = type(row).devices[*supply];
@@ -339,22 +361,23 @@ class World {
   bool is_on(Row row, const BodyType::Device& device) const {
     return device.switch_bit == 0 || (commands()[row.index()].off & device.switch_bit) == 0;
   }
-  /// Whether a device runs whenever its period is over. It does if it is active or subscribed to, is switched
-  /// on, works, and its power supply is not empty.
+  /// Whether the row's device runs in the ticks in which it is due, that is, once per
+  /// BodyType::Device::period. It runs if senses(), is_on(), works() and is_supplied() are true for it.
   bool runs(Row row, const BodyType::Device& device) const {
     return senses(row, device) && is_on(row, device) && works(row, device) && is_supplied(row, device.supply);
   }
-  /// Commands to a device, one table row per slot. The device must have a command table. They may be changed
+  /// Commands to a device, one table row per slot. The device must take commands. The commands may be changed
   /// between steps.
   StateTable& asked_of(const BodyType::Device& device) { return tables_[*device.command_table]; }
   /// State of a device, one table row per slot. DeviceKind::apply may change it, and so may a program between
   /// steps.
   StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
-  /// Vertices of a row's outlines, world frame, in the order of BodyType::outline_vertices.
+  /// Vertices of the outlines of a row's body, m, world frame, in the order of BodyType::outline_vertices.
   std::span<const Vec2> outline(Row row) const {
     return {outlines_.data() + outline_begins_[row.index()], type(row).outline_vertices.size()};
   }
-  /// Contribution of a table to the hash of the state: the sum over its rows, modulo 2^64.
+  /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state is the sum of
+  /// these over all tables.
   std::uint64_t hash(const StateTable& table);
   Hashes hashes();  ///< hashes of the present state; computed on the worker threads
 
@@ -366,12 +389,13 @@ class World {
   std::size_t out_of_bounds_count() const { return out_of_bounds_; }
   /// Rounds of conflict resolution since tick 0, see Conflicts::rounds().
   std::uint64_t conflict_rounds() const { return conflict_rounds_; }
-  /// Mean straight-line distance of the robots in the world from their origin(), m; 0 without robots.
+  /// Mean straight-line distance between the present position of a robot and its origin(), over all robots in
+  /// the world, m; 0 if there are none.
   double mean_displacement() const;
 
   // ---- for viewers
-  FrameScene frame_scene() const;  ///< the constant content of pictures: engine/frame.hpp
-  Frame frame() const;             ///< the content of pictures that changes with this tick
+  FrameScene frame_scene() const;  ///< the data to draw that are constant during a run
+  Frame frame() const;             ///< the data to draw that change with each tick
 
  private:
   enum TableIndex : std::size_t { k_pose, k_velocity, k_command, k_stall };
@@ -390,7 +414,8 @@ class World {
   std::span<const std::uint8_t> stall() const { return tables_[k_stall].column<std::uint8_t>(0); }
 
   [[noreturn]] void throw_half_made() const;
-  /// Guard of a step: sets is_half_made_ if the guarded work throws, and clears it otherwise.
+  /// Guards work that changes the state. Its destructor sets is_half_made_ if the work threw an exception,
+  /// and clears it otherwise.
   class Completion {
    public:
     explicit Completion(World& world) : world_(world) { world_.is_half_made_ = false; }
@@ -412,14 +437,15 @@ class World {
   void build_lives();
   /// Fills the tables with the state at tick 0, and computes the derived data.
   void start();
-  /// Draws the odometry error of each robot.
+  /// Computes the odometry error of each robot from the seed (Localization::error_of()).
   void draw_odometry_errors();
-  /// Sets the state of a row to that at birth. Its bytes must be 0.
+  /// Sets the state of a row to the state at the beginning of its body's life, with this pose (world frame).
+  /// All bytes of the row must be 0 before.
   void start(Row row, const Pose& pose);
   void start(Row row, const BodyType::Drive& drive);
-  /// Computes all derived data: everything that is neither constant, nor state, nor set by the program. Reads
-  /// only the spec, the tick and the tables, never earlier derived data. Called after every start, reset and
-  /// restore.
+  /// Computes all derived data: those that are neither constant, nor state, nor set by the program. It reads
+  /// only the spec, the tick and the tables, never earlier derived data. It is called after every start,
+  /// reset and restore.
   void derive();
   /// The part of derive() for one row; also called for bodies that are born or die.
   void derive(Row row);
@@ -440,7 +466,8 @@ class World {
   void move();
   void propose();
   void commit();
-  /// Advances the odometry of a robot whose motion was not blocked.
+  /// Adds the motion of this tick to the odometry estimate of a robot. It is called only if the motion was
+  /// not blocked.
   void count_way(Row row, const BodyType::Drive& drive);
   void commit_pushes();
   void apply_effects();
@@ -467,19 +494,22 @@ class World {
 
   // engine/experiment.cpp
   void build_experiment(const Registry& registry, Diagnostics& diagnostics);
-  /// types: the types that the settings of earlier interventions changed, as changed.
+  /// types: the specs of the types that earlier interventions change, with these changes, by TypeId. The
+  /// function adds the changes of this intervention.
   void build_intervention(Experiment::Intervention& intervention, const Registry& registry,
                           std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
-  /// Compiles a setting of parameters into `intervention`. The error says what is wrong with the setting.
+  /// Compiles a setting of parameters into `intervention`. `types` is as for build_intervention(). The error
+  /// says what is wrong with the setting.
   Result<> build_setting(const SettingSpec& setting, const Registry& registry,
                          std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
   void build_faults(const Registry& registry, Diagnostics& diagnostics);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
-  /// Rows of a group, in order of ids. If no body has the group's name, reports an error and returns no rows.
+  /// Rows of the bodies that a group names, in order of ids, before any random choice. If it names none,
+  /// reports an error at `where` and returns no rows.
   std::vector<Row> rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
-  /// Derives from the tick which interventions have been applied: those whose tick is before the present one.
-  /// Interventions of the present tick are applied by the next step.
+  /// Computes from the tick which interventions have been applied: those whose tick is before the present
+  /// one. The next step applies the interventions of the present tick.
   void derive_experiment();
   void find_due();
   bool conditions_hold() const;
@@ -487,7 +517,8 @@ class World {
   void intervene();
   bool carry_out(Experiment::Intervention& intervention);
   void toggle_disabled(Row row);
-  /// Chooses the number of candidates that the group asks for. Returns them in order of ids.
+  /// Chooses as many of Experiment::candidates as the group asks for: those with the lowest keys. Returns
+  /// them in order of ids.
   std::span<const Experiment::Candidate> choose(const GroupSpec& group);
   bool add(const Experiment::Intervention& intervention);
   Pose place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
@@ -534,17 +565,18 @@ class World {
 
   void remember_placed(Row row);
   void begin_placing();
-  /// Sets the data that are derived from a row's pose: its transform and the vertices of its outlines.
+  /// Updates the data that are derived from a row's pose: stores the transform, and computes the vertices of
+  /// the outlines in the world frame.
   void update_outlines(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
   FrameType look_of(std::size_t t, Row row) const;
   void begin(Phase phase);
-  /// Calls work(rows of one type, type) in parallel, each time with rows that are near one another in the
-  /// world. Used for work that reads the neighbours of a row: they are then in the cache.
+  /// Calls work(rows, type) in parallel for batches of rows of one type that are near one another in the
+  /// world. It is for work that reads the neighbours of a row: these are then likely to be in the cache.
   template <class Work>
   void for_neighbours(Work&& work);
-  /// Calls work(rows of one type, type) in parallel, each time with consecutive rows. Used for work that does
-  /// not read neighbours: it reads memory sequentially.
+  /// Calls work(rows, type) in parallel for batches of rows of one type from a block of consecutive rows. It
+  /// is for work that does not read neighbours: memory is then read sequentially.
   template <class Work>
   void for_blocks(Work&& work);
   template <class Work>
@@ -560,11 +592,12 @@ class World {
                   Work&& work);
   void hide_from(Row row, double reach);
   void show_hidden();
-  /// Calls visit(index of a table, its row) for the rows that a body has in the tables of the state.
+  /// Calls visit(t, i) for each state table t that has a row for the row's body; i is the index of that row.
   template <class Visit>
   void for_tables_of(Row row, Visit&& visit) {
     for (std::size_t t = 0; t < tables_.size(); ++t) {
-      // A table has a row per body, or per body of one type. If there is only one type, slots equal rows.
+      // A table has a row for each body, or for each body of one type. If there is only one type, slots equal
+      // rows.
       const std::size_t at = tables_[t].rows() == rows() ? row.index() : slot(row);
       if (at < tables_[t].rows() && tables_[t].ids()[at] == body(row)) visit(t, at);
     }
@@ -575,7 +608,7 @@ class World {
 
   // Constants: made from the spec by the constructor.
   WorldSpec spec_;
-  std::vector<BodyType> types_;  // except parameters that settings swap: see derive()
+  std::vector<BodyType> types_;  // constant except for parameters, which interventions change
   partition::Parallel parallel_;
   partition::GridGeometry geometry_;
   partition::StaticScene scene_;
@@ -587,7 +620,7 @@ class World {
   std::vector<std::uint32_t> row_types_;
   std::vector<std::uint32_t> row_slots_;
   std::vector<std::uint32_t> row_ids_;
-  std::vector<std::uint8_t> row_pushable_;  // this and row_push_limits_: empty if nothing can be pushed
+  std::vector<std::uint8_t> row_pushable_;  // empty, like row_push_limits_, if no body can be pushed
   std::vector<std::uint8_t> row_push_limits_;
   Pushables pushables_;
   std::vector<std::size_t> outline_begins_;
@@ -624,8 +657,8 @@ class World {
   // One per row: 1 if the grid ray engine does not draw the row's outlines. Empty unless bodies can be born
   // or die and the world uses that engine.
   std::vector<std::uint8_t> not_drawn_;
-  std::vector<std::uint32_t> next_born_;  // of each reserve: position of its first unborn body
-  std::vector<Row> newborn_;              // rows that the index does not contain yet
+  std::vector<std::uint32_t> next_born_;  // one per reserve: index of its first unborn body in the reserve
+  std::vector<Row> newborn_;              // rows of bodies that the index does not contain yet
   std::size_t robots_ = 0;
   std::size_t absent_ = 0;
   std::size_t impaired_ = 0;
@@ -636,7 +669,7 @@ class World {
   partition::BodyIndex index_;
   std::unique_ptr<partition::RayGrid> ray_grid_;
 
-  // Scratch: of the current tick, and for measures.
+  // Scratch: data of the current tick, and the poses that programs set, which measures read.
   std::vector<Motion> motions_;  // absent bodies never propose one
   Conflicts conflicts_;
   Effects effects_;

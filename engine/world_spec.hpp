@@ -19,11 +19,12 @@
 
 namespace troupe::engine {
 
-// The expanded contents of a world file: plain data that a loader makes from any format, that a program can
-// fill by hand, and that engine::World is built from. Lengths in metres, angles in radians, times in seconds.
+// The structs below are the expanded contents of a world file. They are plain data, which a loader makes from
+// a file of any format, or a program fills by hand. engine::World is built from them. Lengths are in metres,
+// angles in radians and times in seconds.
 
-/// Largest number of corners of all outlines in a world. It limits the sum over all types, and also the sum
-/// over all static bodies.
+/// Largest total number of corners of the outlines in a world. It limits the corners of all types together,
+/// and also those of all static bodies together.
 inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a model interacts with other bodies and with their sensors.
@@ -31,22 +32,24 @@ struct Returns {
   bool obstacle = true;           ///< takes part in collisions
   float ranger = 1;               ///< intensity that a ranger reads; below 0: its rays pass through
   std::int32_t fiducial = 0;      ///< value that fiducial finders read; 0: they do not detect the model
-  std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the model
+  std::int32_t fiducial_key = 0;  ///< only fiducial finders with this key detect the model
   bool gripper = false;           ///< grippers detect it and can grip it
   bool pushable = false;          ///< robots can push the whole body: docs/pushing.md
-  bool blob = true;               ///< true: blob finders report its colour; false: it only occludes others
+  bool blob = true;  ///< true: blob finders report its colour; false: it only hides other models from them
   friend bool operator==(const Returns&, const Returns&) = default;
 };
 
 /// Value in place of the index of a joint: the part or device is not on a joint, but fixed to the body.
 inline constexpr std::int32_t k_rigid = -1;
 
-/// A joint: a frame of a body type that one of its devices, such as an actuator or a gripper, moves. The
-/// poses of the parts, devices and further joints on it are given with every joint at rest.
+/// A joint: a frame of a body type that a device of the type, such as an actuator or a gripper, moves. Parts,
+/// devices and further joints can be mounted on a joint. All their poses are given with every joint at rest.
 struct JointSpec {
-  std::string name;               ///< name; the joint's state is the component `joint/<name>`
-  std::int32_t parent = k_rigid;  ///< index of the joint that it is mounted on; lower than its own
-  Pose pose_body_joint;           ///< frame at rest, in the body frame; displacements are given in it
+  std::string name;  ///< name; the joint's state is the component `joint/<name>`
+  /// Index of the joint that it is mounted on, which is lower than its own index; k_rigid: none.
+  std::int32_t parent = k_rigid;
+  /// Frame of the joint at rest, in the body frame. Displacements of the joint are given in this frame.
+  Pose pose_body_joint;
 };
 
 /// The image that a part's solids are made from. Only code that writes world files needs it: the simulation
@@ -60,25 +63,25 @@ struct ImageSpec {
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
 };
 
-/// The blocks that a part's solids are made from, as in Stage: all blocks together are scaled to fill the
-/// part's size, centred in x and y, and placed at `origin` in the part's frame. Only code that writes world
-/// files needs it.
+/// The blocks that a part's solids are made from, as in Stage. All blocks together are scaled to fill the
+/// part's size, centred in x and y, and placed at `origin`. Only code that writes world files needs this: the
+/// simulation uses the solids.
 struct FittedBlocks {
   std::vector<Solid> blocks;  ///< blocks before scaling, in a common frame and any unit of length
-  Pose origin;                ///< pose of their centre
+  Pose origin;                ///< pose of the centre of the scaled blocks, in the part's frame
 };
 
 /// A part of a body type: one model of a Stage model tree.
 struct PartSpec {
-  std::string name;              ///< relative to the body's name: "ranger:0"; empty for the root (part 0)
-  std::string alias;             ///< the generated name, if the world file gives the part another name
-  std::string kind;              ///< model kind: "position", "ranger", ...
-  std::uint32_t parent = 0;      ///< index of its parent part; the root's is 0
-  std::int32_t joint = k_rigid;  ///< index of the joint that moves it
-  Pose pose_body_part;           ///< pose of the part's frame in the body frame
+  std::string name;                     ///< name within the body: "ranger:0"; empty for the root (part 0)
+  std::string alias;                    ///< the generated name, if the world file gives the part another name
+  std::string kind;                     ///< model kind: "position", "ranger", ...
+  std::uint32_t parent = 0;             ///< index of its parent part; the root's is 0
+  std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on
+  Pose pose_body_part;                  ///< pose of the part's frame in the body frame
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m; GetGeom returns it in Stage
-  std::vector<Solid> solids;            ///< in the body frame, m, after all scaling
-  Returns returns;                      ///< how it interacts with other bodies
+  std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
+  Returns returns;                      ///< how it interacts with other bodies and with sensors
   bool floor_plan = false;              ///< whether its outline comes from an image
   std::optional<ImageSpec> image;       ///< the image that `solids` are made from; not set: no image
   std::optional<FittedBlocks> fitted;   ///< the blocks that `solids` are made from; not set: none
@@ -92,12 +95,13 @@ struct DeviceSpec {
   std::string kind;              ///< name of a kind of Registry::devices
   std::uint32_t part = 0;        ///< index of the part that carries it
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
-  std::int32_t moves = k_rigid;  ///< index of the first joint that it moves (DeviceKind::joints)
-  Record params;                 ///< one value for each field of the kind's table
-  Pose pose_body_device;         ///< frame in which the kind's parameters are given
-  double period_s = 0;           ///< time from one run to the next, s; 0: it runs in every tick
-  bool active = true;            ///< true: it also runs if no controller or program reads it
-  Where where;                   ///< position in the file, for messages
+  /// Index of the first of the joints that it moves (DeviceKind::joints); k_rigid: it moves none.
+  std::int32_t moves = k_rigid;
+  Record params;          ///< one value for each field of the kind's table
+  Pose pose_body_device;  ///< frame in which the kind's parameters are given
+  double period_s = 0;    ///< time from one run to the next, s; 0: it runs in every tick
+  bool active = true;     ///< true: it runs even if no controller or program reads it
+  Where where;            ///< position in the file, for messages
 };
 
 /// The drive of the bodies of a type.
@@ -110,9 +114,10 @@ struct DriveSpec {
 
 /// A controller of the bodies of a type.
 struct ControllerSpec {
-  std::string kind;        ///< name of a kind of Registry::controllers or of a plug-in
-  std::uint32_t part = 0;  ///< index of its part: it uses the devices of this part and of parts mounted on it
-  Record params;           ///< one value for each field of the kind's table: FieldTable::defaults()
+  std::string kind;  ///< name of a kind of Registry::controllers or of a plug-in
+  /// Index of its part. It uses devices of this part and of the parts mounted on this part.
+  std::uint32_t part = 0;
+  Record params;  ///< one value for each field of the kind's table: FieldTable::defaults()
   /// Time from one decision to the next, s; 0: every tick. Used only if the controller has neither a sensor
   /// nor a drive: otherwise it decides when its first sensor, or its drive, runs.
   double period_s = 0;
@@ -124,9 +129,10 @@ struct TypeSpec {
   std::string name;                 ///< name, unique in the world
   std::vector<PartSpec> parts;      ///< parts in depth-first order; part 0 is the root
   std::vector<JointSpec> joints;    ///< joints; each comes after its parent joint
-  std::optional<DriveSpec> drive;   ///< not set: the bodies have no drive
-  std::vector<DeviceSpec> devices;  ///< a device that moves a joint comes before the devices on it
-  /// In the order in which they decide. If several controllers command one drive, the last command counts.
+  std::optional<DriveSpec> drive;   ///< drive; not set: the bodies have none
+  std::vector<DeviceSpec> devices;  ///< devices; one that moves a joint comes before those on the joint
+  /// The controllers, in the order in which they decide in a tick. If several controllers command one drive,
+  /// the last command counts.
   std::vector<ControllerSpec> controllers;
 };
 
@@ -136,22 +142,24 @@ struct BodySpec {
   TypeId type;           ///< index into WorldSpec::types
   Pose pose_world_body;  ///< pose at tick 0, world frame
   Color color;           ///< colour of the parts that set none
-  /// Fiducial value of the body's root part, in place of the type's Returns::fiducial, so that robots with
-  /// different fiducial values can share a type. Ignored if the type's value is 0. 0: the type's value.
+  /// Fiducial value of the body's root part. It replaces Returns::fiducial of the type's root part, so that
+  /// robots with different fiducial values can share a type. It has no effect if it is 0 or the value of the
+  /// type is 0.
   std::int32_t fiducial = 0;
   Where where;  ///< position in the file, for messages
 };
 
 /// A reserve: bodies of a population that are unborn at tick 0 and can be born later, in ascending order of
-/// ids (docs/lives.md). They have the ids [first, first + count) and one type. Their poses are given at
-/// birth.
+/// ids (docs/lives.md). They have the ids [first, first + count) and are all of one type. Each body gets its
+/// pose when it is born.
 struct ReserveSpec {
-  std::string population;   ///< name of the population, without number: NAME of NAME0, NAME1, ...
+  std::string population;   ///< name of the population, without number: "r" for the bodies "r0", "r1", ...
   BodyId first;             ///< lowest id of the reserve
   std::uint32_t count = 0;  ///< number of bodies in the reserve
 };
 
-/// A part to which the world gives a name that is independent of its body's name.
+/// A part that has a name of its own in the world, independent of the name of its body
+/// (WorldSpec::part_aliases).
 struct PartName {
   BodyId body;       ///< the body that has the part
   std::string part;  ///< name of the part (PartSpec::name)
@@ -159,7 +167,8 @@ struct PartName {
 
 /// The recording that the world asks for (docs/recordings.md).
 struct RecordSpec {
-  std::string file;                 ///< path; empty: recorded only if the command line names a file
+  /// Path of the recording. Empty: a run is recorded only if the command line names a file.
+  std::string file;
   std::vector<std::string> fields;  ///< fields to record; empty: the default ones
   std::optional<double> every_s;    ///< world time between two recorded ticks; not set: 0.1
   Where where;                      ///< position in the file, for messages
@@ -178,31 +187,32 @@ struct WorldSpec {
   RangingEngine ranging = RangingEngine::exact;  ///< how ranges are computed: docs/sensing.md
   double resolution_m = k_resolution_m;          ///< edge of the cells of the grid ray engine
   Where resolution_where;                        ///< position of `resolution_m`, for messages
-  /// Box in which the origins of bodies must stay, m: a motion that would end outside is not made. Not set:
-  /// from -100 km to 100 km in x and y.
+  /// Box in which the origins of bodies must stay, m. A motion that would end outside is not made. If this is
+  /// not set, the box reaches from -100 km to 100 km in x and y.
   std::optional<Box> bounds;
   std::vector<TypeSpec> types;  ///< TypeId is the position in this list
   Names names;                  ///< words of the bodies' names
   /// BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
-  /// True: a program may remove and disable bodies, even if nothing in the world file does.
+  /// True: a program may remove and disable bodies, even if the world file has no reserve, intervention or
+  /// fault.
   bool mortal = false;
   /// Further names of bodies; no name occurs twice. In Stage, generated names remain as aliases.
   std::vector<NamedBody> aliases;
-  /// Parts whose names are independent of their body's name, by that name (Stage: `name "/x"` in a child
-  /// model).
+  /// Parts that have a name independent of their body's name. The key is that name (in Stage: `name "/x"` in
+  /// a child model).
   std::unordered_map<std::string, PartName> part_aliases;
   /// Measures that a run takes, unless its options say otherwise.
   std::vector<MeasureSpec> measures;
   double measure_every_s = 1;    ///< world time between two lines of measures, s
-  WatchSpec watch;               ///< pace of a run, and reports of its time
+  WatchSpec watch;               ///< speed of a run, and how often the world time is reported
   std::optional<Record> window;  ///< initial view of a window: worldio/window_fields.hpp
   ExperimentSpec experiment;     ///< interventions, faults and stop conditions
 
   /// Name of a body, as text.
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
-  /// Whether a body is in the world at tick 0.
+  /// Whether a body is in the world at tick 0: it belongs to no reserve.
   bool starts(BodyId body) const {
     for (const ReserveSpec& reserve : reserves)
       if (body.value - reserve.first.value < reserve.count) return false;
@@ -213,18 +223,20 @@ struct WorldSpec {
 /// Adds the ground, body 0 of every world: the body `_ground_model` of type `ground`, without solids.
 void add_ground(WorldSpec& spec);
 
-/// Checks the members of a world against one another and calls `report` for each inconsistency: a part whose
-/// parent comes later, a body whose type does not exist, reserves that overlap, ... Each message begins with
-/// the path of the value: `types[0].parts[2].parent: ...`. Limits of single members are not checked here, but
-/// by the tables of spec_description.cpp.
+/// Checks the members of a world against one another. Calls report(place in the file, message) for each
+/// inconsistency, such as a part whose parent comes later, a body whose type does not exist, or reserves that
+/// overlap. Each message begins with the path of the value: `types[0].parts[2].parent: ...`. Limits of single
+/// members are not checked here, but with the tables of spec_description.cpp.
 void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
 
-/// Appends a reserve of `count` bodies for each population of robots that has no reserve. Here a population
-/// is the set of all bodies named NAME0, NAME1, ..., provided that they have one type and that it has a
-/// drive.
+/// Appends a reserve of `count` bodies for each population of robots that has no reserve. The new bodies get
+/// the next numbers, and copy all other members except the pose from its first body. Here a population is the
+/// set of all robots (bodies with a drive) named NAME0, NAME1, .... It is skipped if its robots are of
+/// several types.
 void add_spare(WorldSpec& spec, std::uint32_t count);
 
-/// Value that fiducial finders read from a part of a body; 0: they do not detect the part.
+/// Value that fiducial finders read from a part of a body, including BodySpec::fiducial; 0: they do not
+/// detect the part.
 inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_t part) {
   const BodySpec& b = spec.bodies[body.index()];
   const std::int32_t of_type = spec.types[b.type.index()].parts[part].returns.fiducial;
@@ -234,7 +246,8 @@ inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_
 /// True if the type has a drive.
 inline bool is_mobile(const TypeSpec& type) { return type.drive.has_value(); }
 
-/// True if part `below` is `part` or one of its descendants.
+/// True if the part with index `below` is the part with index `part`, or is mounted on it directly or through
+/// further parts.
 bool is_below(const TypeSpec& type, std::uint32_t below, std::uint32_t part);
 
 }  // namespace troupe::engine
