@@ -19,7 +19,8 @@ struct RoundLength {
   std::string text() const;
 };
 
-/// The lines of a floor grid of a map, one stroke wide, in pixels from the picture's centre.
+/// The lines of the floor grid of a map, one stroke wide, in pixels from the picture's centre. The distance
+/// between lines is a round length of at least 48 strokes.
 Mesh floor_grid(const Framing& framing, Rgba color);
 /// The scale bar and the texts along the picture's lower edge.
 struct Furniture {
@@ -27,10 +28,10 @@ struct Furniture {
   std::string left;   ///< text to the right of the scale bar
   std::string right;  ///< text in the right corner: the time
 };
-/// The text of the clock: "12.5 s", or "12.5 s  40 x real time" if `times_real_time` is not 0.
+/// The text of the clock: "12.5 s", or "12.5 s  40 x real time" if `times_real_time` is above 0.
 std::string clock_text(double time_s, double times_real_time = 0);
-/// Adds the furniture in pixels from the picture's centre. It adds nothing if the picture is too small for it
-/// (Framing::has_furniture).
+/// Adds the scale bar and the texts of `shown` to `writing`. It adds nothing if the picture is too small for
+/// them (Framing::has_furniture).
 void add_furniture(Writing& writing, const Framing& framing, const Furniture& shown);
 
 }  // namespace troupe::render

@@ -17,15 +17,15 @@ Rgba darker(Rgba fill);
 /// A colour that is readable on `fill`: white if `fill` is dark, near black if it is light.
 Rgba contrasting(Rgba fill);
 
-/// The convex pieces of each shape of a type, in the order of the shapes. They are computed only once,
-/// because this takes long for large floor plans.
+/// The convex pieces of each shape of a type, in the order of the shapes. Callers compute them once per type
+/// and keep them, because this takes long for large floor plans.
 using Pieces = std::vector<std::vector<ConvexPrism>>;
 Pieces pieces_of(const engine::FrameType& type);
 
-/// The top faces of the shapes of a type in its body frame, m. Lower shapes come first, the heading mark
-/// last.
+/// The top faces of the shapes of a type in its body frame, m, with the lines and the mark that `style`
+/// selects. Lower shapes come first, the heading mark last. `pieces` is pieces_of(type).
 Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
-/// A mesh without its strokes, with all triangles in the colour Paint::body.
+/// The triangles of a mesh without its strokes, all in the colour Paint::body. It is drawn for shadows.
 Mesh silhouette(Mesh mesh);
 
 /// Adds a line from a to b at the height z. Its square ends extend beyond a and b by half the width, so that
