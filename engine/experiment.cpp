@@ -261,7 +261,7 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
       continue;
     }
     const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));
-    std::map<std::uint32_t, std::uint32_t> faults;  // per type, because device indices differ by type
+    std::map<std::uint32_t, std::uint32_t> faults;  // by type: device indices differ between types
     for (const Experiment::Candidate& candidate : chosen) {
       const std::uint32_t t = row_types_[candidate.row.index()];
       const auto [known, is_new] =

@@ -333,7 +333,7 @@ void World::for_roots(Work&& work) {
 /// free of the static scene. They must also be free of every other tree at its present pose, both with the
 /// joints of that tree where they are now and with these joints at their goals. The order in which two trees
 /// are tested therefore does not matter, and they do not come to overlap, whether one of them moves or both.
-/// A static piece or a tree that overlapped the tree already before the round blocks nothing.
+/// A static piece or another tree that already overlapped the tree before the round does not block it.
 void World::resolve_joints() {
   Links& links = links_;
   if (!links.asked.load(std::memory_order_relaxed)) return;
@@ -362,8 +362,8 @@ void World::resolve_joints() {
 
 /// Computes Links::Joint::then for the joints of a body and of all bodies that it carries, at a fraction t (0
 /// to 1) of their motions of this round. Returns an upper bound on how far the complete motions (t = 1) move
-/// any point, m; 0 if no joint moves in this round. radius: bound on the distance of any point from the root,
-/// m
+/// any point, m. The bound is 0 if no joint moves in this round. `radius` must be an upper bound on the
+/// distance of any point from the root, m.
 double World::aim_joints(const TreeBody& body, std::size_t round, double t, double radius) {
   const BodyType& type = this->type(body.row);
   const std::span<Links::Joint> all = joints(body.row);
@@ -400,8 +400,9 @@ double World::aim_joints(const TreeBody& body, std::size_t round, double t, doub
   return way;
 }
 
-/// Computes the shape of the moving pieces of tree c at their goals, and the number of samples of the motion.
-/// Returns an upper bound on how far any point moves, m; 0 if no joint of the tree moves in this round.
+/// Computes the shape of the moving pieces of a tree at their goals, and the number of samples at which their
+/// motion is tested. `c` is the index of the root in Links::composites. Returns an upper bound on how far any
+/// point moves, m; 0 if no joint of the tree moves in this round.
 double World::ask_joints(std::size_t c, Row root, std::size_t round) {
   links_.samples[c] = 0;
   links_.refused[c] = 0;

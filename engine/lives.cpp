@@ -150,8 +150,8 @@ Birth World::give_birth(std::size_t reserve, const Pose& pose) {
   return {BirthStatus::born, id};
 }
 
-/// Removes a body from the world. Its row keeps the pose at death and the component `life`; the rest of its
-/// state becomes 0.
+/// Removes a body from the world, if it is there. Its carrier releases it, and it releases its cargo. Its row
+/// keeps the pose at death and the component `life`; the rest of its state becomes 0.
 void World::die(Row row) {
   if (!is_there(row)) return;
   if (links_.any()) {

@@ -54,7 +54,8 @@ void compare_fields(const StateField& field, const std::byte* first, const std::
   }
 }
 
-/// Rows of a table sorted by the id of their bodies, so that two tables can be compared body by body.
+/// Indices of the rows of a table, sorted by the ids of their bodies, so that two tables can be compared body
+/// by body.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
   std::vector<std::size_t> rows(table.rows());
   for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = r;

@@ -11,8 +11,8 @@ using partition::BodyCircle;
 
 // The mark of a circle says what it encloses. It is the row of a body, or the index of a static outline piece
 // plus one of these flags, which are larger than any row.
-constexpr std::uint32_t k_seen = 1u << 31;    // in StaticScene::outlines()
-constexpr std::uint32_t k_hidden = 1u << 30;  // in StaticScene::hidden_outlines()
+constexpr std::uint32_t k_seen = 1u << 31;    // index into StaticScene::outlines()
+constexpr std::uint32_t k_hidden = 1u << 30;  // index into StaticScene::hidden_outlines()
 constexpr std::size_t k_room = 1024;          // initial capacity of the arrays, in circles
 // With more circles than this, engine::first_met() is faster: it only tests circles near each ray.
 constexpr std::size_t k_crowd = 512;

@@ -776,8 +776,8 @@ double World::mean_displacement() const {
   return robots_ > 0 ? sum.value() / static_cast<double>(robots_) : 0;
 }
 
-/// Appearance of the body of a row of type t. If `row` is not valid, the appearance of bodies of type t with
-/// joints at rest.
+/// Returns the shapes and the radius of the body of `row` as they are drawn, with its joints where they are
+/// now. If `row` is not valid, the joints are at rest. `t`: index of the body's type.
 FrameType World::look_of(std::size_t t, Row row) const {
   FrameType look{
       .mobile = types_[t].drive.has_value(), .radius = types_[t].radius, .name = spec_.types[t].name};

@@ -117,7 +117,7 @@ struct PointLayer {
   std::vector<Point> points;
   float size = 1;       ///< edge length of the squares, pixels
   bool on_map = false;  ///< true: flat in the picture, like a Layer; false: in the world, like a SolidLayer
-  bool on_top = false;  ///< if on_map: true covers all earlier layers, whatever their heights
+  bool on_top = false;  ///< only with on_map: whether it covers all earlier layers, whatever their heights
 };
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;

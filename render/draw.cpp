@@ -87,7 +87,7 @@ Framing frame_from_above(const FrameScene& scene, const View& view) {
   return framing;
 }
 
-/// The interval of heights of the floor and all bodies, world frame, m.
+/// An interval that contains the heights of the floor and of all `bodies`, world frame, m.
 ZInterval heights_in(const FrameScene& scene, const std::vector<FrameBody>& bodies) {
   ZInterval heights{0, 0.01};
   std::vector<ZInterval> of_types;

@@ -13,7 +13,8 @@ struct RoundLength {
   double metres = 1;
   int exponent = 0;  ///< exponent of the power of ten
 
-  /// The largest round length that is at most `metres`.
+  /// The largest round length that is at most `metres`, which must be positive. If `metres` is a power of
+  /// ten, the result may be half of it, because of rounding.
   static RoundLength at_most(double metres);
   /// The length as text, such as "50 m", "0.2 m", "2 km" or "5 mm".
   std::string text() const;
@@ -25,7 +26,7 @@ Mesh floor_grid(const Framing& framing, Rgba color);
 /// The scale bar and the texts along the picture's lower edge.
 struct Furniture {
   bool scale = true;  ///< a scale bar with its length, in the left corner
-  std::string left;   ///< text to the right of the scale bar
+  std::string left;   ///< text right of the scale bar, or in the left corner if there is no scale bar
   std::string right;  ///< text in the right corner: the time
 };
 /// The text of the clock: "12.5 s", or "12.5 s  40 x real time" if `times_real_time` is above 0.

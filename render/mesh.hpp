@@ -7,12 +7,12 @@ namespace troupe::render {
 /// What body_mesh() draws in addition to the faces.
 struct MeshStyle {
   float edge = 0;     ///< width of the outline of each contour, pixels; 0: no outline
-  float halo = 0;     ///< width of a white line below the outline, pixels; 0: no line
+  float halo = 0;     ///< width of a white line drawn under the outline, pixels; 0: no line
   bool mark = false;  ///< whether there is a triangle at the front that points forward
 };
 
 Rgba to_rgba(const Color& color);
-/// The colour of the outline of a shape of the colour `fill`.
+/// The colour for the outline of a shape of the colour `fill`: darker, with the same opacity.
 Rgba darker(Rgba fill);
 /// A colour that is readable on `fill`: white if `fill` is dark, near black if it is light.
 Rgba contrasting(Rgba fill);
@@ -29,7 +29,7 @@ Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshSt
 Mesh silhouette(Mesh mesh);
 
 /// Adds a line from a to b at the height z. Its square ends extend beyond a and b by half the width, so that
-/// corners close. a, b and z are in mesh units, the width is in pixels.
+/// corners close. a and b are in mesh units, z is in m, the width is in pixels.
 void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own = {});
 /// Adds a filled rectangle with the corners min and max, in mesh units.
 void add_rectangle(Mesh& mesh, const Vec2& min, const Vec2& max, Rgba own);

@@ -127,7 +127,7 @@ void add_square(SolidMesh& mesh, const Vec3& corner, double edge, Rgba color) {
   add_plain(mesh, corner, across, corner + Vec3(0, edge, 0), color);
 }
 
-/// Squares that robots have visited. A square is the paler, the longer ago the last visit was.
+/// Squares that robots have visited. A square whose last visit was longer ago is paler.
 SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
   SolidMesh mesh;
   for (const engine::FrameSquare& square : frame.covered) {

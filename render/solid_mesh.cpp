@@ -121,7 +121,8 @@ FrameType topmost(const FrameType& type) {
   return top;
 }
 
-/// Adds the triangles of a flat mesh, as faces that point up or as marks on such faces.
+/// Adds the triangles of a flat mesh, as faces that point up (Corner::face) or as marks on such faces
+/// (Corner::plain).
 void add_flat(SolidMesh& mesh, std::span<const Vertex> triangles, Corner corner) {
   for (const Vertex& v : triangles) mesh.push_back({v.x, v.y, v.z, 0, 0, 1, 0, v.own, v.paint, corner});
 }

@@ -20,7 +20,7 @@ struct Flat {
 /// same colour, width and height.
 class Paths {
  public:
-  Vec2 middle = Vec2::Zero();  ///< centre of the picture, pixels
+  Vec2 middle = Vec2::Zero();  ///< centre of the picture, pixels from its upper left corner
   std::vector<Flat> all;
 
   /// Adds a triangle. Its corners are in pixels right of and above the picture's centre; `z` is its height,
