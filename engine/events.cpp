@@ -52,7 +52,8 @@ void EventWatch::remember(const World& world) {
   for (std::size_t r = 0; r < world.rows(); ++r) lives_[r] = world.presence(Row(r));
 }
 
-/// Adds events of robots that began or stopped working. Dead bodies have no such events.
+/// Adds an event `fails` or `recovers` for each robot that stopped or resumed working since the tick before.
+/// Bodies that are not in the world have no such events.
 void EventWatch::see_failures(const World& world) {
   for (std::size_t r = 0; r < disabled_.size(); ++r) {
     const bool now = world.is_disabled(Row(r));

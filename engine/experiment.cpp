@@ -25,15 +25,16 @@ using Of = SettingSpec::Of;
 using FaultEvent = Experiment::FaultEvent;
 
 constexpr std::uint32_t k_trials = 1000;  // random positions per added body, as when a world is loaded
-// Largest number of bodies born since the index was built: each birth tests all of them. The index is then
-// rebuilt.
+// Number of births after which the spatial index is rebuilt. Each birth is tested one by one against the
+// bodies that were born since the index was built, because the index does not contain them.
 constexpr std::size_t k_most_newborn = 64;
 
 std::string_view without_number(std::string_view name) {
   return name.substr(0, name.find_last_not_of("0123456789") + 1);
 }
 
-/// "r17" belongs to population "r", and "r217" to a population named "r2".
+/// Whether a name is the name of a population followed by digits, as those of its bodies are. "r217" is of
+/// population "r2", and also of population "r".
 bool is_of_population(const Names& names, Name name, std::string_view population) {
   const std::string& word = names.words()[name.word];
   if (word == population) return name.number != Name::k_no_number;  // most names need no text
@@ -43,7 +44,8 @@ bool is_of_population(const Names& names, Name name, std::string_view population
          without_number(text).size() <= population.size();
 }
 
-/// The order of the heap: the earliest on top, ties by the order of the file, then by id.
+/// Whether event `a` comes after event `b`: by tick, then by the order of the faults in the file, then by the
+/// id of the body. A heap with this order has the earliest event on top.
 bool is_later(const FaultEvent& a, const FaultEvent& b) {
   return std::tuple(a.tick, a.fault, a.body) > std::tuple(b.tick, b.fault, b.body);
 }
@@ -64,13 +66,15 @@ bool same_fields(const std::vector<StateField>& a, const std::vector<StateField>
   });
 }
 
-/// Whether a setting may replace device a by device b: both have the same layout of state and readings.
+/// Whether a setting may replace the data of a device, `b`, by the data `a` of the same device with other
+/// parameters: the readings and the commands have the same layout, the effects and the joints have the same
+/// limits, and the beams and transducers have the same directions and positions.
 bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
   return same_fields(a.percepts, b.percepts) && a.percept_bytes == b.percept_bytes &&
          same_fields(a.commands, b.commands) && a.command_bytes == b.command_bytes &&
          a.most_effects == b.most_effects && a.ends_lives == b.ends_lives &&
          a.joints.size() == b.joints.size() && a.joint_reach_m == b.joint_reach_m &&
-         a.bearings == b.bearings &&  // controllers have read these and the transducers
+         a.bearings == b.bearings &&  // controllers may have stored these and the transducers
          std::ranges::equal(a.transducers, b.transducers, [](const Transducer& x, const Transducer& y) {
            return x.first == y.first &&
                   x.pose_sensor_transducer.position() == y.pose_sensor_transducer.position();
@@ -80,7 +84,8 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
 constexpr std::string_view k_keeps_shape =
     "\"set\" must keep the number and layout of its readings and state fields, and the devices that it uses";
 
-/// Whether a drive can run with new parameters. The error says what is wrong with them.
+/// Checks whether the parameters of a drive may change from `before` to `params` while the world runs. The
+/// error says which parameter cannot change, or which value is not allowed.
 Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
   for (std::size_t p = 0; p < kind.params.fields.size(); ++p)
     if (const Field& field = kind.params.fields[p]; field.fixed && before[p] != params[p])
@@ -139,7 +144,7 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
     e.interventions[i].stream = stream_id("at", std::to_string(i));
   }
   std::ranges::stable_sort(e.interventions, {}, &Experiment::Intervention::tick);
-  std::map<std::uint32_t, TypeSpec> types;  // with all earlier settings applied
+  std::map<std::uint32_t, TypeSpec> types;  // by type id, with all settings so far applied
   std::size_t most = 0;
   for (Experiment::Intervention& intervention : e.interventions) {
     build_intervention(intervention, registry, types, diagnostics);
@@ -151,7 +156,8 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
     placed_at_.resize(rows());
 }
 
-/// Compiles the faults. The seed determines which bodies fail, and when.
+/// Compiles the faults of the spec, and the first fault event of each body that the seed chooses. Throws if
+/// the spec of a fault has errors.
 void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   e.faults.clear();
@@ -210,7 +216,7 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
     const BodyType::Device& now = type.devices[setting.index];
     const std::string owner = fmt::format("device \"{}\"", device.name);
     Record params = changed(device.params, setting);
-    // Checked before the device is prepared, because that could exhaust the memory.
+    // Checked before the device is prepared, because preparing too many samples could exhaust the memory.
     if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
       return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
     device.params = std::move(params);
@@ -222,7 +228,7 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
   }
   Record& params = spec.controllers[setting.index].params;
   params = changed(params, setting);
-  std::vector<bool> claimed(type.devices.size(), false);  // by earlier controllers
+  std::vector<bool> claimed(type.devices.size(), false);  // by an earlier controller
   for (std::size_t c = 0; c <= setting.index; ++c) {
     const ControllerSpec& controller = spec.controllers[c];
     Result<ControllerKind::Prepared> prepared =
@@ -255,7 +261,7 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
       continue;
     }
     const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));
-    std::map<std::uint32_t, std::uint32_t> faults;  // per type, because device indices differ by type
+    std::map<std::uint32_t, std::uint32_t> faults;  // by type: device indices differ between types
     for (const Experiment::Candidate& candidate : chosen) {
       const std::uint32_t t = row_types_[candidate.row.index()];
       const auto [known, is_new] =
@@ -332,8 +338,8 @@ double World::speed_scale(Row row) const {
   return speed == 0 ? 1 : speed;
 }
 
-/// Applies the interventions and fault events that are due at the end of a tick: first the interventions, in
-/// the order of the file, then the faults.
+/// Applies the interventions and fault events that are due at the end of the present tick. Interventions come
+/// first, in the order of the file; fault events follow.
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
@@ -347,7 +353,8 @@ void World::intervene() {
   index_bodies();
 }
 
-/// Applies an intervention. Returns true if bodies were born or died, so that the index must be rebuilt.
+/// Applies an intervention. Returns true if bodies were born or died; the caller must then rebuild the
+/// spatial index.
 bool World::carry_out(Experiment::Intervention& intervention) {
   const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
   if (spec.action == Action::set) {
@@ -447,7 +454,8 @@ bool World::is_setting(const Experiment::Intervention& intervention) const {
   return spec_.experiment.at[intervention.spec].action == Action::set;
 }
 
-/// Applies a setting, or undoes it: swaps the prepared data with the present data, which allocates no memory.
+/// Applies a setting that is not applied, or undoes one that is. It swaps the prepared data of the
+/// intervention with the present data of the type, so that no memory is allocated during a run.
 void World::swap_setting(Experiment::Intervention& intervention) {
   const SettingSpec& setting = *spec_.experiment.at[intervention.spec].setting;
   BodyType& type = types_[setting.type.index()];
@@ -458,7 +466,9 @@ void World::swap_setting(Experiment::Intervention& intervention) {
   }
 }
 
-/// The tick at whose end a fault occurs next in a body, if it may occur from tick `from` on.
+/// The tick at whose end a fault occurs next in a body. A fault without a rate (Impairment::per_s) occurs at
+/// `from`. A fault with a rate occurs at least one tick later, after a random, exponentially distributed
+/// time.
 std::uint64_t World::next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const {
   const Experiment::Fault& f = experiment_.faults[fault];
   if (!(f.impairment.per_s > 0)) return from;
@@ -467,8 +477,9 @@ std::uint64_t World::next_fault_tick(std::uint32_t fault, BodyId body, std::uint
          std::max<std::uint64_t>(1, ticks_until(random.exponential() / f.impairment.per_s, spec_.tick_s));
 }
 
-/// Removes the earliest fault event and inserts its successor. Events of dead bodies continue without effect,
-/// so that the schedule does not depend on the state.
+/// Removes the earliest fault event from the heap and returns it. Inserts the event that follows it in the
+/// same body, if there is one: the end of a drop-out, or the next time that the fault occurs. Dead bodies
+/// keep their events, which then have no effect, so that the schedule does not depend on the state.
 Experiment::FaultEvent World::take_fault_event() {
   std::vector<FaultEvent>& heap = experiment_.fault_events;
   const FaultEvent now = heap.front();

@@ -29,11 +29,11 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
-/// Capacity to reserve for the shape of a tree. It does not count bodies that carried bodies pick up
-/// themselves.
+/// Capacity to reserve for the obstacle shape of a body and of the bodies that it carries. Bodies that are
+/// carried by these in turn are not counted.
 struct Room {
   std::size_t pieces = 0;
-  std::size_t corners = 0;
+  std::size_t corners = 0;  ///< of the piece with the most corners
 
   void add(const ObstacleShape& shape, std::size_t times) {
     pieces += times * shape.pieces.size();
@@ -41,7 +41,7 @@ struct Room {
   }
 };
 
-/// The type with the most pieces among those that can be picked up; null if there is none.
+/// The type with the most obstacle pieces among the types whose bodies can be gripped; null if there is none.
 const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
   const BodyType* most = nullptr;
   for (const BodyType& type : types)
@@ -50,7 +50,9 @@ const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
   return most;
 }
 
-/// Links::Joint::now of a joint at displacement q from rest, if `parent` is that of its parent joint.
+/// Maps the points that a joint moves from their positions with all joints at rest to their positions with
+/// this joint displaced by `q` (m, rad), in the frame of the body. `parent` is the same map of the parent
+/// joint, or the identity if the joint has no parent.
 Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q) {
   if (q == Pose{}) return parent;
   return compose(compose(compose(parent, joint.at_rest), Mount(q)), joint.to_body);
@@ -58,11 +60,12 @@ Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q)
 
 }  // namespace
 
-/// A body of a tree, as visited by a walk from the root.
+/// A body of a tree, which is a body and the bodies that it carries, directly or through others. Trees are
+/// visited from the root, the body that is not carried.
 struct World::TreeBody {
   Row row;
   Mount place;         // the body's frame, relative to the root's frame
-  bool moves = false;  // whether a joint between the root and the body moves in this round
+  bool moves = false;  // whether a joint between it and the root moves in this round of resolution
 };
 
 void World::build_links() {
@@ -90,7 +93,8 @@ void World::build_links() {
   links.samples.resize(links.composites.size());
   links.refused.resize(links.composites.size());
 
-  // Reserves memory now, so that gripping a body allocates none, unless that body carries another one.
+  // Reserves memory now, so that no memory is allocated when a body is gripped, unless that body carries
+  // another one.
   constexpr std::size_t k_most_pieces = 64;  // larger shapes allocate when they are needed
   const BodyType* cargo = most_intricate_cargo(types_);
   for (std::size_t c = 0; c < links.composites.size(); ++c) {
@@ -130,7 +134,8 @@ std::optional<BodyId> World::carrier(Row row) const {
   return BodyId(id - 1);
 }
 
-/// Whether the tables of joints and carriers are valid and describe trees.
+/// Whether the tables of joints and carriers are consistent. Poses must be finite, carriers and the joints
+/// that hold their cargo must exist, and no body may carry itself, directly or through others.
 bool World::links_hold() const {
   for (const std::uint32_t r : links_.composites)
     for (std::size_t j = 0; j < type(Row(r)).joints.size(); ++j)
@@ -196,13 +201,13 @@ void World::forget_links() {
   links_.asked = true;
 }
 
-/// Clears the goals of a row's joints and computes their poses from the tables.
+/// Sets the joints of a row to "no command to move" (Links::Goal::none), and updates Links::Joint::now.
 void World::rest_joints(Row row) {
   for (Links::Joint& joint : joints(row)) joint.state = Links::Goal::none;
   move_to_joints(row);
 }
 
-/// Computes Links::Joint::now of a row's joints from the tables.
+/// Updates Links::Joint::now of a row's joints from their displacements in the state tables.
 void World::move_to_joints(Row row) {
   const std::span<Links::Joint> all = joints(row);
   for (std::size_t j = 0; j < all.size(); ++j) {
@@ -212,8 +217,8 @@ void World::move_to_joints(Row row) {
   }
 }
 
-/// Adds a row to the cargo of a carrier. The cargo is sorted by id, so that sums over it do not depend on the
-/// order in which bodies were picked up.
+/// Adds row `cargo` to the list of bodies that row `carrier` carries. The list is sorted by id, so that sums
+/// over it do not depend on the order in which the bodies were picked up.
 void World::link_cargo(std::uint32_t cargo, std::uint32_t carrier) {
   std::uint32_t* at = &links_.first_cargo[carrier];
   while (*at != Links::k_none && row_ids_[*at] < row_ids_[cargo]) at = &links_.next_cargo[*at];
@@ -235,8 +240,10 @@ void World::set_root(std::uint32_t row, std::uint32_t root) {
     set_root(c, root);
 }
 
-/// Adds to `out` the obstacle pieces of a body and of all bodies that it carries. If `then` is true, adds
-/// only the pieces that move in this round, placed by Links::Joint::then.
+/// Adds to `out` the obstacle pieces of a body and of all bodies that it carries, in the frame of the root.
+/// If `then` is false, joints are where they are now. If it is true, they are at Links::Joint::then, and only
+/// the pieces that move in this round of resolution are added. Lowers `thinnest` to the width of the thinnest
+/// obstacle piece of these bodies, m.
 void World::add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const {
   const BodyType& t = type(body.row);
   const std::span<const Links::Joint> all = joints(body.row);
@@ -264,7 +271,8 @@ void World::add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, dou
   }
 }
 
-/// Updates the shape and the radius of a row, which conflict resolution and queries use.
+/// Updates row_shapes_ and row_radii_ of a row: the obstacle shape and the radius that conflict resolution
+/// and queries use. The root of a tree has the shape of its whole tree; a carried body has an empty shape.
 void World::reshape(std::uint32_t row) {
   if (!is_there(Row(row))) return update_presence(Row(row));
   const BodyType& t = type(Row(row));
@@ -295,7 +303,7 @@ void World::reshape(std::uint32_t row) {
   row_radii_[row] = std::max(t.radius + shift, shape->radius);
 }
 
-/// Updates the outlines of a row with joints.
+/// Computes the outlines of a row with joints, in the world frame. `transform` is the pose of its body.
 void World::update_jointed_outlines(Row row, const BodyType& type, const Transform& transform) {
   Vec2* out = outlines_.data() + outline_begins_[row.index()];
   const std::span<const Links::Joint> all = joints(row);
@@ -320,11 +328,12 @@ void World::for_roots(Work&& work) {
   });
 }
 
-/// Resolves the motions of joints. A round moves the joints of one device per body; parent joints move in
-/// earlier rounds than their children. The moving pieces of a tree must be free of the static scene. They
-/// must also be free of every other tree at its present pose, both with the joints of that tree where they
-/// are now and with these joints at their goals. The order in which two trees are tested therefore does not
-/// matter, and they do not come to overlap, whether one of them moves or both.
+/// Resolves the motions of joints: carries them out or blocks them. A round moves the joints of one device
+/// per body; parent joints move in earlier rounds than their children. The moving pieces of a tree must be
+/// free of the static scene. They must also be free of every other tree at its present pose, both with the
+/// joints of that tree where they are now and with these joints at their goals. The order in which two trees
+/// are tested therefore does not matter, and they do not come to overlap, whether one of them moves or both.
+/// A static piece or another tree that already overlapped the tree before the round does not block it.
 void World::resolve_joints() {
   Links& links = links_;
   if (!links.asked.load(std::memory_order_relaxed)) return;
@@ -333,7 +342,7 @@ void World::resolve_joints() {
   // this tick, including those of this round. Turns of bodies change neither origin nor radius.
   double reach = conflicts_.longest();
   for (std::size_t round = 0; round < links.rounds; ++round) {
-    std::atomic<std::uint64_t> longest = 0;  // bits of a non-negative number: they have its order
+    std::atomic<std::uint64_t> longest = 0;  // bits of a double >= 0: they compare as the double does
     for_roots([&](std::size_t c, std::uint32_t r) {
       const auto bits = std::bit_cast<std::uint64_t>(ask_joints(c, Row(r), round));
       std::uint64_t known = longest.load(std::memory_order_relaxed);
@@ -353,8 +362,8 @@ void World::resolve_joints() {
 
 /// Computes Links::Joint::then for the joints of a body and of all bodies that it carries, at a fraction t (0
 /// to 1) of their motions of this round. Returns an upper bound on how far the complete motions (t = 1) move
-/// any point, m; 0 if no joint moves in this round. radius: bound on the distance of any point from the root,
-/// m
+/// any point, m. The bound is 0 if no joint moves in this round. `radius` must be an upper bound on the
+/// distance of any point from the root, m.
 double World::aim_joints(const TreeBody& body, std::size_t round, double t, double radius) {
   const BodyType& type = this->type(body.row);
   const std::span<Links::Joint> all = joints(body.row);
@@ -391,8 +400,9 @@ double World::aim_joints(const TreeBody& body, std::size_t round, double t, doub
   return way;
 }
 
-/// Computes the shape of the moving pieces of tree c at their goals, and the number of samples of the motion.
-/// Returns an upper bound on how far any point moves, m; 0 if no joint of the tree moves in this round.
+/// Computes the shape of the moving pieces of a tree at their goals, and the number of samples at which their
+/// motion is tested. `c` is the index of the root in Links::composites. Returns an upper bound on how far any
+/// point moves, m; 0 if no joint of the tree moves in this round.
 double World::ask_joints(std::size_t c, Row root, std::size_t round) {
   links_.samples[c] = 0;
   links_.refused[c] = 0;
@@ -440,8 +450,9 @@ bool World::refuses_joints(std::size_t c, Row root, std::size_t round, double re
   return false;
 }
 
-/// Whether the moving pieces of a tree, at `after`, overlap another tree that the tree did not overlap at
-/// `before`.
+/// Whether the moving pieces of a tree, as placed in `after`, overlap another tree that the whole tree, as
+/// placed in `before`, does not overlap. `reach`: bound on how far a tree lies outside its circle in the
+/// index, m.
 bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape& after, double reach) const {
   const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
     const Transform& at = transform(other);
@@ -469,7 +480,8 @@ bool World::others_refuse(Row root, const PlacedShape& before, const PlacedShape
   return refuses;
 }
 
-/// Applies the outcome of this round to the joints of a body and of all bodies that it carries.
+/// Ends a round of resolution for a body and for all bodies that it carries. If `refused` is false, their
+/// joints move to their goals. If it is true, the joints stay, and are marked as blocked.
 void World::answer_joints(Row row, std::size_t round, bool refused) {
   const BodyType& type = this->type(row);
   if (round < type.joint_devices.size()) {

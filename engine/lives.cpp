@@ -95,8 +95,8 @@ void World::derive_lives() {
   }
 }
 
-/// Updates the shape and radius of a row. For trees and bodies with joints, World::reshape() then computes
-/// the exact ones.
+/// Updates the shape and the radius of a row: those of its type, or none if the body is not in the world. For
+/// bodies that have joints, carry or are carried, World::reshape() then computes the exact ones.
 void World::update_presence(Row row) {
   const bool there = is_there(row);
   row_shapes_[row.index()] = there ? &type(row).obstacle : &k_no_shape;
@@ -121,8 +121,9 @@ std::optional<std::size_t> World::reserve(std::string_view population) const {
   return static_cast<std::size_t>(found - spec_.reserves.begin());
 }
 
-/// Spawns the next body of a reserve, if its pose is free. The index must contain the current poses of all
-/// bodies in the world, except those that were born since it was built: these are in newborn_.
+/// Spawns the next body of a reserve, if there is one and `pose` is free. The spatial index must contain the
+/// present poses of all bodies in the world, except those that were born since it was built; newborn_ lists
+/// these.
 Birth World::give_birth(std::size_t reserve, const Pose& pose) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(spec_.reserves[reserve].first.index() + next_born_[reserve]);
@@ -149,8 +150,8 @@ Birth World::give_birth(std::size_t reserve, const Pose& pose) {
   return {BirthStatus::born, id};
 }
 
-/// Removes a body from the world. Its row keeps the pose at death and the component `life`; the rest of its
-/// state becomes 0.
+/// Removes a body from the world, if it is there. Its carrier releases it, and it releases its cargo. Its row
+/// keeps the pose at death and the component `life`; the rest of its state becomes 0.
 void World::die(Row row) {
   if (!is_there(row)) return;
   if (links_.any()) {
@@ -169,7 +170,9 @@ void World::die(Row row) {
   derive(row);
 }
 
-/// Applies deaths before births, so that a birth can take the place of a body that died in this tick.
+/// Carries out the deaths and births that devices requested in this tick. Deaths come first, so that a body
+/// can be born where another body died in the same tick. Throws std::logic_error if the world has neither
+/// reserves nor deaths.
 void World::resolve_lives(std::span<const Effect> effects) {
   if (!life_table_)
     throw std::logic_error(
@@ -181,7 +184,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
   bool is_indexed = false;
   for (const Effect& effect : effects) {
     if (effect.verb != k_birth || !is_there(row(effect.source))) continue;
-    if (!is_indexed) index_.rebuild(transforms_, row_radii_, parallel_);  // bodies have moved since
+    if (!is_indexed) index_.rebuild(transforms_, row_radii_, parallel_);  // it has the poses before this tick
     is_indexed = true;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     const auto [x, y, z, heading] = effect.payload;
@@ -195,7 +198,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
 
 Birth World::spawn(std::size_t reserve, const Pose& pose) {
   require_whole();
-  restore_fp_environment();  // as before a step
+  restore_fp_environment();  // a library may have changed it, see World::step()
   if (!is_finite(pose))
     throw std::invalid_argument(fmt::format("cannot spawn a body of \"{}\": the pose is not finite",
                                             spec_.reserves[reserve].population));
@@ -207,7 +210,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
 
 void World::remove(Row row) {
   require_whole();
-  restore_fp_environment();  // as before a step
+  restore_fp_environment();  // a library may have changed it, see World::step()
   if (!life_table_)
     throw std::logic_error(
         "bodies of this world cannot be removed: the world needs \"mortal\": true or a reserve");

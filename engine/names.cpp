@@ -11,13 +11,14 @@
 namespace troupe::engine {
 namespace {
 
-constexpr std::size_t k_most_digits = 9;  // any number with this many digits fits into 32 bits
-constexpr std::uint32_t k_numbers_end = 1000000000;
+constexpr std::size_t k_most_digits = 9;             // any number with this many digits fits into 32 bits
+constexpr std::uint32_t k_numbers_end = 1000000000;  // smallest number with more than k_most_digits digits
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Position at which the number at the end of a text begins. It is the longest number of at most
-/// k_most_digits digits without leading zeros, so that each text has exactly one name.
+/// Position at which the number at the end of `text` begins, or text.size() if there is no number. The number
+/// is the longest one that has at most k_most_digits digits and no leading zeros. Each text is thus split
+/// into a word and a number in exactly one way.
 std::size_t number_begin(std::string_view text) {
   std::size_t begin = text.size();
   while (begin > 0 && text.size() - begin < k_most_digits && is_digit(text[begin - 1])) --begin;

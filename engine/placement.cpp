@@ -12,7 +12,7 @@ namespace troupe::engine {
 namespace {
 
 constexpr unsigned k_tile_bits = 2;  // a tile's 16 cells fill a cache line
-constexpr int k_finest = -10;        // cells of 2^-10 m, also for narrower bodies
+constexpr int k_finest = -10;  // exponent of the smallest cells, 2^-10 m, which narrower bodies use as well
 
 /// Whether the enclosing circles of two bodies overlap; if not, the bodies cannot overlap. The margin covers
 /// the rounding of the distance, so that skipping such bodies never changes an answer.
@@ -33,7 +33,7 @@ double box_cells(const Box& box, double pitch) {
   return cells_along(box.size().x(), pitch) * cells_along(box.size().y(), pitch);
 }
 
-/// The sequence of poses that a rule tries.
+/// The poses that a placement rule tries, before any test of whether they are free.
 class Candidates {
  public:
   Candidates(const PlacementRule& rule, std::uint64_t seed, std::uint32_t stream)
@@ -44,13 +44,15 @@ class Candidates {
     region_cells_ = static_cast<std::uint64_t>(box_cells(rule.region, rule.pitch_m));
   }
 
-  /// Number of cells of a grid rule.
+  /// Number of cells of a grid rule, in its region and its spill; 0 for other rules.
   std::uint64_t cells() const { return cells_; }
-  /// Whether poses depend on random numbers, and so on body and trial, and not only on the cell.
+  /// Whether poses depend on random numbers. If not, the pose is the same for each body and each trial, and
+  /// depends only on the cell.
   bool draws() const { return !is_grid_ || rule_.jitter_m > 0 || !rule_.heading; }
 
-  /// The pose that the rule tries for a body. The random numbers of a trial are drawn in a fixed order (x, y,
-  /// heading), so that a fixed heading does not change the positions.
+  /// The pose that the rule tries for body number `body` of the population, in its trial number `trial`. A
+  /// grid rule tries cell number `cell`; other rules ignore it. The random numbers of a trial are drawn in
+  /// the order x, y, heading, so that a rule with a fixed heading yields the same positions.
   Pose pose(std::uint64_t cell, std::uint32_t body, std::uint32_t trial) const {
     const bool spilt = is_grid_ && cell >= region_cells_;
     const Box& box = spilt ? rule_.spill : rule_.region;
@@ -92,7 +94,9 @@ double floor_cell(const PlacementRule& rule, const partition::ObstacleShape& sha
   return rule.cell_m > 0 ? rule.cell_m : std::max(shape.radius / 2, k_least_m);
 }
 
-/// A connected floor on which a disc as wide as a body is free, in square cells.
+/// The part of a region in which a body can move around, as a grid of square cells. On its cells, a disc that
+/// encloses the body is free of the static scene, and neighbouring cells connect them all. It contains the
+/// point PlacementRule::from, or is the largest such part if the rule has no such point.
 class Floor {
  public:
   Floor(const PlacementRule& rule, const partition::ObstacleShape& shape, const partition::StaticScene& scene,
@@ -136,7 +140,7 @@ class Floor {
   static partition::ObstacleShape disc_about(const partition::ObstacleShape& shape) {
     if (shape.empty()) return {};
     constexpr int k_corners = 8;
-    const double radius = shape.radius / cos(k_pi / k_corners);  // its sides touch the circle
+    const double radius = shape.radius / cos(k_pi / k_corners);  // so that the octagon encloses the circle
     ConvexPrism prism{{}, shape.z};
     for (int i = 0; i < k_corners; ++i) {
       const SinCos at = sincos(2 * k_pi * (i + 0.5) / k_corners);
@@ -153,7 +157,8 @@ class Floor {
     return std::min(column, columns_ - 1) * rows_ + std::min(row, rows_ - 1);
   }
 
-  /// Sets the state of an open cell and of all open cells connected to it. Returns their number.
+  /// Sets the state of the cell `start`, if it is open, and of all open cells that are connected to it
+  /// through cell sides. Returns the number of cells that it has set.
   std::size_t fill(std::size_t start, State state) {
     if (cells_[start] != k_open) return 0;
     std::size_t count = 0;
@@ -211,11 +216,11 @@ class Spaced {
   std::unordered_map<std::uint64_t, std::vector<Vec2>> cells_;
 };
 
-/// A candidate pose that was tested before its turn.
+/// A candidate pose, tested in advance against everything except other bodies.
 struct Ahead {
   Pose pose;
-  std::uint32_t trial = 0;
-  bool is_open = false;  ///< within the bounds, and free of the static scene
+  std::uint32_t trial = 0;  ///< number of the trial that yielded the pose
+  bool is_open = false;     ///< whether the rule and the bounds allow it and it is free of the static scene
 };
 
 }  // namespace
@@ -332,8 +337,8 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
     poses.push_back(pose);
   };
 
-  // Many candidates are tested against the static scene in advance and in parallel. The tests against other
-  // bodies then follow one by one, in order.
+  // Many candidates are tested against the static scene in advance and in parallel. They are then tested
+  // against other bodies one by one, in order, because each body that is placed affects the next ones.
   std::vector<Ahead> ahead;
   const auto test_ahead = [&](std::size_t size, auto&& test) {
     constexpr std::size_t k_batch = 128;
@@ -350,7 +355,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
         if (const Pose pose = candidates.pose(0, body, trial); is_open(pose)) return Ahead{pose, trial, true};
       return Ahead{{}, trial, false};
     };
-    std::size_t size = 64;  // doubled each time, so that little work is lost if there is no free place
+    std::size_t size = 64;  // poses per batch, doubled each time: little work is lost if no pose is free
     for (std::size_t i = 0; poses.size() < count; ++i) {
       const auto body = static_cast<std::uint32_t>(poses.size());
       if (i == ahead.size()) {

@@ -9,7 +9,8 @@
 namespace troupe::engine {
 namespace {
 
-/// Copies tables field by field, as files store them, because the bytes between fields are not state.
+/// Copies a table into a table of the same layout, field by field, as files store it. The bytes between
+/// fields are not copied, because they are not state.
 void copy_fields(const StateTable& from, StateTable& to) {
   for (std::size_t f = 0; f < from.fields().size(); ++f) {
     const std::size_t bytes = from.fields()[f].columns * element_size(from.fields()[f].element);
@@ -21,7 +22,7 @@ void copy_fields(const StateTable& from, StateTable& to) {
 }  // namespace
 
 std::unique_ptr<World> remade_world(World& world, const Registry& registry, const WorldOptions& options) {
-  Diagnostics overlaps;  // warnings at tick 0 that the first world has already given
+  Diagnostics overlaps;  // not shown: `world` has already reported them
   auto other = std::make_unique<World>(world.spec(), registry, options, overlaps);
   for (const BodyId body : world.subscribed()) other->subscribe(body);
   const auto fill = [&world](std::span<StateTable> tables) {

@@ -12,14 +12,15 @@ namespace {
 /// world.
 constexpr double k_slack = 1e-9;
 
-/// Finds the nearest surface among the chains that it is given.
+/// Finds the nearest surface that a ray hits among the outlines that are passed to meet().
 class Nearest {
  public:
   Nearest(const World& world, const SightRay& ray) : world_(world), ray_(ray), best_{.range = ray.length} {}
 
   const RayHit& best() const { return best_; }
 
-  /// Calls visit(box) for consecutive steps along the ray, up to the nearest surface found so far.
+  /// Divides the ray into consecutive pieces of length `step`, m, and calls visit(box) with the bounding box
+  /// of each. Ends at the nearest surface found so far.
   template <class Visit>
   void walk(double step, Visit&& visit) const {
     for (double i = 0; i * step <= best_.range; ++i) {

@@ -8,7 +8,9 @@ namespace troupe {
 using engine::Description;
 namespace facts = engine::facts;
 
-constexpr double k_reach_m = 1e6;  // ten times the largest world, and cell numbers still fit 32 bits
+// Largest absolute value of a coordinate: ten times that of the largest world, and cell numbers still fit 32
+// bits.
+constexpr double k_reach_m = 1e6;
 
 constexpr void describe(Description<Where>& d) {
   d.member<&Where::file>("file");
@@ -216,7 +218,7 @@ constexpr void describe(Description<FaultSpec::Impairment>& d) {
 constexpr void describe(Description<FaultSpec>& d) {
   d.member<&FaultSpec::whom>("whom");
   d.member<&FaultSpec::from_s>("from", Unit::seconds, k_time);
-  d.member<&FaultSpec::impairments>("ailments");  // stored in checkpoints
+  d.member<&FaultSpec::impairments>("ailments");  // the old name, because checkpoints store it
   d.member<&FaultSpec::where>("where", facts::provenance);
 }
 
@@ -226,7 +228,8 @@ constexpr void describe(Description<ExperimentSpec>& d) {
   d.member<&ExperimentSpec::faults>("faults");
 }
 
-/// Words and numbers are marked as provenance, because comparisons of worlds compare the texts of names.
+/// Both members are marked as provenance, which comparisons of worlds ignore. Comparisons compare the texts
+/// of names instead, because the same name may have another word number in another world.
 constexpr void describe(Description<Name>& d) {
   d.member<&Name::word>("word", facts::provenance);
   d.member<&Name::number>("number", facts::provenance);

@@ -41,7 +41,8 @@ std::uint64_t bits_at(const std::byte* place, std::size_t size) {
   }
 }
 
-/// Compares one field of two rows; `first` and `second` point at the field in each of them.
+/// Calls `report` for each column of a field in which two rows differ. `first` and `second` point at the
+/// field in the first and in the second row.
 void compare_fields(const StateField& field, const std::byte* first, const std::byte* second,
                     const ReportValue& report) {
   const std::size_t size = element_size(field.element);
@@ -53,7 +54,8 @@ void compare_fields(const StateField& field, const std::byte* first, const std::
   }
 }
 
-/// Rows of a table sorted by the id of their bodies, so that two tables can be compared body by body.
+/// Indices of the rows of a table, sorted by the ids of their bodies, so that two tables can be compared body
+/// by body.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
   std::vector<std::size_t> rows(table.rows());
   for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = r;
@@ -67,7 +69,8 @@ bool same_fields(const StateTable& a, const StateTable& b) {
   });
 }
 
-/// Difference between two tables of one component; `entities` is 0 if their lists of bodies or fields differ.
+/// Difference between two tables of one component: the number of bodies whose rows differ (`entities`), and
+/// the first value that differs. If the tables have different bodies or fields, `entities` is 0.
 ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
   ComponentDifference found{.component = a.component(), .group = a.group()};
   if (a.component() != b.component() || a.rows() != b.rows() || !same_fields(a, b)) return found;
@@ -95,7 +98,9 @@ ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
   return found;
 }
 
-/// Merges the differences of a component that has several tables, one per type.
+/// Adds the difference `other` to the difference `into` in another table of the same component, which has one
+/// table per type. The result shows the value of the body with the lower id. `entities` becomes 0 if it is 0
+/// in one of the two.
 void merge(ComponentDifference& into, const ComponentDifference& other) {
   if (into.entities == 0 || other.entities == 0) {
     into.entities = 0;
@@ -106,8 +111,8 @@ void merge(ComponentDifference& into, const ComponentDifference& other) {
   into.entities = entities;
 }
 
-/// Order in which the phases of a tick compute the groups. Differences are sorted by it, because the first
-/// one is nearest to the cause.
+/// Position of a hash group in the order in which a tick computes the groups. Differences are sorted by it,
+/// because the first one is nearest to the cause.
 int phase_order(HashGroup group) {
   switch (group) {
     case HashGroup::sensor: return 0;

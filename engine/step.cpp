@@ -124,15 +124,16 @@ void World::for_types(std::span<Row> rows, Work&& work) {
   }
 }
 
-/// Calls work(rows) for those of `rows` that are due: the number of ticks since the birth of their bodies is
-/// a multiple of `period`. In a world without births these are all rows or none.
+/// Calls work(rows) for those of `rows` that are due, once for each run of consecutive rows. A row is due if
+/// the number of ticks since the birth of its body is a multiple of `period`. In a world without births, all
+/// rows are due, or none.
 template <class Work>
 void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !life_table_) {
     if (due(tick_, period)) work(rows);
     return;
   }
-  for (std::size_t i = 0; i < rows.size();) {  // one call for each run of consecutive rows
+  for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i;
     while (end < rows.size() && due(tick_ - birth_tick(rows[end]), period)) ++end;
     if (end > i) work(rows.subspan(i, end - i));
@@ -140,7 +141,8 @@ void World::for_due(std::span<const Row> rows, std::uint64_t period, Work&& work
   }
 }
 
-/// Calls work(rows) for those of `rows` whose device is due in this tick and runs, see runs().
+/// Calls work(rows) for those of `rows` whose device is due in this tick and runs(): it is active or
+/// subscribed to, switched on, works and has power. There is one call for each run of consecutive rows.
 template <class Work>
 void World::for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work) {
   for_due(rows, device.period, [&](std::span<const Row> due_rows) {
@@ -154,8 +156,8 @@ void World::for_running(std::span<const Row> rows, const BodyType::Device& devic
   });
 }
 
-/// Calls work(rows) once. If hide_beyond_reach() is on, calls work for each row separately, and hides during
-/// each call everything that is beyond the device's reach from that row.
+/// Calls work(rows) once. If hide_beyond_reach() is on, calls work once per row instead. During the call for
+/// a row, all bodies beyond the device's reach from that row are hidden.
 template <class Work>
 void World::for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
                        Work&& work) {
@@ -332,7 +334,7 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
 
 void World::move() {
   propose();
-  Pushables pushables = pushables_;  // sizes with joints at rest and without cargo; extended below
+  Pushables pushables = pushables_;  // sizes with joints at rest and no cargo; enlarged below
   if (pushables.any())
     for (const std::uint32_t row : links_.composites) {
       if (row_pushable_[row] == 0) continue;
@@ -369,7 +371,7 @@ void World::apply_effects() {
 }
 
 /// Calls the hook joints_moved of devices, so that they read the outcomes of the joint motions that they
-/// commanded.
+/// commanded. Then clears these outcomes.
 void World::report_joints() {
   if (!links_.asked.exchange(false, std::memory_order_relaxed)) return;
   for_blocks([&](std::span<const Row> rows, const BodyType& type) {

@@ -20,7 +20,7 @@ std::size_t column_of(const std::vector<MeasureSpec>& measures, const MeasureSpe
   return static_cast<std::size_t>(found - measures.begin());
 }
 
-/// The measures of the conditions, without repetitions.
+/// The measures that the conditions test, each listed once.
 std::vector<MeasureSpec> measures_of(std::span<const StopSpec> conditions) {
   std::vector<MeasureSpec> measures;
   for (const StopSpec& condition : conditions)

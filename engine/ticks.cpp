@@ -5,7 +5,7 @@
 namespace troupe::engine {
 namespace {
 
-constexpr double k_most = 1e15;  // far beyond any run, and exact in a double
+constexpr double k_most = 1e15;  // ticks: far more than any run has, and exact in a double
 
 }  // namespace
 

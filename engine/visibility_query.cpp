@@ -9,18 +9,19 @@ namespace {
 
 using partition::BodyCircle;
 
-// Marks of circles: a row, or the index of a static piece with one of these flags. Rows are smaller than
-// both.
-constexpr std::uint32_t k_seen = 1u << 31;    // in StaticScene::outlines()
-constexpr std::uint32_t k_hidden = 1u << 30;  // in StaticScene::hidden_outlines()
-constexpr std::size_t k_room = 1024;          // circles: initial size of the arrays
-// With more circles than this, walking along each ray (first_met) tests fewer circles.
+// The mark of a circle says what it encloses. It is the row of a body, or the index of a static outline piece
+// plus one of these flags, which are larger than any row.
+constexpr std::uint32_t k_seen = 1u << 31;    // index into StaticScene::outlines()
+constexpr std::uint32_t k_hidden = 1u << 30;  // index into StaticScene::hidden_outlines()
+constexpr std::size_t k_room = 1024;          // initial capacity of the arrays, in circles
+// With more circles than this, engine::first_met() is faster: it only tests circles near each ray.
 constexpr std::size_t k_crowd = 512;
 constexpr float k_far = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-/// Adds the circles that are within the reach of the origin. They are stored relative to the origin, and
+/// Adds those circles of `run` that are, at least in part, within reach_ of the origin. `mark` is the flag of
+/// their marks (k_seen, k_hidden), or 0 for bodies. Circles are stored relative to the origin, and are
 /// widened by more than the rounding error.
 void VisibilityQuery::add_near(std::span<const BodyCircle> run, std::uint32_t mark) {
   const auto margin = static_cast<float>(1e-6 + 3e-6 * reach_);
@@ -98,7 +99,8 @@ RayHit VisibilityQuery::first_met(const SightLine& ray) {
   return nearest;
 }
 
-/// Finds the circles that the ray passes through. The compiler vectorizes the loop.
+/// Writes the circles that the ray meets within its length to the front of hits_, and returns their number.
+/// The compiler vectorizes the loop.
 std::size_t VisibilityQuery::find_hits(const SightLine& ray) {
   if (near_.size() < size_) {
     near_.resize(2 * size_);

@@ -28,10 +28,12 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
-/// Chooses the cells of the spatial index. Their width is an eighth of the mean sensor reach (body width
-/// included). Such cells are small enough to exclude most bodies out of reach, and large enough that a query
-/// visits few of them. The mean is used, not the maximum, so that a few robots of long range do not coarsen
-/// the grid.
+/// Chooses the cells of the spatial index. Their width is an eighth of the reach of a body (its longest
+/// sensor reach plus its radius), averaged over the bodies with rows; the reach of a body without sensors
+/// counts as 16 radii. Such cells are small enough to exclude most bodies out of reach, and large enough that
+/// a query visits few of them. The mean is used, not the maximum, so that a few robots of long range do not
+/// coarsen the grid. If `tile_size_m` is positive, tiles have this width, m, and are divided into cells of
+/// about the width above; wide bodies may require wider tiles.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
                                         double tile_size_m) {
   double sum = 0;
@@ -148,10 +150,10 @@ void World::check_reserves(Diagnostics& diagnostics) const {
   }
 }
 
-/// Returns the bodies that have rows, in the order of their rows: bodies that are neighbours in space at tick
-/// 0 become neighbours in memory, and remain so for a long time. With 100,000 robots in a building, a step in
-/// arbitrary order takes half as much time again. The order affects only the speed. It is that of the default
-/// cells, independent of WorldOptions::tile_size_m.
+/// Returns the bodies that have rows, in the order of their rows. Bodies that are neighbours in space at tick
+/// 0 become neighbours in memory, and remain so for a long time. With 100,000 robots in a building, a step
+/// with rows in arbitrary order takes 1.5 times as long. The order affects only the speed. It is computed
+/// with the default cells, whatever WorldOptions::tile_size_m is.
 std::vector<BodyId> World::rows_by_place() const {
   struct Place {
     std::uint64_t key;
@@ -211,7 +213,7 @@ void World::build_rows() {
   row_shapes_.resize(rows());
   transforms_.resize(rows());
   outlines_.resize(vertices + partition::EdgeBlock::k_piece,
-                   Vec2::Zero());  // padding: rangers copy whole pieces
+                   Vec2::Zero());  // padding: rangers copy k_piece vertices at a time
   motions_.resize(rows());
   free_circles_.resize(rows());
 }
@@ -476,10 +478,10 @@ void World::report_overlaps(Diagnostics& diagnostics) {
 
   const std::size_t most = diagnostics.thorough() ? k_most_listed : 1;
   using Pair = std::pair<BodyId, BodyId>;
-  struct Found {  // by one task
+  struct Found {  // the result of one task
     std::size_t pairs = 0;
-    std::vector<Pair> listed;  // the first pairs
-    std::vector<BodyId> others;
+    std::vector<Pair> listed;    // the first pairs
+    std::vector<BodyId> others;  // scratch memory: bodies near the present one
     void add(BodyId body, BodyId other, std::size_t most_listed) {
       ++pairs;
       if (listed.size() < most_listed) listed.emplace_back(body, other);
@@ -594,7 +596,7 @@ void World::set_estimate(Row row, const Pose& pose) {
 
 void World::set_poses(std::span<const Placed> placed) {
   require_whole();
-  restore_fp_environment();  // as before a step
+  restore_fp_environment();  // a library may have changed it, see step()
   const Box inside = bounds();
   for (const Placed& place : placed) {
     const Pose& p = place.pose;
@@ -636,7 +638,8 @@ void World::remember_placed(Row row) {
   placed_[at - 1].pose = poses()[row.index()];
 }
 
-/// Called when a step begins: the poses that were set since the last step become placed_before_.
+/// Makes the poses that were set since the last step placed_before_, and clears placed_. Called when a step
+/// begins.
 void World::begin_placing() {
   for (const Placed& place : placed_) placed_at_[place.row.index()] = 0;
   placed_before_.swap(placed_);
@@ -652,7 +655,7 @@ bool World::is_free(Row row, const Pose& pose) const {
   bool free = true;
   const auto look_at = [&](std::uint32_t r) {
     if (!free || r == row.index() || row_shapes_[r]->empty()) return;
-    // The body with the lower id is the first argument, as in the rule of motions, so that answers agree.
+    // The body with the lower id is the first argument, as in conflict resolution, so that both agree.
     free = row_ids_[row.index()] < row_ids_[r] ? !overlap(shape, pose, *row_shapes_[r], poses()[r])
                                                : !overlap(*row_shapes_[r], poses()[r], shape, pose);
   };
@@ -663,7 +666,7 @@ bool World::is_free(Row row, const Pose& pose) const {
 }
 
 Box World::bounds() const {
-  constexpr double k_world_limit = 100e3;  // m, of worlds without bounds
+  constexpr double k_world_limit = 100e3;  // half the width of a world without bounds, m
   return spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
 }
 
@@ -676,19 +679,19 @@ void World::throw_half_made() const {
 }
 
 void World::reset() {
-  restore_fp_environment();  // as before a step
+  restore_fp_environment();  // a library may have changed it, see step()
   start();
 }
 
 void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
-  restore_fp_environment();  // as before a step
+  restore_fp_environment();  // a library may have changed it, see step()
   bool has_scene_changed = false;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     has_scene_changed = has_scene_changed || (!body_rows_[b].valid() &&
                                               bodies[b].pose_world_body != spec_.bodies[b].pose_world_body);
   spec_.seed = seed;
   std::ranges::copy(bodies, spec_.bodies.begin());
-  Diagnostics diagnostics(spec_.files);  // stays empty: the constructor has checked the same
+  Diagnostics diagnostics(spec_.files);  // stays empty: the constructor has made the same checks
   if (has_scene_changed) build_scene();
   draw_odometry_errors();
   build_faults(registry, diagnostics);
@@ -698,7 +701,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
                     const Fill& fill) {
-  restore_fp_environment();  // as before a step
+  restore_fp_environment();  // a library may have changed it, see step()
   is_half_made_ = false;
   for (StateTable& table : tables_) table.clear();
   try {
@@ -750,7 +753,7 @@ std::uint64_t World::hash(const StateTable& table) {
 
 Hashes World::hashes() {
   require_whole();
-  constexpr std::size_t k_block = 512;  // rows per task, of all tables: a loop per table would cost more
+  constexpr std::size_t k_block = 512;  // rows per task, in all tables: a loop per table would cost more
   std::size_t rows = 0;
   for (const StateTable& table : tables_) rows = std::max(rows, table.rows());
   std::array<std::atomic<std::uint64_t>, k_hash_groups> sums{};
@@ -773,8 +776,8 @@ double World::mean_displacement() const {
   return robots_ > 0 ? sum.value() / static_cast<double>(robots_) : 0;
 }
 
-/// Appearance of the body of a row of type t. If `row` is not valid, the appearance of bodies of type t with
-/// joints at rest.
+/// Returns the shapes and the radius of the body of `row` as they are drawn, with its joints where they are
+/// now. If `row` is not valid, the joints are at rest. `t`: index of the body's type.
 FrameType World::look_of(std::size_t t, Row row) const {
   FrameType look{
       .mobile = types_[t].drive.has_value(), .radius = types_[t].radius, .name = spec_.types[t].name};

@@ -11,7 +11,7 @@ namespace {
 
 using Report = std::function<void(Where, const std::string&)>;
 
-/// Checks the rules of one type.
+/// Checks that the part and joint indices in a type are valid and that parents come before their children.
 class TypeRules {
  public:
   TypeRules(const TypeSpec& type, std::size_t index, const Report& report)
@@ -173,7 +173,7 @@ bool is_below(const TypeSpec& type, std::uint32_t below, std::uint32_t part) {
 
 void add_spare(WorldSpec& spec, std::uint32_t count) {
   struct Population {
-    BodySpec like;           // its first body
+    BodySpec like;           // its first body in the file
     std::uint32_t next = 0;  // number of the next body
     bool is_of_one_type = true;
   };

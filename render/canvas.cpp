@@ -23,7 +23,7 @@ namespace {
 /// its own pixels.
 constexpr int k_tile = 2048;
 constexpr int k_samples = 4;  // per pixel
-/// Length of shadows on the floor per metre of height.
+/// Length of the shadow of a vertical edge on the floor divided by the height of the edge.
 constexpr float k_shadow_slope = 0.5F;
 
 // clang-format off
@@ -303,7 +303,8 @@ class Uploaded {
   GLsizei instances_;  // 0 for a PointLayer, which is drawn without instancing
 };
 
-/// The interval of heights in flat layers, which the depth buffer must resolve.
+/// The interval of heights of the flat layers and of the points on the map, m. The depth buffer must resolve
+/// it.
 ZInterval heights_of(std::span<const AnyLayer> layers) {
   ZInterval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const AnyLayer& any : layers) {

@@ -13,15 +13,17 @@
 
 namespace troupe::render {
 
-/// Which colour a triangle has: `own` is the colour of its vertices; `body`, `edge` and `mark` are those
-/// colours of the instance that is drawn.
+/// Selects the colour of a triangle. `own` is the colour stored in its vertices. `body`, `edge` and `mark`
+/// are the members with these names of the instance that is drawn, so that instances share a mesh.
 enum class Paint : std::uint32_t { own, body, edge, mark };
 
 // ---- flat layers, in the plane of the picture
 
 /// A corner of a triangle in a flat layer.
 struct Vertex {
-  float x, y, z;  ///< position, body frame, in mesh units (Instance::size is the number of pixels per unit)
+  /// Position, body frame. x and y are in mesh units (Instance::size is the number of pixels per unit). z is
+  /// the height above the origin of the instance, m.
+  float x, y, z;
   /// Offset added after scaling, pixels, body frame. It gives strokes a width that does not depend on the
   /// scale.
   float offset_x, offset_y;
@@ -54,9 +56,9 @@ struct Layer {
 /// Type of a corner of a triangle in a solid mesh. It determines the meaning of the vector a = (ax, ay, az)
 /// of a SolidVertex.
 enum class Corner : std::uint32_t {
-  face,    ///< lit surface; a is its normal
+  face,    ///< lit surface; a is its normal, of unit length
   plain,   ///< unlit surface, such as a mark on a face, drawn slightly nearer to the viewer; a is not used
-  stroke,  ///< line; a is its other end
+  stroke,  ///< one end of a line; a is the position of the other end
   rim,     ///< like a stroke, but drawn slightly farther away than strokes
 };
 
@@ -94,7 +96,9 @@ struct SolidLayer {
   SolidMesh mesh;
   std::vector<SolidInstance> instances;
   Depth depth = Depth::solid;
-  bool shadow = false;  ///< true: the shadow of the mesh on the floor is drawn instead of the mesh
+  /// If true, the shadow of the mesh on the floor is drawn instead of the mesh, in the colour
+  /// SolidInstance::edge.
+  bool shadow = false;
 };
 
 // ---- layers of bodies too small for a shape
@@ -113,7 +117,7 @@ struct PointLayer {
   std::vector<Point> points;
   float size = 1;       ///< edge length of the squares, pixels
   bool on_map = false;  ///< true: flat in the picture, like a Layer; false: in the world, like a SolidLayer
-  bool on_top = false;  ///< if on_map: true covers all earlier layers, whatever their heights
+  bool on_top = false;  ///< only with on_map: whether it covers all earlier layers, whatever their heights
 };
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;

@@ -25,7 +25,8 @@ using engine::Frame;
 using engine::FrameBody;
 using engine::FrameScene;
 
-constexpr double k_rows_of_one_stroke = 900;  // smaller side up to which a stroke is one pixel, pixels
+// A stroke is one pixel in pictures whose smaller side has at most this many pixels.
+constexpr double k_rows_of_one_stroke = 900;
 constexpr double k_margin = 0.03;        // margin around the scene, fraction of the picture's smaller side
 constexpr double k_furniture_band = 40;  // height below the scene for scale bar and clock, strokes
 
@@ -42,7 +43,8 @@ class KeepFpEnvironment {
   std::fenv_t environment_;
 };
 
-/// The region of the world to show if the camera does not determine it, m. It is never empty.
+/// The region of the world to show if the camera does not determine it, m. It is never empty. Throws
+/// std::runtime_error if View::region is not finite or has no area.
 Box shown_bounds(const FrameScene& scene, const View& view) {
   Box shown = view.region.value_or(scene.bounds);
   if (view.layers.bounds && !view.region && scene.limits) shown.extend(*scene.limits);
@@ -51,7 +53,7 @@ Box shown_bounds(const FrameScene& scene, const View& view) {
       throw std::runtime_error("cannot draw: the region of the view must be finite and of positive size");
     return shown;
   }
-  if (shown.empty()) shown = Box::around(Vec2::Zero(), 5);  // an empty world has a floor
+  if (shown.empty()) shown = Box::around(Vec2::Zero(), 5);  // an empty world: show 10 m of floor
   if ((shown.size().array() <= 0).any()) shown = shown.expanded(0.5);
   return shown;
 }
@@ -85,7 +87,7 @@ Framing frame_from_above(const FrameScene& scene, const View& view) {
   return framing;
 }
 
-/// The interval of heights of the floor and all bodies, world frame, m.
+/// An interval that contains the heights of the floor and of all `bodies`, world frame, m.
 ZInterval heights_in(const FrameScene& scene, const std::vector<FrameBody>& bodies) {
   ZInterval heights{0, 0.01};
   std::vector<ZInterval> of_types;
@@ -190,7 +192,7 @@ Painter& Painter::operator=(Painter&&) noexcept = default;
 
 const FrameScene& Painter::scene() const { return impl_->scene; }
 
-/// The layers of a picture, in the order of drawing.
+/// A picture before it is drawn: its layers in the order of drawing, its projection and its lettering.
 struct Painter::Composition {
   std::vector<AnyLayer> layers;
   Projection projection;

@@ -20,7 +20,8 @@ struct Camera {
   std::optional<Eigen::Vector3d> center;
   /// Width of the picture at the centre, m. If not given, it is chosen so that the scene fits.
   std::optional<double> across_m;
-  /// World position of a perspective camera, m. It replaces `center` and `across_m`.
+  /// World position of a perspective camera, m. If given, `center` and `across_m` are ignored. Parallel views
+  /// ignore it.
   std::optional<Eigen::Vector3d> eye;
   double fov = 0.65;  ///< vertical field of view of a perspective view, rad
 };
@@ -35,36 +36,39 @@ struct Layers {
   bool grid = true;      ///< grid lines on the floor
   bool shadows = true;   ///< shadows of the bodies on the floor
   bool headings = true;  ///< a mark at the front of each robot
-  bool stalls = true;    ///< a red outline with a white rim around robots whose last motion was blocked
-  bool scale = true;     ///< a scale bar
-  bool clock = true;     ///< the simulated time
-  bool speed = false;    ///< speed of the simulation next to the clock: Frame::times_real_time
-  bool legend = true;    ///< legend of the colour scale, if bodies are coloured by a value
-  bool bounds = true;    ///< bounds of the world, which robots cannot leave: FrameScene::limits
-  bool types = false;    ///< legend of the types of robots, if robots are not coloured by a value
-  bool scans = false;    ///< range readings as transparent areas: Frame::scans
-  bool beams = false;    ///< range readings as lines: Frame::scans
-  bool sights = false;   ///< lines from finders to detected objects: Frame::sights
-  bool blobs = false;    ///< blobs of blob finders in their colours: Frame::blobs
-  bool grips = false;    ///< light beams of grippers (red if broken) and links to held bodies: Frame::grips
-  bool links = false;    ///< lines from carriers to carried bodies: Frame::links
-  bool trails = false;   ///< past positions of bodies: Frame::trails
-  bool names = false;    ///< names of bodies: Frame::names
-  bool energy = false;   ///< bars that show the remaining energy: Frame::charges
+  /// A red outline with a white rim around robots whose last motion was blocked or would have ended out of
+  /// bounds.
+  bool stalls = true;
+  bool scale = true;    ///< a scale bar; in views not from above, the distance between grid lines
+  bool clock = true;    ///< the simulated time
+  bool speed = false;   ///< speed of the simulation next to the clock: Frame::times_real_time
+  bool legend = true;   ///< legend of the colour scale, if bodies are coloured by Frame::values
+  bool bounds = true;   ///< bounds of the world, which robots cannot leave: FrameScene::limits
+  bool types = false;   ///< legend of the types of robots, if `legend` draws no colour scale
+  bool scans = false;   ///< range readings as transparent areas: Frame::scans
+  bool beams = false;   ///< range readings as lines: Frame::scans
+  bool sights = false;  ///< lines from fiducial finders to detected bodies: Frame::sights
+  bool blobs = false;   ///< blobs of blob finders in their colours: Frame::blobs
+  bool grips = false;   ///< light beams of grippers (red: interrupted), lines to held bodies: Frame::grips
+  bool links = false;   ///< lines from carriers to carried bodies: Frame::links
+  bool trails = false;  ///< past positions of bodies: Frame::trails
+  bool names = false;   ///< names of bodies: Frame::names
+  bool energy = false;  ///< bars that show the remaining energy: Frame::charges
   bool footprints = false;  ///< outlines of the bodies on the floor
   bool coverage = false;    ///< squares of the floor that robots have visited: Frame::covered
-  bool density = false;     ///< number of robots per square of the floor
-  bool tiles = false;       ///< number of robots per tile of the spatial index
-  bool cells = false;       ///< cells of the spatial index that contain a robot
+  bool density = false;     ///< squares of the floor, coloured by their numbers of robots
+  bool tiles = false;       ///< tiles of the spatial index, coloured by their numbers of robots
+  bool cells = false;       ///< outlines of the cells of the spatial index that contain robots
 };
 
 /// How a picture shows a frame.
 struct View {
   int width = 1280;  ///< pixels
   int height = 720;  ///< pixels
-  /// World region that must be visible, m. It fills the picture in one direction, x or y; in the other
-  /// direction more of the world may be visible. If not given, it is the bounds of the scene with a margin.
-  /// The members `center`, `across_m` and `eye` of the camera take precedence.
+  /// World region that must be visible, m. In a view from above it fills the picture in one direction, x or
+  /// y; in the other direction more of the world may be visible. Other views show it with a margin. If not
+  /// given, it is the bounds of the scene with a margin. The members `center`, `across_m` and `eye` of the
+  /// camera take precedence.
   std::optional<Box> region;
   Camera camera;
   Layers layers;
@@ -94,14 +98,17 @@ struct Picture {
 /// view    A view from above (camera at pitch and yaw 0 without perspective) is a map: +x points right, +y
 ///         up. Bodies are flat shapes, and robots are drawn over the floor plan whatever its height. Other
 ///         views show solids with lit faces and edges, without hidden surfaces.
-/// robots  Robots are drawn at least 3.5 pixels wide, so that a swarm stays visible. They have outlines if at
-///         least 7 pixels wide, and heading marks if at least 9 pixels wide. Stalled robots have a red
-///         outline.
-/// errors  It throws std::runtime_error if OSMesa, which is loaded on first use, is missing (the message
+/// robots  Robots are drawn at least 3.5 pixels wide, so that a swarm stays visible. On a map, they
+///         have outlines if at least 7 pixels wide, and heading marks if at least 9 pixels wide. In other
+///         views, bodies narrower than 10 pixels are boxes without outlines and marks. Outlines of stalled
+///         robots are red. In pictures whose smaller side has more than 900 pixels, all these widths grow in
+///         proportion.
+/// errors  draw() throws std::runtime_error if OSMesa, which is loaded on first use, is missing (the message
 ///         names the package to install); if the picture is larger than the driver allows (the message names
 ///         the limit); or if the region is not finite or has no area.
-/// checks  Equal input gives equal bytes on one machine. The floating-point environment of the caller is
-///         restored. A painter may be used on any thread, but only by one thread at a time.
+/// output  Equal input gives equal bytes on one machine. The floating-point environment of the caller is
+///         restored.
+/// threads A painter may be used on any thread, but only by one thread at a time.
 class Painter {
  public:
   explicit Painter(engine::FrameScene scene);
@@ -114,8 +121,9 @@ class Painter {
   Picture draw(const engine::Frame& frame, const View& view);
   /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. The size
   /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file. Throws
-  /// std::runtime_error as draw() does, and also if the view is not from above. For a PDF it throws if cairo
-  /// is missing, and the message names the package to install.
+  /// std::runtime_error if the view is not from above, or if the region is not finite or has no area. For a
+  /// PDF it also throws if cairo is missing or too old, and the message names the package to install. OSMesa
+  /// is not needed.
   std::string draw_vector(const engine::Frame& frame, const View& view, VectorFormat format,
                           const FileTexts& texts);
 

@@ -21,7 +21,8 @@ using engine::FrameType;
 /// 100,000 shapes takes long.
 constexpr double k_smallest_shaped = 5;
 
-/// For each type, the factor that enlarges its bodies to the width `smallest`, strokes; 1 for larger bodies.
+/// For each type, the factor by which its bodies are enlarged in the picture, so that they are at least
+/// `smallest` pixels wide; 1 for bodies that are wide enough.
 std::vector<double> enlargements(const FrameScene& scene, const Framing& framing, double smallest) {
   std::vector<double> scales;
   for (const FrameType& type : scene.types) {
@@ -33,12 +34,16 @@ std::vector<double> enlargements(const FrameScene& scene, const Framing& framing
 
 /// Instances of bodies, by type.
 struct Instances {
-  std::vector<std::vector<Instance>> moving;
+  std::vector<std::vector<Instance>> moving;   ///< bodies that are not drawn as stalled
   std::vector<std::vector<Instance>> stalled;  ///< bodies drawn as stalled
 };
 
-/// The bodies in the picture, by type. Types with `left_out` 1 are left out; if `left_out` is empty, no type
-/// is. colors: one colour per body; if it is empty, bodies have their own colours.
+/// The instances of those `bodies` that are in the picture, by type.
+///
+/// left_out: one per type: 1 if bodies of the type are left out; empty: no type is left out
+/// colors: one colour per body; empty: bodies have their own colours
+/// smallest: narrower bodies are enlarged to this width, pixels; 0: no body is enlarged
+/// shows_stalls: whether bodies with FrameBody::stalled are drawn as stalled
 Instances instances_by_type(const FrameScene& scene, const std::vector<FrameBody>& bodies,
                             std::span<const std::uint8_t> left_out, std::span<const Rgba> colors,
                             const Framing& framing, double smallest, bool shows_stalls) {

@@ -45,8 +45,8 @@ class Sorter {
     }
   }
 
-  /// Adds a body if it is in the picture. smallest: bodies narrower than this, in strokes, become dots of
-  /// this width; 0: no body does.
+  /// Adds a body if it is in the picture. If it is narrower than `smallest`, strokes, it is added to `dots`;
+  /// 0: it never is. is_stalled: whether it is drawn as stalled.
   void add(const FrameBody& body, Rgba color, bool is_stalled, double smallest) {
     TROUPE_ASSERT(body.type < scene_.types.size());
     const FrameType& type = scene_.types[body.type];

@@ -3,10 +3,11 @@
 namespace troupe::render {
 namespace {
 
-/// A letter: its polylines, and the distance from its left end to the next letter, units.
+/// A letter: its polylines, and the distance from its left end to the next letter, in units of add_text().
 struct Glyph {
-  std::string_view
-      points;  // two digits per point on a grid 4 wide and 6 high; "a" and "b" are below the baseline
+  /// Polylines, separated by commas. A point has two characters, x from 0 to 4 and y from 0 (baseline) to 6.
+  /// The y "a" and "b" are 1 and 2 below the baseline.
+  std::string_view points;
   double advance = 6;
 };
 
@@ -113,8 +114,8 @@ Glyph glyph(char c) {
 }
 // clang-format on
 
-/// Whether a byte continues a UTF-8 character. Such bytes draw nothing, so that a character draws only one
-/// box.
+/// Whether a byte is not the first one of a UTF-8 character. Such bytes draw nothing, so that a character
+/// outside ASCII is drawn as only one box.
 bool goes_on(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
 Vec2 grid_point(std::string_view two) {

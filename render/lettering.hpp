@@ -18,9 +18,9 @@ using Lines = std::vector<std::pair<Vec2, Vec2>>;
 /// Height of capitals and digits, strokes (Framing::stroke).
 inline constexpr double k_cap_height = 11;
 
-/// Adds letters as line segments. pen: start of the baseline, pixels from the picture's centre. unit: pixels
-/// per unit; capitals are 6 units high, descenders reach 2 units below the baseline. Characters outside
-/// printable ASCII are drawn as empty boxes.
+/// Adds the letters of `text` to `lines`. pen: start of the baseline, pixels from the picture's centre. unit:
+/// a sixth of the height of capitals, pixels; descenders reach 2 units below the baseline. Each character
+/// outside printable ASCII is drawn as an empty box.
 void add_text(Lines& lines, std::string_view text, const Vec2& pen, double unit);
 /// Width of a text from the pen to the right end of the last letter, pixels. unit: as for add_text().
 double text_width(std::string_view text, double unit);
@@ -35,7 +35,7 @@ struct Text {
 
 /// The lettering of a picture: texts, and the lines and bars that belong to them.
 struct Writing {
-  Mesh under;               ///< bars and swatches of legends, in pixels from the picture's centre
+  Mesh under;               ///< bars and swatches below the lines and texts, pixels from the picture's centre
   Lines lines;              ///< lines, such as those of the scale bar
   std::vector<Text> texts;  ///< vector formats keep these as text
 };

@@ -13,24 +13,26 @@ struct RoundLength {
   double metres = 1;
   int exponent = 0;  ///< exponent of the power of ten
 
-  /// The largest round length that is at most `metres`.
+  /// The largest round length that is at most `metres`, which must be positive. If `metres` is a power of
+  /// ten, the result may be half of it, because of rounding.
   static RoundLength at_most(double metres);
   /// The length as text, such as "50 m", "0.2 m", "2 km" or "5 mm".
   std::string text() const;
 };
 
-/// The lines of a floor grid of a map, one stroke wide, in pixels from the picture's centre.
+/// The lines of the floor grid of a map, one stroke wide, in pixels from the picture's centre. The distance
+/// between lines is a round length of at least 48 strokes.
 Mesh floor_grid(const Framing& framing, Rgba color);
 /// The scale bar and the texts along the picture's lower edge.
 struct Furniture {
   bool scale = true;  ///< a scale bar with its length, in the left corner
-  std::string left;   ///< text to the right of the scale bar
+  std::string left;   ///< text right of the scale bar, or in the left corner if there is no scale bar
   std::string right;  ///< text in the right corner: the time
 };
-/// The text of the clock: "12.5 s", or "12.5 s  40 x real time" if `times_real_time` is not 0.
+/// The text of the clock: "12.5 s", or "12.5 s  40 x real time" if `times_real_time` is above 0.
 std::string clock_text(double time_s, double times_real_time = 0);
-/// Adds the furniture in pixels from the picture's centre. It adds nothing if the picture is too small for it
-/// (Framing::has_furniture).
+/// Adds the scale bar and the texts of `shown` to `writing`. It adds nothing if the picture is too small for
+/// them (Framing::has_furniture).
 void add_furniture(Writing& writing, const Framing& framing, const Furniture& shown);
 
 }  // namespace troupe::render

@@ -39,8 +39,8 @@ void add_outlines(Mesh& mesh, const Solid& solid, double width, Paint paint, Rgb
   }
 }
 
-/// The shapes of a type sorted by the heights of their tops, because blending, and covering at equal heights,
-/// depend on the order of drawing.
+/// The shapes of a type, sorted by the heights of their tops. The order of drawing determines how transparent
+/// shapes blend, and which of two shapes of equal height covers the other.
 std::vector<const FrameShape*> upwards(const FrameType& type) {
   std::vector<const FrameShape*> shapes;
   for (const FrameShape& shape : type.shapes) shapes.push_back(&shape);

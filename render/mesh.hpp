@@ -7,29 +7,29 @@ namespace troupe::render {
 /// What body_mesh() draws in addition to the faces.
 struct MeshStyle {
   float edge = 0;     ///< width of the outline of each contour, pixels; 0: no outline
-  float halo = 0;     ///< width of a white line below the outline, pixels; 0: no line
+  float halo = 0;     ///< width of a white line drawn under the outline, pixels; 0: no line
   bool mark = false;  ///< whether there is a triangle at the front that points forward
 };
 
 Rgba to_rgba(const Color& color);
-/// The colour of the outline of a shape of the colour `fill`.
+/// The colour for the outline of a shape of the colour `fill`: darker, with the same opacity.
 Rgba darker(Rgba fill);
 /// A colour that is readable on `fill`: white if `fill` is dark, near black if it is light.
 Rgba contrasting(Rgba fill);
 
-/// The convex pieces of each shape of a type, in the order of the shapes. They are computed only once,
-/// because this takes long for large floor plans.
+/// The convex pieces of each shape of a type, in the order of the shapes. Callers compute them once per type
+/// and keep them, because this takes long for large floor plans.
 using Pieces = std::vector<std::vector<ConvexPrism>>;
 Pieces pieces_of(const engine::FrameType& type);
 
-/// The top faces of the shapes of a type in its body frame, m. Lower shapes come first, the heading mark
-/// last.
+/// The top faces of the shapes of a type in its body frame, m, with the lines and the mark that `style`
+/// selects. Lower shapes come first, the heading mark last. `pieces` is pieces_of(type).
 Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
-/// A mesh without its strokes, with all triangles in the colour Paint::body.
+/// The triangles of a mesh without its strokes, all in the colour Paint::body. It is drawn for shadows.
 Mesh silhouette(Mesh mesh);
 
 /// Adds a line from a to b at the height z. Its square ends extend beyond a and b by half the width, so that
-/// corners close. a, b and z are in mesh units, the width is in pixels.
+/// corners close. a and b are in mesh units, z is in m, the width is in pixels.
 void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own = {});
 /// Adds a filled rectangle with the corners min and max, in mesh units.
 void add_rectangle(Mesh& mesh, const Vec2& min, const Vec2& max, Rgba own);

@@ -14,8 +14,8 @@
 namespace troupe::render {
 namespace {
 
-/// Mesa 22 leaks about 300 bytes per destroyed context. While such an object exists, the address sanitizer
-/// ignores leaks.
+/// Mesa 22 leaks about 300 bytes per destroyed context. While an object of this type exists, the
+/// address sanitizer ignores leaks.
 struct ForgiveLeaks {
 #ifdef __SANITIZE_ADDRESS__
   __lsan::ScopedDisabler disabler;

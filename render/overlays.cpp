@@ -45,7 +45,7 @@ constexpr double k_most_grid_lines = 120;  // greatest number of grid lines in e
 constexpr double k_density_strokes = 36;   // least edge of a square of the layer `density`, strokes
 constexpr std::size_t k_fan_steps = 8;     // triangles that show a single beam with an opening angle
 
-/// A layer whose mesh is in metres relative to the projection's origin.
+/// A layer with one instance of a mesh that is in metres relative to Projection::origin().
 SolidLayer in_world(SolidMesh mesh, SolidLayer::Depth depth) {
   return {std::move(mesh), {{0, 0, 0, 1, 1, 0, {}, {}, {}}}, depth};
 }
@@ -61,8 +61,8 @@ std::uint8_t scan_opacity(const Frame& frame) {
   return static_cast<std::uint8_t>(std::max(k_least_opacity, k_scan_opacity / std::sqrt(crowd)));
 }
 
-/// End point of beam `i` of a transducer, relative to `origin`, m. pose_world: pose of the transducer; range:
-/// its reading, m.
+/// End point of beam `i` of a transducer, relative to the world point `origin`, m. pose_world: pose of the
+/// transducer. range: reading of the beam, m.
 Vec3 end_of_beam(const Pose& pose_world, const FrameTransducer& transducer, std::size_t i, double range,
                  const Vec3& origin) {
   const double bearing = transducer.samples > 1
@@ -73,7 +73,8 @@ Vec3 end_of_beam(const Pose& pose_world, const FrameTransducer& transducer, std:
   return Vec3(pose_world.x + way.x(), pose_world.y + way.y(), pose_world.z) - origin;
 }
 
-/// Adds a sector of a circle for a single beam with an opening angle.
+/// Adds a sector of a circle, which shows a single beam with the opening angle `fov`, rad. pose_world: pose
+/// of the transducer. range: reading of the beam, m. origin: world point to which the mesh is relative, m.
 void add_slice(SolidMesh& mesh, const Pose& pose_world, double fov, double range, const Vec3& origin,
                Rgba color) {
   const Vec3 middle = Vec3(pose_world.x, pose_world.y, pose_world.z) - origin;
@@ -105,8 +106,8 @@ void add_scan(SolidMesh& fills, SolidMesh& lines, const FrameScene& scene, const
   }
 }
 
-/// The number of robots in each square of the floor. Squares are given by their x and y indices in a grid
-/// with edges of `pitch`, m.
+/// The number of robots in each square of the floor that contains any. The keys are the x and y indices of
+/// the square in a grid with edges of `pitch`, m.
 std::map<std::pair<std::int64_t, std::int64_t>, int> count_in_squares(const FrameScene& scene,
                                                                       const Frame& frame, double pitch) {
   std::map<std::pair<std::int64_t, std::int64_t>, int> counts;
@@ -126,7 +127,7 @@ void add_square(SolidMesh& mesh, const Vec3& corner, double edge, Rgba color) {
   add_plain(mesh, corner, across, corner + Vec3(0, edge, 0), color);
 }
 
-/// Squares that robots have visited. A square is the paler, the longer ago the last visit was.
+/// Squares that robots have visited. A square whose last visit was longer ago is paler.
 SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
   SolidMesh mesh;
   for (const engine::FrameSquare& square : frame.covered) {
@@ -137,8 +138,8 @@ SolidLayer covered_squares(const Frame& frame, const Projection& projection) {
   return in_world(std::move(mesh), SolidLayer::Depth::floor);
 }
 
-/// The squares that contain robots: filled with the colour of the number of robots if `filled`, else
-/// outlined.
+/// The squares of the floor that contain robots, with edges of `pitch`, m. If `filled` is true, the colour of
+/// a square shows its number of robots; else squares have lines of the colour `outline` around them.
 SolidLayer squares(const FrameScene& scene, const Frame& frame, const Projection& projection, double pitch,
                    bool filled, Rgba outline) {
   SolidMesh mesh;
@@ -231,7 +232,7 @@ void add_charges(Mesh& mesh, const FrameScene& scene, const Frame& frame, const 
 
 std::string number_text(double value) { return fmt::format("{:.4g}", value); }
 
-/// The upper left corner of the legends.
+/// The upper left corner of the legends, pixels from the picture's centre.
 Vec2 legend_corner(const Framing& framing) {
   constexpr double k_margin = 14;  // strokes
   return {k_margin * framing.stroke - framing.width / 2.0, framing.height / 2.0 - k_margin * framing.stroke};
@@ -257,7 +258,7 @@ void add_color_bar(Writing& writing, const Frame& frame, const Framing& framing,
   writing.texts.push_back({number_text(range.second), {right, below}, unit, true});
 }
 
-/// A type and colour of bodies, with their number.
+/// An entry of the legend of types: the robots of one type and colour, and their number.
 struct Look {
   std::uint32_t type = 0;
   Rgba color{};

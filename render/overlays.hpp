@@ -31,7 +31,8 @@ void add_in_air(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, 
 void add_ties(std::vector<AnyLayer>& layers, const engine::Frame& frame, const Projection& projection,
               const Layers& shown, const Theme& theme);
 
-/// The lettering of the picture: names, legends, scale bar and clock.
+/// The lettering of the picture that `view.layers` selects: names, energy bars, legends, clock, and the scale
+/// bar or, in a view that is not from above, the distance between grid lines.
 Writing written(const engine::FrameScene& scene, const engine::Frame& frame, const Projection& projection,
                 const Framing& framing, const View& view);
 

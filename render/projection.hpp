@@ -44,12 +44,14 @@ class Projection {
 
   /// Distance from the viewer along the view direction, m; negative: behind the viewer.
   double depth(const Vec3& point) const { return -back_.dot(point - eye_); }
-  /// Scale of the picture at a world point, pixels per metre; 0 if the point is not in front of the viewer.
+  /// Scale of the picture at a world point, pixels per metre. In a perspective view, it is 0 for points that
+  /// are behind the viewer or nearer than the near plane.
   double pixels_per_metre(const Vec3& point) const;
-  /// Place of a world point in the picture: pixels right of and above its centre. Nothing if the point is not
-  /// in front of the viewer.
+  /// Place of a world point in the picture: pixels right of and above its centre. Empty if pixels_per_metre()
+  /// is 0 there.
   std::optional<Vec2> to_pixels(const Vec3& point) const;
-  /// Whether a ball around a world point may be visible. May be true for a ball just outside the picture.
+  /// Whether a ball around a world point may be visible; `radius` is in m. The result may be true for a ball
+  /// just outside the picture.
   bool may_show(const Vec3& point, double radius) const;
   /// The point of the floor (z = 0) in the picture's centre, or below the viewer if no floor is in the
   /// centre.
@@ -60,8 +62,8 @@ class Projection {
   const Vec3& origin() const { return origin_; }
   /// Column-major matrix that converts points relative to origin() to OpenGL's clip coordinates, with y up.
   std::array<float, 16> clip_matrix() const;
-  /// Offset of the third clip coordinate that moves a point towards the viewer by the length of about two
-  /// pixels.
+  /// Offset of the third clip coordinate that moves a point towards the viewer by about the length of two
+  /// strokes in the picture.
   float clip_bias() const;
   /// Distance of the near plane of a perspective view, m; 0 in a parallel view.
   double nearest() const { return perspective() ? near_ : 0; }

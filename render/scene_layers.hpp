@@ -8,12 +8,13 @@
 
 namespace troupe::render {
 
-/// A scene, with data that are computed only once for all its pictures.
+/// A scene, and data that are computed only once and used by all its pictures.
 struct SceneMeshes {
   const engine::FrameScene& scene;
   std::vector<Pieces> pieces;  ///< convex pieces of the shapes of each type
 };
 
+/// Colour of the outline of a stalled robot.
 inline constexpr Rgba k_stalled_edge = {224, 32, 32, 255};
 /// Width of the outline of a stalled robot divided by the width of the outlines of other robots.
 inline constexpr float k_stalled_widening = 1.3F;
@@ -32,11 +33,11 @@ inline constexpr double k_smallest_marked = 9;
 /// A layer with a single instance of a mesh whose units are pixels from the picture's centre.
 Layer flat(Mesh mesh, bool on_top);
 
-/// Add the layers of a view from above: add_flat_fixed() those of static bodies such as the floor plan,
-/// add_flat_mobile() those of mobile bodies. `colors` has one colour per mobile body; if it is empty, bodies
-/// have their own colours.
+/// Adds the layers of a view from above that show static bodies, such as the floor plan, and their shadows.
 void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
                     const Layers& shown, const Theme& theme);
+/// Adds the layers of a view from above that show mobile bodies. `colors` has one colour per mobile body; if
+/// it is empty, bodies have their own colours.
 void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                      std::span<const Rgba> colors, const Framing& framing, const Layers& shown);
 

@@ -37,8 +37,9 @@ void add_quad(SolidMesh& mesh, const std::array<Vector3d, 4>& corners, const Vec
     mesh.push_back(vertex(corners[k], normal, 0, paint, own, Corner::face));
 }
 
-/// Whether there is a line between two adjacent sides: both must be at least `least_side` long, m, and their
-/// directions must differ by k_bend or more.
+/// Whether the vertical edge between two adjacent sides of a prism is drawn as a line. Both sides must be at
+/// least `least_side` long, m, and their directions must differ by more than k_bend. `before` and `after` are
+/// the vectors along the two sides, m.
 bool is_edge(const Vec2& before, const Vec2& after, double least_side) {
   const double lengths = before.norm() * after.norm();
   return std::min(before.norm(), after.norm()) >= least_side &&
@@ -56,8 +57,8 @@ void add_sides(SolidMesh& mesh, const Ring& ring, const ZInterval& z, Paint pain
   }
 }
 
-/// Whether a point is inside or on top of a shape of the type other than shape `own`. A line at such a point
-/// would be visible only where two surfaces nearly coincide.
+/// Whether a point (body frame, height `z`, m) is inside or on the surface of a shape of the type other than
+/// shape number `own`. A line at such a point would be visible only where two surfaces nearly coincide.
 bool is_inside_others(const FrameType& type, std::size_t own, const Vec2& point, double z) {
   constexpr double k_flush_m = 0.005;
   for (std::size_t s = 0; s < type.shapes.size(); ++s) {
@@ -120,7 +121,8 @@ FrameType topmost(const FrameType& type) {
   return top;
 }
 
-/// Adds the triangles of a flat mesh, as faces that point up or as marks on such faces.
+/// Adds the triangles of a flat mesh, as faces that point up (Corner::face) or as marks on such faces
+/// (Corner::plain).
 void add_flat(SolidMesh& mesh, std::span<const Vertex> triangles, Corner corner) {
   for (const Vertex& v : triangles) mesh.push_back({v.x, v.y, v.z, 0, 0, 1, 0, v.own, v.paint, corner});
 }

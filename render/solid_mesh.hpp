@@ -9,17 +9,17 @@ namespace troupe::render {
 /// What prism_mesh() draws in addition to the faces.
 struct SolidStyle {
   float edge = 0;          ///< width of the lines along edges, pixels; 0: no lines
-  float halo = 0;          ///< width of a white line below each of these lines, pixels; 0: no white lines
+  float halo = 0;          ///< width of a white line drawn under each of these lines, pixels; 0: none
   bool mark = false;       ///< whether there is a triangle at the front that points forward
-  double least_side = 0;   ///< m: corners between shorter sides, such as the steps of a bitmap, have no line
-  double least_edged = 0;  ///< m: narrower shapes have no lines
+  double least_side = 0;   ///< m; corners next to a shorter side, such as the steps of a bitmap, have no line
+  double least_edged = 0;  ///< m; shapes narrower than this have no lines
 };
 
-/// The shapes of a type as prisms without undersides, in its body frame, m.
+/// The shapes of a type as prisms without undersides, in its body frame, m. `pieces` is pieces_of(type).
 SolidMesh prism_mesh(const engine::FrameType& type, const Pieces& pieces, const SolidStyle& style);
 /// A box around all shapes of a type, in the colour Paint::body. It is drawn for bodies of a few pixels.
 SolidMesh box_mesh(const engine::FrameType& type);
-/// The faces of a mesh, without its lines and marks, in the colour Paint::edge. It is drawn for shadows.
+/// The faces of a mesh, without its lines and marks. It is drawn by layers with SolidLayer::shadow.
 SolidMesh shadow_mesh(const SolidMesh& mesh);
 
 /// The interval of heights of the shapes of a type, body frame, m.

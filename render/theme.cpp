@@ -6,8 +6,8 @@
 namespace troupe::render {
 namespace {
 
-// The themes in the order of Background. With `transparent`, shadows and grid lines are half-transparent, so
-// that they darken the page on which the picture lies.
+// The themes in the order of Background. With `transparent`, shadows and grid lines are black and mostly
+// transparent, so that they darken the page on which the picture lies.
 constexpr std::array<Theme, 4> k_themes = {{
     {.ground = {250, 247, 240, 255},
      .shadow = {226, 220, 207, 255},

@@ -14,10 +14,11 @@ Rgba value_color(double share);
 /// The colour of bodies without a value.
 inline constexpr Rgba k_no_value = {170, 166, 158, 255};
 
-/// The smallest and the largest finite value. If they are equal, the ends of an interval around them; if
-/// there are none, 0 and 1.
+/// The smallest and the largest finite value. If they are equal, the ends of an interval of length 1 around
+/// them are returned. If no value is finite, 0 and 1 are returned.
 std::pair<double, double> range_of(std::span<const double> values);
-/// One colour per value, on a scale whose ends are `range`; k_no_value for NaN.
+/// One colour per value, on the scale of value_color() from range.first to range.second. If these are
+/// equal, all values have the middle colour. The colour for NaN is k_no_value.
 std::vector<Rgba> value_colors(std::span<const double> values, const std::pair<double, double>& range);
 
 }  // namespace troupe::render

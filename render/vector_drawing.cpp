@@ -10,7 +10,7 @@
 namespace troupe::render {
 namespace {
 
-/// A path and its height.
+/// A path and its height above the floor, m.
 struct Flat {
   double z = 0;
   VectorPath path;
@@ -20,10 +20,11 @@ struct Flat {
 /// same colour, width and height.
 class Paths {
  public:
-  Vec2 middle = Vec2::Zero();  ///< centre of the picture, pixels
+  Vec2 middle = Vec2::Zero();  ///< centre of the picture, pixels from its upper left corner
   std::vector<Flat> all;
 
-  /// Adds a triangle. Its corners are in pixels right of and above the picture's centre.
+  /// Adds a triangle. Its corners are in pixels right of and above the picture's centre; `z` is its height,
+  /// m.
   void add_triangle(std::array<Vec2, 3> corners, double z, Rgba color) {
     for (Vec2& corner : corners) corner = placed(corner);
     Flat& flat = path_of(z, color, 0);
@@ -34,7 +35,7 @@ class Paths {
       add_ring(flat, {corners.begin(), corners.end()});
   }
 
-  /// Adds a line with square ends.
+  /// Adds a line with square ends. `from`, `to` and `z` are as for add_triangle(); `width` is in pixels.
   void add_line(const Vec2& from, const Vec2& to, double width, double z, Rgba color) {
     const Vec2 a = placed(from);
     const Vec2 b = placed(to);
@@ -59,8 +60,8 @@ class Paths {
     return all.back();
   }
 
-  /// Every transparent ring gets a path of its own. In a common path, the overlap of two rings would not be
-  /// darker than the rings.
+  /// Adds a ring to the path of `flat`. A transparent ring gets a path of its own, because in a common path
+  /// the overlap of two rings would not be darker than the rings.
   void add_ring(Flat& flat, Ring ring) {
     if (flat.path.color[3] == 255 || flat.path.rings.empty()) {
       flat.path.rings.push_back(std::move(ring));

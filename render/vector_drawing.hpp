@@ -39,15 +39,18 @@ struct VectorDrawing {
   std::vector<std::variant<VectorPath, VectorText>> items;
 };
 
-/// The layers and the lettering of a map as a drawing. Adjacent triangles are joined to polygons again, and
-/// adjacent strokes to lines. Flat layers are sorted by height, which for pixels the depth buffer does.
+/// The layers and the lettering of a map as a drawing. Triangles that follow one another in a fan are joined
+/// to a polygon, and strokes that follow one another to a line. The triangles of flat layers are sorted by
+/// height, because a drawing has no depth buffer.
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 
-/// The drawing as the content of an SVG 1.1 file with the metadata `texts`. Texts of the drawing stay text.
+/// The drawing as the content of an SVG 1.1 file with the metadata `texts`. Texts
+/// of the drawing are stored as text, not as paths.
 std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts);
 /// The drawing as the content of a PDF 1.5 file with embedded fonts and the metadata `texts`. Throws
-/// std::runtime_error if cairo is missing; the message names the package to install.
+/// std::runtime_error if cairo is missing or too old, with the package to install in the message, or if cairo
+/// fails.
 std::string pdf_text(const VectorDrawing& drawing, const FileTexts& texts);
 
 }  // namespace troupe::render
