@@ -6,7 +6,7 @@
 /// definition of a measure.
 namespace troupe::models {
 
-engine::MeasureKind stalls_measure();        ///< `stalls`: number of stalled robots
+engine::MeasureKind stalls_measure();        ///< `stalls`: number of robots whose last motion was blocked
 engine::MeasureKind held_measure();          ///< `held`: number of robots stopped at the world's bounds
 engine::MeasureKind alive_measure();         ///< `alive`: number of robots in the world
 engine::MeasureKind deaths_measure();        ///< `deaths`: number of bodies of a type that have died
