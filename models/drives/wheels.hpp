@@ -32,8 +32,7 @@ struct WheelsState {
 /// estimate    The estimated pose of the part is its true pose in the world. The controllers of the part read
 ///             this pose, and give goals in the world frame.
 /// edges       The drive runs in each tick. The part may leave the bounds of the world. A motion that would
-/// take it farther than 100 m
-///             from its place on the body in the world file is blocked.
+///             take it farther than 100 m from its place on the body in the world file is blocked.
 /// errors      If a command is not a finite number, the step throws engine::StepError.
 engine::DeviceKind wheels_kind();
 

@@ -6,7 +6,8 @@
 /// definition of a measure.
 namespace troupe::models {
 
-engine::MeasureKind stalls_measure();        ///< `stalls`: number of robots whose last motion was blocked
+/// `stalls`: number of robots whose last motion was blocked, or would have left the world's bounds.
+engine::MeasureKind stalls_measure();
 engine::MeasureKind held_measure();          ///< `held`: number of robots stopped at the world's bounds
 engine::MeasureKind alive_measure();         ///< `alive`: number of robots in the world
 engine::MeasureKind deaths_measure();        ///< `deaths`: number of bodies of a type that have died
