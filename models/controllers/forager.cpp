@@ -96,7 +96,7 @@ struct Forager {
 
   std::vector<std::pair<std::string, std::string>> names;  // names of source and sink, per task
   std::string map;                                         // name of the floor plan
-  double low = 0;         // a pack below this fraction of its capacity must be charged
+  double low = 0;         // a power pack below this fraction of its capacity must be charged
   bool abandons = false;  // true (fasr2): robots may give up waiting, and use the fuel zone
   Scanner scanner;
   std::optional<std::size_t> pack, finder;  // indices among the chosen devices

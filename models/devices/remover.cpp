@@ -56,7 +56,7 @@ struct Remover {
 
   Params params;
   Mount place;  // pose of the remover in the frame of its body, or of the joint that it is mounted on
-  std::vector<std::uint8_t> types = {};  // per TypeId, 1: its bodies are removed; empty: all robots are
+  std::vector<std::uint8_t> types = {};  // per TypeId, 1: bodies of this type are removed; empty: all robots
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_remover) {
     return {.data = Remover{params, Mount(pose_body_remover)},
