@@ -23,8 +23,8 @@ using PlaceAgain = std::function<void(std::vector<engine::BodySpec>& bodies, std
 /// Options of the functions that load a world, among them the changes that the command line makes to it.
 struct LoadOptions {
   std::optional<std::uint64_t> seed;  ///< replaces the seed of the world
-  /// New sizes of populations: pairs of a name and a count. An empty name means the only population of the
-  /// world.
+  /// New numbers of bodies of populations: pairs of the name of a population and its number of bodies. An
+  /// empty name means the only population of the world.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values that replace those of a JSON world: pairs of a JSON pointer to the replaced value and the new
   /// value as JSON text, such as {"/populations/0/count", "500"}. A new value that is not JSON becomes a

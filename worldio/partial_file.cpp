@@ -51,7 +51,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
   std::error_code ignored;
   if (fs::is_directory(file_, ignored))
     throw std::system_error(std::make_error_code(std::errc::is_a_directory));
-  if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // the rename would replace it
+  if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // commit() would replace it
     throw std::system_error(std::make_error_code(std::errc::not_supported));
   for (int n = 1; n <= k_most_writers; ++n) {
     const std::string number = n == 1 ? "" : fmt::format(".{}", n);

@@ -14,8 +14,8 @@ namespace troupe::models {
 /// members avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and heading (rad), all
 /// 0 at the start.
 struct Evasion {
-  double avoid_speed = 0.05;  ///< forward speed while it turns away
-  double avoid_turn = 0.5;    ///< turn rate, to either side
+  double avoid_speed = 0.05;  ///< forward speed while the robot turns away
+  double avoid_turn = 0.5;    ///< turn rate while the robot turns away, to either side
   double min_front = 0.7;     ///< the robot turns away when a reading ahead is below this
   double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
   double back_speed = 0.1;    ///< speed of backing out

@@ -8,11 +8,11 @@
 
 namespace troupe::models {
 
-inline constexpr std::uint32_t k_raster_columns = 40;  ///< columns of the raster, over the model's size in x
-inline constexpr std::uint32_t k_raster_rows = 20;     ///< rows of the raster, over the model's size in y
+inline constexpr std::uint32_t k_raster_columns = 40;  ///< columns of the raster, along x
+inline constexpr std::uint32_t k_raster_rows = 20;     ///< rows of the raster, along y
 /// The memory of the controller `rasterize`, which can be recorded.
 struct RasterizeMemory {
-  /// 1: an outline crosses the cell. Cells are listed along x, row by row from the least y.
+  /// The cells of the raster, along x, row by row from the least y. 1: an outline crosses the cell; 0: none.
   std::array<std::uint8_t, k_raster_columns * k_raster_rows> cells{};
   TROUPE_FIELDS(cells)
 };

@@ -63,7 +63,7 @@ struct Waypoints {
       d.member<&Params::goals>(
           "goals", required,
           "goals in the order in which the robot visits them, in the frame of its estimated pose");
-      // At least 0.03 m, because drives stop within 0.02 m of a goal along both axes.
+      // `near` is at least 0.03 m, because drives stop within 0.02 m of a goal in x and in y.
       d.member<&Params::near>("near", meters, at_least(0.03),
                               "distance, by the estimated pose, within which the robot has reached a goal "
                               "that has neither `at` nor `speed`");

@@ -7,7 +7,7 @@
 
 namespace troupe::models {
 
-/// A token that a body holds.
+/// A flag: a coloured token that a body holds.
 struct Flag {
   std::uint32_t color = 0;  ///< 0xRRGGBBAA
   float size = 0;           ///< m
@@ -48,7 +48,7 @@ struct FlagCommand {
 enum FlagField : std::size_t {
   k_flag_received,  ///< u64: flags received from other bodies since tick 0
   k_flag_count,     ///< u32: number of flags in the list
-  k_flag_request,   ///< u32: the last request that was carried out
+  k_flag_request,   ///< u32: FlagCommand::request of the last operation that was carried out
   k_flag_colors,    ///< array of u32: colours, 0xRRGGBBAA, first flag first; 0 after the last flag
   k_flag_sizes,     ///< array of f32: sizes, m, in the same order
 };

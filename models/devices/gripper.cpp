@@ -72,7 +72,7 @@ struct Gripper {
   Pose left(double position, double lift) const { return {0, -position * travel(), lift * rise(), 0}; }
   Pose right(double position, double lift) const { return {0, position * travel(), lift * rise(), 0}; }
   const Eigen::Vector3d& size() const { return params.size; }
-  const Eigen::Vector3d& paddle() const { return params.paddle_size; }  // relative to the size
+  const Eigen::Vector3d& paddle() const { return params.paddle_size; }  // fractions of size()
   bool starts_closed() const { return params.paddles == Paddles::closed; }
   bool starts_up() const { return params.lift == Lift::up; }
 
@@ -308,7 +308,7 @@ void Gripper::joints_moved(const DeviceBatch& batch) const {
 /// the gripper and the body may have moved since act().
 void Gripper::apply(World& world, const engine::Effect& effect) const {
   const Row row = world.row(effect.source);
-  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may be wrong
+  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a restored state may be wrong
   const Row target = is_body ? world.row(effect.target) : Row();
   const engine::BodyType::Device& device = world.type(row).devices[effect.device];
   auto& state = world.state(device).as<GripperState>(world.slot(row));

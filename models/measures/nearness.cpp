@@ -63,7 +63,7 @@ class AmongRobots : public Measure {
 
  private:
   std::vector<Row> robots_;
-  std::vector<std::uint8_t> measured_;  // per row, 1: it is one of the robots
+  std::vector<std::uint8_t> measured_;  // per row, 1: the robot is measured
 };
 
 class MeanNearestDistance : public AmongRobots {

@@ -58,7 +58,7 @@ bool png_is_damaged(std::string_view bytes) {
     for (std::size_t i = 0; i < 4; ++i) n = n << 8 | static_cast<unsigned char>(bytes[at + i]);
     return n;
   };
-  constexpr std::size_t k_frame = 12;  // a chunk's length, kind and checksum
+  constexpr std::size_t k_frame = 12;  // bytes of a chunk's length, kind and checksum
   constexpr std::size_t k_most_pixel_bytes = 8;
   std::size_t most = 0;
   Unpacked unpacked;
@@ -185,7 +185,7 @@ bool bmp_is_damaged(std::string_view bytes) {
   const bool is_old = number(14, 4) == 12;  // the OS/2 header
   const std::uint32_t width = is_old ? number(18, 2) : number(18, 4);
   const auto height =
-      static_cast<std::int32_t>(is_old ? number(20, 2) : number(22, 4));  // below 0: top row first
+      static_cast<std::int32_t>(is_old ? number(20, 2) : number(22, 4));  // negative: the top row is first
   const std::uint32_t bits = is_old ? number(24, 2) : number(28, 2);
   const double row_bytes = 4 * std::ceil(static_cast<double>(width) * bits / 32);
   return static_cast<double>(bytes.size()) <

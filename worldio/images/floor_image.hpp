@@ -15,7 +15,8 @@
 
 namespace troupe::worldio {
 
-/// The outlines of an image of walls and, if it is a ROS map, its place in the world.
+/// The outlines of an image of walls. If the image belongs to a ROS map, also its size in m and its place in
+/// the frame of the map.
 struct FloorImage {
   int width = 0;   ///< pixels
   int height = 0;  ///< pixels
@@ -24,8 +25,8 @@ struct FloorImage {
 
   /// The size and place of a ROS map (worldio/images/ros_map.hpp).
   struct Place {
-    Eigen::Vector2d size_m;
-    Pose pose_map_center;  ///< pose of the image's centre in the frame of the map
+    Eigen::Vector2d size_m;  ///< size of the whole image in x and y
+    Pose pose_map_center;    ///< pose of the image's centre in the frame of the map
   };
   std::optional<Place> place;  ///< set if the image is a ROS map
 
@@ -45,7 +46,7 @@ std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageS
 /// map is not scaled.
 std::vector<Solid> image_body(const FloorImage& image, const engine::ImageSpec& spec, Eigen::Vector3d& size);
 
-/// The images of one world. Each file is read only once.
+/// Reads the images of one world. It reads each file only once.
 class FloorImages {
  public:
   explicit FloorImages(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}

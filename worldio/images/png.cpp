@@ -35,7 +35,7 @@ void append(png_structp png, png_bytep data, std::size_t size) {
   }
 }
 
-/// Pixels in the layout that libpng expects.
+/// The pixels of an image, row by row from the top, in the byte layout that libpng expects.
 struct Rows {
   int width;
   int height;
