@@ -70,12 +70,13 @@ struct GripperState {
 ///             (outer) behind the tips. Each paddle also has a contact sensor, which detects bodies in the
 ///             area that its inner face would sweep in one tick of closing. The beams and the contact sensors
 ///             detect bodies with gripper_return, and the body that the gripper holds.
-/// gripping    Closing paddles that touch a body with gripper_return stop and hold it in its present pose:
-///             from then on it moves with the paddles. If they touch several bodies, they hold one that
-///             touches the left paddle before one that touches only the right, and of these the one with the
-///             lowest id. A body wider than the gap between the open paddles cannot be held. If several
-///             grippers touch a body in one tick, the gripper of the body with the lowest id holds it, and
-///             the others report `taken`.
+/// gripping    When closing paddles touch a body with gripper_return, they stop and hold the body in its
+///             present pose: from then on, the body moves with the paddles. If they touch several bodies,
+///             they hold the body with the lowest id of those that touch the left paddle. If no body touches
+///             the left paddle, they hold the body with the lowest id of those that touch the right paddle. A
+///             body wider than the gap between the open paddles cannot be held. If several grippers touch a
+///             body in one tick, the gripper whose own body has the lowest id holds the touched body, and the
+///             other grippers report `taken`.
 /// releasing   When the paddles start to open, they release the body, which stays where it is.
 /// source      Stage 4.3; docs/stage-worlds.md lists the bugs of Stage that are fixed here
 engine::DeviceKind gripper_kind();
