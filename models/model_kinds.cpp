@@ -3,7 +3,7 @@
 namespace troupe::models {
 
 std::vector<engine::ModelKind> model_kinds() {
-  // Defaults are those of the code of Stage 4.3, on which world files rely; its manual states others.
+  // These defaults are those of the code of Stage 4.3, on which world files rely. Its manual states others.
   const Eigen::Vector3d base(0.4, 0.4, 1.0);
   const Color red{1, 0, 0, 1};
   return {

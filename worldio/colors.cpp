@@ -21,7 +21,8 @@ struct Shades {
   std::array<std::uint32_t, 5> rgb;  // the shade without a number, then the shades 1 to 4
 };
 
-// Both tables are sorted by name. gray0 to gray100 are computed (color_by_name()).
+// k_plain and k_shaded are sorted by name. They do not contain gray0 to gray100, which color_by_name()
+// computes.
 constexpr auto k_plain = std::to_array<Named>({
     {"AliceBlue", 0xf0f8ff},
     {"BlanchedAlmond", 0xffebcd},
@@ -175,8 +176,8 @@ auto find(const Table& table, std::string_view name) {
   return it != table.end() && it->name == name ? &*it : nullptr;
 }
 
-/// The spelling of a name in the tables: "dark slate grey" -> "DarkSlateGray". X11 lists names of several
-/// words in both spellings.
+/// Converts a name to its spelling in the tables: "dark slate grey" becomes "DarkSlateGray". X11 lists names
+/// of several words in both spellings.
 std::string canonical(std::string_view name) {
   std::string out;
   const bool words = name.find(' ') != std::string_view::npos;
@@ -211,7 +212,7 @@ std::optional<Color> color_by_name(std::string_view given) {
   if (error != std::errc() || rest != end) return {};
   if (stem == "gray") {
     if (number > 100) return {};
-    // X11's list rounds halves up, except for the two shades below.
+    // X11's list rounds halves up, except for gray50 and gray90.
     const std::uint32_t level = (number * 255 + 50) / 100 - (number == 50 || number == 90);
     return color_of(level << 16 | level << 8 | level);
   }

@@ -10,18 +10,19 @@
 
 namespace troupe::worldio {
 
-/// The opaque colour with an X11 name: "red", "DarkSlateGray", "dark slate grey", "SteelBlue3", "gray30".
-/// Names are case-sensitive, as in X11's list; "grey" means "gray". Returns nothing for an unknown name.
+/// The opaque colour with an X11 name, such as "red", "DarkSlateGray", "dark slate grey", "SteelBlue3" or
+/// "gray30". Names are case-sensitive, as in X11's list. The spellings "grey" and "gray" mean the same.
+/// Returns nothing for an unknown name.
 std::optional<Color> color_by_name(std::string_view name);
 
-/// All colour names in alphabetical order, without numbered shades ("SteelBlue3") and alternative spellings.
-/// They are suggested in error messages.
+/// The names of all colours in alphabetical order, without numbered shades ("SteelBlue3") and alternative
+/// spellings. Error messages suggest these names.
 std::span<const std::string_view> color_names();
 
 /// The default colours of the types of a JSON world, one per type. Types that have a drive, a device, a
-/// controller, or a part that can be pushed or gripped get the colours of the colour-blind-safe palette of
-/// Okabe and Ito, "Color Universal Design" (2008), in turn: blue, orange, green, vermilion, sky blue, purple,
-/// yellow. All other types are gray30.
+/// controller, or a part that can be pushed or gripped get a colour of the colour-blind-safe palette of Okabe
+/// and Ito, "Color Universal Design" (2008). In the order of the types, the colours are blue, orange, green,
+/// vermilion, sky blue, purple, yellow, and blue again. All other types are gray30.
 std::vector<Color> default_colors(std::span<const engine::TypeSpec> types);
 
 }  // namespace troupe::worldio

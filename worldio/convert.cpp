@@ -21,12 +21,12 @@ std::size_t count_types(const engine::WorldSpec& spec) {
   return static_cast<std::size_t>(std::ranges::count(is_used, true));
 }
 
-/// The document of a JSON world, which tells the line of each key. Empty for a `.world` or an unreadable
-/// file.
+/// The parsed document of a JSON world, which knows the line of each key. Returns nothing for a `.world`
+/// file, or if the file cannot be read.
 std::optional<WorldDocument> document_of(const std::filesystem::path& file, const engine::Registry& registry,
                                          const LoadOptions& options, const Diagnostics& diagnostics) {
   if (file.extension() != ".json") return std::nullopt;
-  Diagnostics reported(diagnostics.files());  // ignored: the load has reported the same findings
+  Diagnostics reported(diagnostics.files());  // ignored: load_world() has reported the same errors
   const std::optional<std::string> text = read_file(file);
   return text ? load_json_document(file, *text, registry, options, reported) : std::nullopt;
 }
@@ -45,7 +45,8 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
   }
   engine::WorldSpec spec = load_world(from, registry, options, diagnostics);
   if (diagnostics.has_errors()) return {};
-  // A Stage world without a name has the name of its file as title. The name of the new file replaces it.
+  // A Stage world without a name has its file name as the title, which is replaced by the name of the new
+  // file.
   if (spec.title == from.string() || spec.title == from.stem().string()) spec.title = to.stem().string();
   ConvertedWorld converted{.bodies = spec.bodies.size() - 1, .types = count_types(spec)};
   const auto source = document_of(from, registry, options, diagnostics);

@@ -15,7 +15,7 @@ engine::WorldSpec fail(const std::filesystem::path& file, Diagnostics& diagnosti
   return spec;
 }
 
-/// Checks that the name of a world's file ends in `.world` or `.json`.
+/// Returns an error unless the name of a world's file ends in `.world` or `.json`.
 Result<> check_ending(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
   if (ending == ".world" || ending == ".json") return {};

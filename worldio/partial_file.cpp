@@ -24,14 +24,15 @@ void check(std::int64_t result) {
   if (result < 0) throw std::system_error(errno, std::generic_category());
 }
 
-/// Whether an error of open() may be caused by an existing file or folder of this name, so that another name
-/// may work.
+/// Whether an error of open() (an errno) may be caused by an existing file or folder of the name. Another
+/// name may then work.
 bool is_of_the_name(int error) {
   return error == EACCES || error == EPERM || error == EISDIR || error == ELOOP || error == ENXIO ||
          error == EEXIST;
 }
 
-/// Whether a name still refers to the open file. Another writer may have renamed or removed the file.
+/// Whether `name` still refers to the open file. It does not if another writer has renamed or removed the
+/// file.
 bool is_called(int descriptor, const fs::path& name) {
   struct stat opened {};
   struct stat named {};
@@ -50,7 +51,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
   std::error_code ignored;
   if (fs::is_directory(file_, ignored))
     throw std::system_error(std::make_error_code(std::errc::is_a_directory));
-  if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // the rename would replace it
+  if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // commit() would replace it
     throw std::system_error(std::make_error_code(std::errc::not_supported));
   for (int n = 1; n <= k_most_writers; ++n) {
     const std::string number = n == 1 ? "" : fmt::format(".{}", n);
@@ -70,7 +71,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
 
 PartialFile::~PartialFile() {
   if (descriptor_ < 0) return;
-  unlink(partial_.c_str());  // while it is still locked: afterwards it could belong to another writer
+  unlink(partial_.c_str());  // before the lock ends: afterwards the file could belong to another writer
   close(descriptor_);
 }
 
@@ -91,10 +92,10 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
     if (!is_regular(descriptor)) return give_up(Taken::no);
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) return give_up(Taken::no);
-      unlink(partial.c_str());  // this name is only for writers with locks, which do not work here
+      unlink(partial.c_str());  // this name is only for file systems with locks
       return give_up(Taken::no_locks);
     }
-    if (!is_called(descriptor, partial)) {  // its writer renamed or removed it between open() and flock()
+    if (!is_called(descriptor, partial)) {  // another writer renamed or removed it before flock()
       close(descriptor);
       continue;
     }
@@ -103,7 +104,7 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
     try {
       check(ftruncate(descriptor, 0));
     } catch (...) {
-      close(descriptor);  // not removed: its content may belong to another program
+      close(descriptor);  // the file is not removed: its content may belong to another program
       throw;
     }
     return Taken::yes;

@@ -18,7 +18,7 @@ namespace troupe::worldio {
 class PartialFile {
  public:
   /// Creates an empty partial file for the final name `file`. `ending`, such as ".mp4", is appended to the
-  /// temporary name, for programs that choose a format by the ending.
+  /// temporary name, for programs that choose the format of the file by the ending of its name.
   explicit PartialFile(std::filesystem::path file, std::string_view ending = {});
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
@@ -26,16 +26,19 @@ class PartialFile {
   ~PartialFile();
 
   const std::filesystem::path& path() const { return partial_; }  ///< the temporary name
-  /// Descriptor of the partial file, open for writing. A process that inherits it shares the lock.
+  /// Descriptor of the partial file, open for writing. A process that inherits the descriptor shares the
+  /// lock.
   int descriptor() const { return descriptor_; }
   /// Appends all bytes to the partial file.
   void write(std::span<const std::byte> bytes);
   /// Flushes the written bytes to the disk (fsync).
   void sync();
-  /// Renames the partial file to its final name, replacing any existing file.
+  /// Renames the partial file to its final name and closes it. Replaces an existing file of that name.
   void commit();
 
  private:
+  /// The result of take(). yes: the name is now that of the partial file. no: another writer or another file
+  /// has the name. no_locks: the file system has no locks.
   enum class Taken : char { yes, no, no_locks };
   Taken take(const std::filesystem::path& partial);
 

@@ -17,7 +17,7 @@ constexpr double k_most_window_px = 16384;
 constexpr double k_most_turn = 100;  // greatest camera angle, rad
 constexpr double k_reach_m = 100e3;  // greatest coordinate in a world
 
-/// The layers that can be switched on and off, with Stage's defaults.
+/// The parameters that switch a layer on or off, with Stage's defaults.
 constexpr std::pair<std::string_view, bool> k_switches[] = {
     {"show_data", false},
     {"show_blocks", true},

@@ -17,10 +17,10 @@ struct Beam {
   std::size_t transducer = 0;  ///< index of the transducer (fan of beams) to which it belongs
   double bearing = 0;          ///< rad, counter-clockwise from straight ahead, within [-pi, pi]
   SinCos direction;            ///< unit vector of the bearing
-  Vec2 origin = Vec2::Zero();  ///< start of the beam, m
+  Vec2 origin = Vec2::Zero();  ///< point at which the beam starts, m
 };
 
-/// The beams of a device, in the order of its readings; empty if the device is not a ranger.
+/// The beams of a ranger, in the order of its readings. Empty if the device is not a ranger.
 inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
   const engine::DeviceKind::Prepared& layout = device.prepared;
   const Transform pose_drive_sensor(device.pose);

@@ -18,7 +18,7 @@ using sensors::k_ground_color;
 using sensors::RadioPort;
 
 constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_ahead = k_pi / 3;       // rad to either side: robots within this angle are met
+constexpr double k_ahead = k_pi / 3;       // rad: greatest bearing, to either side, of a robot that it meets
 constexpr double k_least_turn = k_pi / 2;  // rad: least angle of a turn
 
 struct Beeclust {
@@ -105,7 +105,7 @@ struct Beeclust {
     return false;
   }
 
-  /// Duration of the wait, in decisions.
+  /// Duration of a wait that begins now, in decisions.
   std::uint32_t wait(const engine::Percept& percept) const {
     const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
     const double brightness = (color[0] + color[1] + color[2]) / 3;

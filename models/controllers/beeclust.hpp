@@ -4,17 +4,18 @@
 
 namespace troupe::models {
 
-/// Aggregation at a cue, the brightness of the ground. Robots do not sense the direction of the cue: a robot
-/// that meets another robot waits there, the longer the brighter the ground is.
+/// Aggregation at a cue: the brightness of the ground. Robots do not sense the direction of the cue. A robot
+/// that meets another robot waits there, and it waits longer on brighter ground.
 ///
-/// walks     The robot drives straight on. It turns by a random angle away from obstacles nearer than
-///           `min_front`.
-/// meets     It meets a robot whose radio it hears from at most `meet` away and within 60 degrees of straight
-///           ahead. A wall sends no message, so the robot only turns away from it.
-/// waits     On a meeting it stops for `max_wait` S^2 / (S^2 + `half`) seconds, where S is the brightness of
-///           the ground below it, 0 to 1, read when it stops. Then it turns by 90 to 180 degrees and walks
-///           on.
-/// LED       If the robot has an LED, it is blue while the robot walks, amber while it waits.
+/// walks     The robot drives straight on. It turns by a random angle (90 to 180 degrees) away from obstacles
+///           nearer than `min_front`.
+/// meets     The robot meets another robot if it hears that robot's radio from a distance of at most `meet`
+///           (m) and a bearing of at most 60 degrees from straight ahead. A wall sends no message, so the
+///           robot only turns away from it.
+/// waits     When it meets another robot, it stops for `max_wait` S^2 / (S^2 + `half`) seconds. S is the
+///           brightness of the ground below it, 0 to 1, which it reads when it stops. Then it turns by 90 to
+///           180 degrees and walks on.
+/// LED       If the robot has an LED, the LED is blue while the robot walks and amber while the robot waits.
 /// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
 /// source    Schmickl, Thenius, Moeslinger, Radspieler, Kernbach, Szymanski, Crailsheim: Get in touch:
 ///           cooperative decision making based on robot-to-robot collisions, Autonomous Agents and

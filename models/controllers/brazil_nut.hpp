@@ -4,14 +4,16 @@
 
 namespace troupe::models {
 
-/// Segregation by the Brazil nut effect: each robot acts as a disc with the parameter `radius`, which it
-/// broadcasts by radio. A light attracts the discs, discs repel one another, and random motion shakes them.
-/// So they sort themselves by size: small discs end up nearer to the light than large ones.
+/// Segregation by the Brazil nut effect: each robot acts as a disc, whose radius is the parameter `radius`
+/// (m), and broadcasts this radius by radio. A light attracts the discs, discs repel one another, and random
+/// motion shakes them. So the robots sort themselves by size: small discs end up nearer to the light than
+/// large ones.
 ///
 /// aims      The robot aims along the vector a = `taxis` g + `noise` u + p in its own frame. g is the unit
 ///           vector towards the light. u is a unit vector of random direction, drawn again every `shake`
-///           seconds. p is the repulsion: for each robot heard at a range below the sum R of both radii, a
-///           vector of length `push` (1 - range / R) that points away from that robot.
+///           seconds. p is the repulsion. Let R be the sum of the radii of the robot and a robot that it
+///           hears. If the distance r between them is below R, p has a term of length `push` (1 - r / R) that
+///           points away from that robot.
 /// drives    The forward speed is `speed` times min(|a|, 1) times the cosine of the angle of a, which may be
 ///           negative. The turn rate is `gain` times this angle.
 /// needs     a drive, a light sensor of three directions or more, a radio with a payload of 4 bytes or more

@@ -21,15 +21,16 @@ using sensors::RadioPort;
 
 constexpr std::uint8_t k_prey = 255;
 constexpr double k_turn = 1.0;  // rad/s, away from obstacles ahead
-constexpr double k_gain = 2.0;  // 1/s, towards its goal
+constexpr double k_gain = 2.0;  // 1/s: turn rate per radian of the bearing of the goal
 // Distances as fractions of the spacing:
-constexpr double k_tolerance_share = 0.15;  // a robot this near to the place of a link is at the place
-constexpr double k_home_share = 0.75;       // radius of the circles of robots around the nest
-constexpr double k_same_place_share = 0.5;  // two links of the same number this near are in one place
+constexpr double k_tolerance_share = 0.15;  // a robot this near to the place for a link is at the place
+constexpr double k_home_share = 0.75;       // radius of the circle on which a robot drives around the nest
+constexpr double k_same_place_share = 0.5;  // two links of one number that are this near are in one place
 
-constexpr double k_longest_round_s = 30;     // longest time of circling around the nest
-constexpr std::uint32_t k_patience = 20;     // decisions for which a link stays without the link before it
-constexpr std::uint32_t k_past_updates = 8;  // decisions straight on after a turn, to get past the obstacle
+constexpr double k_longest_round_s = 30;  // longest time of circling around the nest
+// A link leaves the chain if it has not heard the link before it for more than this number of decisions.
+constexpr std::uint32_t k_patience = 20;
+constexpr std::uint32_t k_past_updates = 8;  // decisions of driving past an obstacle after the turn
 
 enum class Role : std::uint8_t { robot, nest, prey };
 constexpr std::array<std::string_view, 3> names_of(Role) { return {"robot", "nest", "prey"}; }
@@ -62,7 +63,7 @@ struct Chain {
   struct Memory {
     std::uint8_t link = 0;            ///< 1: the robot is a link
     std::uint8_t number = 0;          ///< number of the link, counted from the nest
-    std::uint8_t path = 0;            ///< 1: a path leads on from here to the prey
+    std::uint8_t path = 0;            ///< 1: the chain leads on from this link to the prey
     std::uint8_t homeward = 0;        ///< 1: the robot is on its way back to the nest
     std::uint32_t alone = 0;          ///< decisions since the link heard the link before it
     std::uint32_t round_updates = 0;  ///< decisions that remain of circling around the nest
@@ -71,7 +72,8 @@ struct Chain {
     float turn = 0;                   ///< turn rate of the present turn, rad/s
     TROUPE_FIELDS(link, number, path, homeward, alone, round_updates, turn_updates, past_updates, turn)
   };
-  /// The nest or a link that the robot hears. `place` is its position in the robot frame, m.
+  /// The nest or a link that the robot hears: its number, its distance (m), and its position in the robot
+  /// frame (m).
   struct Post {
     std::uint8_t number = 0;
     double range = std::numeric_limits<double>::infinity();
@@ -152,7 +154,8 @@ struct Chain {
     return true;
   }
 
-  /// Updates `path` and `alone` of a link from the messages that it hears. Returns false if it must leave.
+  /// Updates memory.path and memory.alone of a link from the messages that it hears. Returns false if the
+  /// link must leave the chain.
   bool listen_as_link(Memory& memory, const engine::Percept& percept, const RadioPort& radio) const {
     bool has_path = false;
     const bool is_nest = params.role == Role::nest;
@@ -175,8 +178,8 @@ struct Chain {
 
   // ---- as an explorer
 
-  /// The nearest nest or link heard: with the number `wanted`, or with any number if none is given. The prey
-  /// is never returned.
+  /// The nearest of the nests and links that the robot hears; only those with the number `wanted`, if it is
+  /// given. Returns nothing if the robot hears none of them. It never returns the prey.
   std::optional<Post> nearest(const RadioPort& radio, std::optional<int> wanted = {}) const {
     Post best;
     for (std::size_t i = 0; i < radio.count(); ++i) {
@@ -216,7 +219,7 @@ struct Chain {
     }
     const Vec2 room = beyond(*post, nearest(radio, post->number - 1));
     const std::optional<Post> next = nearest(radio, post->number + 1);
-    // At the nest there is room for another chain in a direction that is far from the first links.
+    // At the nest there is also room for another chain, if `room` is far from the nearest first link.
     const bool has_room = !next || (post->number == 0 && (next->place - room).norm() > params.spacing);
     if (!has_room) {
       head_for(next->place, command);
@@ -247,7 +250,8 @@ struct Chain {
     command = {share * params.speed * std::max(0.0, cos(angle)), 0, k_gain * angle};
   }
 
-  /// Circles around the nest counter-clockwise, so that all robots go in the same direction.
+  /// Commands a circle around the nest, whose position `centre` is in the robot frame, m. It is always
+  /// counter-clockwise, so that all robots go in the same direction.
   void go_round(const Vec2& centre, engine::Command& command) const {
     const double range = std::max(centre.norm(), 1e-6);
     const Vec2 in = centre / range;

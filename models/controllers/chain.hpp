@@ -8,22 +8,23 @@ namespace troupe::models {
 /// link. Links are numbered from the nest, which has the number 0: the next link after link n has the number
 /// n + 1. A link has a path if the chain leads on from it to the prey.
 ///
-/// sends     Nest, links and prey broadcast two bytes: their number, and 1 if they have a path. The number of
-///           the prey is 255.
-/// searches  A robot that hears none of these messages drives straight on and turns away from obstacles.
+/// sends     The nest, the links and the prey each broadcast two bytes: their number, and 1 if they have a
+///           path, else 0. The prey sends 255 and 1.
+/// searches  A robot that hears neither the nest nor a link drives straight on and turns away from obstacles.
 /// explores  A robot that hears links goes from the nearest link to the next one, outwards. At the end of a
-///           chain it goes to the place for a new link: `spacing` beyond the last link, in line with the last
-///           two. At the nest it may also start a new chain: at a place `spacing` from the nest that is more
-///           than `spacing` from the nearest first link. At the place it becomes a link with probability
-///           `joins` per decision.
-/// leaves    Three kinds of links leave the chain. A link without a path that hears no next link leaves with
-///           probability `leaves` per decision. A link leaves when it no longer hears the link before it. If
-///           two links of the same number are in one place, the one with the higher id leaves. Such a robot
-///           goes back along the chain, then around the nest for a while, and explores again.
-/// path      A link has a path if it hears the prey, or if it hears the next link and that one has a path. A
-///           link with a path stays.
-/// LED       If the robot has an LED, it is grey while the robot explores, and blue, green or yellow in turn
-///           along the links of a chain.
+///           chain it goes to the place for a new link: `spacing` (m) beyond the last link, in line with the
+///           last two links. At the nest it may also start a new chain: at a place `spacing` from the nest
+///           that is more than `spacing` from the nearest first link. At the place for a new link, it becomes
+///           a link with probability `joins` per decision.
+/// leaves    A link leaves the chain in three cases. If it has no path and hears no next link, it leaves with
+///           probability `leaves` per decision. If it has not heard the link before it for more than 20
+///           decisions, it leaves. If two links of the same number are nearer to each other than half of
+///           `spacing`, the link with the higher id leaves. A robot that leaves goes back along the chain,
+///           then around the nest for up to 30 s, and explores again.
+/// path      A link that hears the link before it has a path in two cases: if it hears the prey, or if it
+///           hears a next link that has a path.
+/// LED       If the robot has an LED, the LED is grey while the robot explores. The LEDs of the links of a
+///           chain are blue, green and yellow in turn.
 /// needs     a radio with a payload of 2 bytes or more; a robot (role `robot`) also needs a drive and a
 ///           scanner of more than 8 beams
 /// source    Nouyan, Campo, Dorigo: Path formation in a robot swarm: self-organized strategies to find your

@@ -9,7 +9,7 @@ namespace troupe::models {
 namespace {
 
 constexpr double k_turn = 1.0;              // rad/s
-constexpr std::uint32_t k_surely_goes = 3;  // decisions after which a command must have moved the robot
+constexpr std::uint32_t k_surely_goes = 3;  // decisions until a command must have moved the robot
 
 enum Does : std::uint8_t { k_ahead, k_back, k_turns };
 
@@ -62,7 +62,7 @@ struct Clustering {
     const bool is_stuck = stands && memory.same_updates >= k_surely_goes;
     const ScanAhead seen = scanner.ahead(percept.ranges(0), params.min_front, 0);
     if (is_stuck && memory.does == k_back) {
-      memory.back_updates = 0;  // starts to turn
+      memory.back_updates = 0;  // the robot cannot back off either, so it turns at once
     } else if (is_stuck) {
       memory.back_updates = static_cast<std::uint32_t>(params.back / percept.tick_s);
       begin_turn(memory, percept, random, random.below(2) == 0 ? -1 : 1);

@@ -18,10 +18,10 @@ namespace {
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
-constexpr double k_listen_s = 3;      // messages heard in this time before the end of sharing count
+constexpr double k_listen_s = 3;      // only messages heard in this time before the end of sharing count
 constexpr double k_straight_s = 10;   // mean time of driving straight on
 constexpr double k_turn = 0.8;        // rad/s
-constexpr double k_stop_share = 0.6;  // fraction of `min_front`
+constexpr double k_stop_share = 0.6;  // the scanner's stop distance, as a fraction of `min_front`
 constexpr float k_middle = 0.5f;      // brightness below which ground is black
 
 enum class Rule : std::uint8_t { majority, voter };
@@ -53,7 +53,7 @@ struct CollectivePerception {
   };
   struct Memory {
     std::uint32_t updates_left = 0;        ///< decisions that remain of exploring or sharing
-    std::uint32_t looked = 0;              ///< readings of the floor since the robot began to explore
+    std::uint32_t looked = 0;              ///< number of floor readings since the robot began to explore
     std::uint32_t agreed = 0;              ///< how many of these readings have the colour of its opinion
     std::array<std::uint32_t, 2> votes{};  ///< messages heard for black and for white
     std::int32_t straight_updates = 0;     ///< decisions that remain of driving straight on
@@ -61,7 +61,7 @@ struct CollectivePerception {
     float turn = 0;                        ///< turn rate of the present turn, rad/s
     std::uint8_t opinion = 0;              ///< a FloorOpinion
     std::uint8_t shares = 0;               ///< 1: the robot shares its opinion; 0: it explores
-    std::uint8_t begun = 0;                ///< 1: the robot has decided before
+    std::uint8_t begun = 0;                ///< 1: this is not the first decision of the robot
     TROUPE_FIELDS(updates_left, looked, agreed, votes, straight_updates, turn_updates, turn, opinion, shares,
                   begun)
   };
@@ -112,7 +112,7 @@ struct CollectivePerception {
     walk(memory, percept, random, actions.command);
   }
 
-  /// A random number of decisions: an exponentially distributed time with the mean mean_s, s.
+  /// An exponentially distributed random time with the mean mean_s (s), as a number of decisions.
   static std::uint32_t updates(double mean_s, const engine::Percept& percept, Random& random) {
     return static_cast<std::uint32_t>(std::min(random.exponential() * mean_s / percept.tick_s, 1e9));
   }

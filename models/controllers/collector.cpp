@@ -33,13 +33,14 @@ constexpr double k_creep_within = 0.5;  // distance to a puck within which the r
 constexpr double k_aligned = 0.1;       // bearing of a puck beyond which the robot turns on the spot
 constexpr double k_drive_within = 1.0;  // bearing of any other goal beyond which the robot turns on the spot
 constexpr double k_turn_gain = 1;
-constexpr double k_at_sink = 0.5;         // distance to a sink within which the robot releases the puck
-constexpr double k_delivered = 0.8;       // pucks within this distance of a sink count as delivered
-constexpr double k_at_charger = 0.4;      // distance to a charger within which the robot stands still
-constexpr double k_low = 0.25;            // a pack below this fraction of its capacity must be charged
-constexpr double k_full = 0.95;           // charging ends above this fraction of the capacity
-constexpr std::uint32_t k_patience = 30;  // wait for the paddles to close, which takes 20 in ticks of 0.1 s
-constexpr std::uint32_t k_back_off = 15;  // driving backwards from a sink or a charger
+constexpr double k_at_sink = 0.5;     // distance to a sink within which the robot releases the puck
+constexpr double k_delivered = 0.8;   // pucks nearer than this to a sink count as delivered
+constexpr double k_at_charger = 0.4;  // distance to a charger within which the robot stands still
+constexpr double k_low = 0.25;        // a pack below this fraction of its capacity must be charged
+constexpr double k_full = 0.95;       // charging ends above this fraction of the capacity
+// Longest wait for the paddles to close on a puck. Closing takes 2 s: 20 decisions in ticks of 0.1 s.
+constexpr std::uint32_t k_patience = 30;
+constexpr std::uint32_t k_back_off = 15;  // duration of driving backwards from a sink or a charger
 constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
 
 bool is_number(std::string_view text) { return text.find_first_not_of("0123456789") == text.npos; }
@@ -55,7 +56,7 @@ struct Collector {
     std::uint32_t still_updates = 0;
     std::uint32_t escape_updates = 0;
     std::uint32_t updates = 0;  ///< decisions since the robot entered the mode
-    std::uint32_t goal = 0;     ///< index of its sink or its charger
+    std::uint32_t goal = 0;     ///< index of the robot's present goal in `sinks` or `chargers`
     double x = 0;
     double y = 0;
     double heading = 0;
@@ -89,7 +90,7 @@ struct Collector {
 
   Params params;
   Scanner scanner;
-  FiducialReadings sights;  // readings of the finder
+  FiducialReadings sights;  // reads the fiducial finder
   bool has_pack = false;
   std::vector<Vec2> sinks, chargers;
   partition::BoxGrid sinks_about;  // finds the sinks within k_delivered of a puck
@@ -205,7 +206,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
   }
 }
 
-/// The nearest puck in sight that is not yet at a sink; none if there is no such puck.
+/// The nearest puck that the finder sees and that is not yet at a sink. Returns nothing if there is none.
 std::optional<Collector::Puck> Collector::puck_in_sight(const engine::Percept& percept) const {
   const engine::Readings& seen = percept.devices[k_finder];
   for (std::size_t i = 0; i < sights.count(seen); ++i)

@@ -4,12 +4,12 @@
 
 namespace troupe::models {
 
-/// Creates flags for robots to take: at each decision, if its model holds fewer than `capacity` flags, it
-/// adds a yellow flag of 0.25 m.
+/// The controller `source` creates flags (coloured tokens) for robots to take. If its model holds fewer than
+/// `capacity` flags at a decision, it adds a yellow flag of 0.25 m.
 engine::ControllerKind source_controller();
 
-/// Receives flags: counts the flags given to its model, and deletes one flag per decision to make room for
-/// more.
+/// The controller `sink` receives flags. It counts the flags that robots give to its model, and deletes one
+/// flag per decision to make room for more.
 engine::ControllerKind sink_controller();
 
 }  // namespace troupe::models

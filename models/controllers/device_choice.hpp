@@ -14,12 +14,12 @@ namespace troupe::models {
 /// Helps the choose() function of a controller to select (claim) devices of its body, one after another.
 class DeviceChoice {
  public:
-  /// devices: the devices of the body. claimed: one entry per device, true if a controller uses it; updated
-  /// by the functions below. Both must outlive this object.
+  /// devices: the devices of the body. claimed: one entry per device, true if a controller uses the device;
+  /// the functions below set it for the devices that they claim. Both arguments must outlive this object.
   DeviceChoice(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed)
       : devices_(devices), claimed_(claimed) {}
 
-  /// Claims the first unclaimed device for which fits(device) holds; false if there is none.
+  /// Claims the first unclaimed device for which fits(device) is true. Returns false if there is none.
   template <class Fits>
   bool take(Fits&& fits) {
     for (std::size_t d = 0; d < devices_.size(); ++d) {
@@ -30,14 +30,14 @@ class DeviceChoice {
     }
     return false;
   }
-  /// Claims the first unclaimed device of this kind; false if there is none.
+  /// Claims the first unclaimed device of this kind. Returns false if there is none.
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable). It takes the first such ranger that has
-  /// a single transducer with k_least_samples or more beams, as in Stage. If there is none, it takes the
-  /// first whose transducers have that many beams together. If there is none either, the error says for each
-  /// ranger of the robot why it cannot be used. share: see Scanner.
+  /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable) and returns its Scanner. It takes the
+  /// first such ranger that has a transducer (fan of beams) with k_least_samples or more beams, as in Stage.
+  /// If there is none, it takes the first such ranger whose transducers have that many beams together. If no
+  /// ranger can be used, the error says for each ranger of the robot why. share: the argument for Scanner.
   Result<Scanner> take_scanner(std::size_t share) {
     Scanner scanner;
     const auto is_usable = [&](const engine::DeviceInfo& device) {
@@ -50,8 +50,8 @@ class DeviceChoice {
     if (!has_one) return no_scanner();
     return scanner;
   }
-  /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order. Returns an error if one of
-  /// them is missing. share: see Scanner.
+  /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order, and returns the scanner.
+  /// Returns an error if one of the three is missing. share: the argument for Scanner.
   Result<Scanner> take_ground_radio_scanner(std::size_t share) {
     if (!take_kind("ground")) return Error{"needs a ground sensor"};
     if (!take_kind("radio")) return Error{"needs a radio"};

@@ -9,22 +9,26 @@
 
 namespace troupe::models {
 
-/// Obstacle avoidance of controllers that drive to goals among other robots. Speeds are in m/s and rad/s,
-/// distances in m. `Memory`, the controller's memory, must have the members avoid_updates (int32),
-/// still_updates and escape_updates (uint32), x, y (m) and heading (rad), all 0 at the start.
+/// Obstacle avoidance for controllers that drive to goals among other robots. Speeds are in m/s and rad/s,
+/// distances in m. The class `Memory` of the functions is the memory of the controller. It must have the
+/// members avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and heading (rad), all
+/// 0 at the start.
 struct Evasion {
-  double avoid_speed = 0.05;  ///< forward speed while it turns away
-  double avoid_turn = 0.5;    ///< turn rate, to either side
+  double avoid_speed = 0.05;  ///< forward speed while the robot turns away
+  double avoid_turn = 0.5;    ///< turn rate while the robot turns away, to either side
   double min_front = 0.7;     ///< the robot turns away when a reading ahead is below this
-  double stop = 0.5;          ///< it turns on the spot when a reading ahead is below this
-  double back_speed = 0.1;    ///< backward speed while it escapes
-  std::uint32_t stuck = 5;    ///< decisions without motion before it escapes; a command takes fewer to act
-  static constexpr std::size_t window_share = 4;  ///< the `share` with which Scanners must be made
+  double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
+  double back_speed = 0.1;    ///< speed of backing out
+  /// The robot backs out after more than this number of consecutive decisions in which a command did not move
+  /// it. Every command takes fewer decisions than this to act.
+  std::uint32_t stuck = 5;
+  /// The argument `share` with which the Scanner of the controller must be made.
+  static constexpr std::size_t window_share = 4;
 
-  /// Turns away from obstacles as the controller `wander` does, but looks at the middle half of the scan
-  /// instead of the middle third, and turns for half as long, because many robots meet near their common
-  /// goals. ranges: readings of the ranger, m. Returns true if it has set the command, false if the way is
-  /// free.
+  /// Turns away from obstacles as the controller `wander` does, with two differences, because many robots
+  /// meet near their common goals: it looks at the middle half of the scan instead of the middle third, and
+  /// it turns for half as long. ranges: readings of the scanner's ranger, m. Returns true if it has set
+  /// `command`, false if the way is free.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
               engine::Command& command) const {
@@ -40,9 +44,9 @@ struct Evasion {
     return true;
   }
 
-  /// Backs out if the robot is stuck at an obstacle that its scanner does not see. here: estimated pose.
-  /// command: that of the last decision, replaced when the robot begins to back out. Returns true while the
-  /// robot backs out: the caller must then leave the command as it is.
+  /// Backs out if the robot is stuck at an obstacle that its scanner does not see. here: the estimated pose
+  /// of the robot. command: the command of the last decision, which is replaced when the robot begins to back
+  /// out. Returns true while the robot backs out: the caller must then leave the command as it is.
   template <class Memory>
   bool escapes(Memory& memory, const Pose& here, Random& random, engine::Command& command) const {
     const bool is_to_move = command.x != 0 || command.turn != 0;

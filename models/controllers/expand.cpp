@@ -15,10 +15,10 @@
 namespace troupe::models {
 namespace {
 
-// A vector sum shorter than this fraction of the sum of the ranges, or an angle below this (rad), is only
-// rounding error.
+// If the vector sum is shorter than this fraction of the sum of the readings, or if its angle is below this
+// (rad), it is only rounding error.
 constexpr double k_even = 1e-6;
-constexpr double k_turn_away = 0.5;  // angle taken for the vector sum if a wall is straight ahead, rad
+constexpr double k_turn_away = 0.5;  // rad: replaces the angle of the vector sum if a wall is straight ahead
 
 struct Expand {
   struct Params {
@@ -63,7 +63,7 @@ struct Expand {
   Params params;
   std::vector<Feeler> feelers;
 
-  /// Whether there are readings for which the vector sum points into the cone ahead. If there are none, the
+  /// Whether the vector sum of these beams can point into the cone ahead, for any readings. If it cannot, the
   /// robot would turn forever.
   bool can_point_ahead(std::span<const Beam> beams) const {
     double left = std::numeric_limits<double>::infinity();

@@ -12,21 +12,23 @@
 
 namespace troupe::models {
 
-/// The readings of a fiducial finder, for controllers: the fields of sensors/fiducial.hpp, with angles in the
-/// frame of the drive.
+/// Gives a controller access to the readings of a fiducial finder, with angles in the frame of the drive. The
+/// argument `seen` of the functions holds the readings of the finder. The argument `target` is the index of a
+/// target, from 0 to count() - 1.
 class FiducialReadings {
  public:
   FiducialReadings() = default;
   /// finder: a device that the controller chose, of kind `fiducial`.
   explicit FiducialReadings(const engine::DeviceInfo& finder) : finder_heading_(finder.pose.heading) {}
 
-  /// Number of targets with an entry in the readings; the nearest target is the first. More targets may be in
-  /// sight than the readings have room for.
+  /// Number of targets in the readings, which are sorted from the nearest target to the farthest. More
+  /// targets may be in sight than the readings have room for: the readings then hold the nearest of them.
   std::size_t count(const engine::Readings& seen) const {
     return std::min<std::size_t>(seen.field<std::uint32_t>(sensors::k_fiducial_count)[0],
                                  seen.field<std::int32_t>(sensors::k_fiducial_id).size());
   }
-  /// fiducial_return of the target, its mark; 0 if the target is too far away for its mark to be read.
+  /// The fiducial_return of the target, by which it is recognised; 0 if the target is too far away to be
+  /// recognised.
   std::int32_t id(const engine::Readings& seen, std::size_t target) const {
     return seen.field<std::int32_t>(sensors::k_fiducial_id)[target];
   }
@@ -34,7 +36,7 @@ class FiducialReadings {
   float range(const engine::Readings& seen, std::size_t target) const {
     return seen.field<float>(sensors::k_fiducial_range)[target];
   }
-  /// Bearing of the origin of the target, rad, from straight ahead of the drive.
+  /// Bearing of the origin of the target, rad, counter-clockwise from straight ahead of the drive.
   double bearing(const engine::Readings& seen, std::size_t target) const {
     return turned(seen.field<float>(sensors::k_fiducial_bearing)[target]);
   }
@@ -49,8 +51,8 @@ class FiducialReadings {
   }
 
  private:
-  /// Converts an angle from the frame of the sensor. With a finder that faces ahead, the reading is
-  /// unchanged.
+  /// Converts an angle (rad) from the frame of the finder to the frame of the drive. If the finder faces
+  /// straight ahead, it returns the angle unchanged.
   double turned(float angle) const {
     return finder_heading_ == 0 ? angle : wrap_angle(finder_heading_ + angle);
   }

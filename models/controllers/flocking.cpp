@@ -15,16 +15,16 @@ namespace {
 
 using engine::DeviceInfo;
 
-constexpr double k_gain = 0.3;        // 1/s: towards free space
-constexpr double k_flock_gain = 0.3;  // 1/s: towards the heading of the nearest robot
+constexpr double k_gain = 0.3;        // 1/s: turn rate per radian of the angle to free space
+constexpr double k_flock_gain = 0.3;  // 1/s: turn rate per radian of the angle to the nearest robot's heading
 constexpr double k_speed = 0.4;       // m/s
-constexpr double k_cone = 0.5;        // rad: robots drive if the free space is this near straight ahead
+constexpr double k_cone = 0.5;        // rad: robots drive only if the angle to free space is below this
 constexpr double k_front = 1.0;       // m that must be free within k_front_angle of straight ahead
 constexpr double k_side = 0.5;        // m that must be free between k_front_angle and k_side_angle
 constexpr double k_tolerance = 1e-3;  // rad and m: files give angles in degrees with few digits
 constexpr double k_front_angle = radians(30);
 constexpr double k_side_angle = radians(50);
-// rad/s: if a robot that does not drive would turn more slowly, its turn rate is random.
+// rad/s: if a robot that does not drive would turn more slowly than this, it gets a random turn rate.
 constexpr double k_least_turn = 0.1;
 
 struct Flocking {
@@ -37,8 +37,9 @@ struct Flocking {
   std::vector<Sonar> sonars;
   FiducialReadings finder;
 
-  /// The beams that point forwards or sideways. Beams at a right angle to the heading are left out if they
-  /// start behind the robot's origin: of Stage's ring of 16 sonars, the front eight remain.
+  /// The beams of a ranger that point forwards or sideways. A beam at a right angle to the heading counts
+  /// only if it does not start behind the robot's origin. So the front eight of Stage's ring of 16 sonars
+  /// remain.
   static std::vector<Sonar> front_of(const DeviceInfo& device) {
     std::vector<Sonar> front;
     for (const Beam& beam : beams_of(device)) {

@@ -5,15 +5,16 @@
 namespace troupe::models {
 
 /// Flocking of robots with a ring of sonars, as in Stage's pioneer_flocking. A robot turns in the direction
-/// in which its beams to the front and to the sides see free space, that is, along the vector sum of these
-/// beams. While the way is free, it also drives, and turns to the heading of the nearest marked robot in
-/// sight.
+/// of free space: the direction of the vector sum of its beams to the front and to the sides, each with its
+/// reading as length. While the way is free, the robot also drives, and turns to the heading of the nearest
+/// marked robot in sight.
 ///
-/// needs  a ranger with beams ahead and to both sides, and a fiducial finder. It takes the first such ranger
-///        with eight or more transducers, or, if there is none, the first such ranger
-/// free   The way is free while three conditions hold. The readings within 30 degrees of straight ahead
-///        exceed 1 m: on Stage's Pioneer, sonars 2 to 5 of the front eight. The readings within 50 degrees
-///        exceed 0.5 m: sonars 1 and 6. The direction of free space is less than 0.5 rad off straight ahead.
+/// needs  a ranger with beams ahead and to both sides, and a fiducial finder. The controller takes the first
+///        such ranger with eight or more transducers, or, if there is none, the first such ranger
+/// free   The way is free while three conditions hold. All readings within 30 degrees of straight ahead
+///        exceed 1 m; on Stage's Pioneer, these are the sonars 2 to 5, counted from 0. All readings between
+///        30 and 50 degrees exceed 0.5 m; these are the sonars 1 and 6. The direction of free space is less
+///        than 0.5 rad from straight ahead.
 engine::ControllerKind pioneer_flocking_controller();
 
 }  // namespace troupe::models

@@ -18,7 +18,8 @@ constexpr int k_cells = FloorPlan::k_cells;
 int column(int cell) { return cell % k_cells; }
 int row(int cell) { return cell / k_cells; }
 
-/// Least cost from a cell to the nearest goal if no cell is blocked: the Manhattan distance.
+/// Lower bound on the cost of a path from a cell to a goal: the Manhattan distance to the nearest goal, which
+/// is the cost if no cell is blocked.
 int least_left(int from, std::span<const int> goals) {
   int least = 4 * k_cells;
   for (const int goal : goals)
@@ -96,9 +97,9 @@ std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> 
   const auto cells = static_cast<std::size_t>(plan.size());
   std::vector<int> cost(cells, k_unknown);
   std::vector<int> before(cells, k_unknown);
-  // The queue yields the cell with the least total cost first; among equals the one with the least remaining
-  // cost, then the one with the lowest index.
-  using Open = std::tuple<int, int, int>;  // least total cost of a path through the cell, rest of it, cell
+  // The queue yields the cell with the least total cost first. Of several such cells, it yields the one with
+  // the least remaining cost, then the one with the lowest index.
+  using Open = std::tuple<int, int, int>;  // bounds on the total and the remaining cost of a path; its cell
   std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
   cost[static_cast<std::size_t>(from)] = 0;
   open.emplace(least_left(from, goals), least_left(from, goals), from);
@@ -130,7 +131,8 @@ WaysTo::WaysTo(const FloorPlan& plan, std::span<const int> goals)
     : plan_(plan), next_(static_cast<std::size_t>(plan.size()), std::int16_t{-1}) {
   for (int cell = 0; cell < plan.size(); ++cell) {
     if (next(cell) >= 0) continue;
-    // Every end piece of a cheapest path is a cheapest path too, so its cells need no search of their own.
+    // From each cell of a cheapest path, the rest of the path is a cheapest path too. So the other cells of
+    // the path need no search of their own.
     const std::vector<int> way = find_way(plan, cell, goals);
     if (way.empty()) next_[static_cast<std::size_t>(cell)] = static_cast<std::int16_t>(cell);
     for (std::size_t i = 0; i < way.size(); ++i) {

@@ -27,26 +27,26 @@ using engine::WorldSpec;
 
 // Constants from Stage's foragers. Distances in m, speeds in m/s, durations in decisions.
 constexpr double k_cruise = 0.4;
-constexpr std::uint32_t k_wait = 20;    // near a source or a sink, before a flag is taken or given
-constexpr double k_fetch_radius = 2;    // distance that is near a source
-constexpr double k_deliver_radius = 1;  // distance that is near a sink
+constexpr std::uint32_t k_wait = 20;    // time near a source or sink before the robot takes or gives a flag
+constexpr double k_fetch_radius = 2;    // a robot is near a source within this distance
+constexpr double k_deliver_radius = 1;  // a robot is near a sink within this distance
 constexpr double k_full = 0.95;         // charging ends above this fraction of the capacity
 constexpr double k_creep_within = 0.5;  // distance to a charger within which the robot drives at k_creep
 constexpr double k_creep = 0.02;
 constexpr double k_docked = 0.08;   // distance to a charger within which the robot stands still
 constexpr double k_back_off = 0.3;  // distance to which a robot backs away from its charger
 constexpr double k_back_speed = 0.1;
-constexpr double k_abandon = 0.0005;        // probability per decision
+constexpr double k_abandon = 0.0005;        // probability per decision that a robot gives up waiting
 constexpr std::int32_t k_charger_mark = 2;  // fiducial_return of chargers
 
 // Constants that Stage does not have.
 constexpr int k_steps_ahead = 2;          // cells of the path from the robot to the point that it heads for
 constexpr double k_turn_gain = 1;         // 1/s
-constexpr double k_drive_within = 1.0;    // rad off the path beyond which the robot turns on the spot
+constexpr double k_drive_within = 1.0;    // rad: at a larger angle to its path, the robot turns on the spot
 constexpr double k_dock_within = 1.5;     // m: nearer to its charger, the robot heads straight for it
 constexpr double k_aligned = 0.2;         // rad: bearing of the charger within which the robot faces it
-constexpr double k_room = 0.7;            // m that must be free ahead, except in the last half metre
-constexpr double k_queue = 1.2;           // m from the charger: waiting robots back off to this distance
+constexpr double k_room = 0.7;            // m: with less room ahead, another robot is at the charger
+constexpr double k_queue = 1.2;           // m: waiting robots back off to this distance from the charger
 constexpr std::uint32_t k_patience = 50;  // greatest number of decisions for which a robot backs away
 constexpr double k_least_zone = 1;        // m: least radius of a fuel zone
 
@@ -62,7 +62,7 @@ struct Task {
   Goal source, sink;
 };
 
-/// Position of a charger relative to the robot, seen by the finder or known from the world file.
+/// Position of a charger relative to the robot. The robot's finder sees it, or the world file gives it.
 struct Sight {
   double range = 0;    // m
   double bearing = 0;  // rad, from straight ahead
@@ -75,8 +75,9 @@ double bearing_of(const Pose& from, const Vec2& to) {
 struct Forager {
   enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
   struct Memory {
-    std::int32_t avoid_updates = 0;    ///< decisions that remain of the present turn
-    std::uint32_t near_updates = 0;    ///< consecutive decisions near the source or sink, or of backing away
+    std::int32_t avoid_updates = 0;  ///< decisions that remain of the present turn
+    /// Consecutive decisions near the source or sink; in the mode `leaving`, decisions of backing away.
+    std::uint32_t near_updates = 0;
     std::uint32_t task = 0;            ///< index of its task
     std::uint32_t charger = 0;         ///< index of its charger
     std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot
@@ -95,11 +96,11 @@ struct Forager {
 
   std::vector<std::pair<std::string, std::string>> names;  // names of source and sink, per task
   std::string map;                                         // name of the floor plan
-  double low = 0;         // a pack below this fraction of its capacity must be charged
-  bool abandons = false;  // whether it may give up waiting, and goes to the fuel zone before it charges
+  double low = 0;         // a power pack below this fraction of its capacity must be charged
+  bool abandons = false;  // true (fasr2): robots may give up waiting, and use the fuel zone
   Scanner scanner;
   std::optional<std::size_t> pack, finder;  // indices among the chosen devices
-  FiducialReadings sights;                  // readings of the finder
+  FiducialReadings sights;                  // reads the fiducial finder
   std::vector<Task> tasks;
   std::vector<Goal> chargers;
   bool has_zone = false;  // whether there is a fuel zone, to which robots go before they choose a charger
@@ -181,7 +182,8 @@ std::uint32_t Forager::nearest_charger(const Pose& from) const {
   return static_cast<std::uint32_t>(std::ranges::min_element(chargers, {}, distance2) - chargers.begin());
 }
 
-/// The charger that the finder sees. If it sees none, the robot's charger by its pose in the world file.
+/// Position of the nearest charger that the finder sees, relative to the robot. If the robot has no finder or
+/// the finder sees no charger, that of the charger to which the robot goes, by its pose in the world file.
 Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& percept) const {
   if (finder) {
     const engine::Readings& seen = percept.devices[*finder];
@@ -272,13 +274,14 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   memory.avoid_updates = 0;
   if (abandons && state.charging == 0 && random.uniform() < k_abandon)
     memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
-  if (sight.range < k_docked) {  // not already at first contact, which would leave no room for other robots
+  // The robot does not stop at its first contact with the charger: that would leave no room for other robots.
+  if (sight.range < k_docked) {
     actions.command = {};
     return;
   }
   const double turn = k_turn_gain * sight.bearing;
   const bool is_aligned = std::abs(sight.bearing) < k_aligned;
-  // A robot ahead is charging or about to charge: wait, and leave it room to come out.
+  // Another robot ahead is charging or about to charge. This robot waits and leaves it room to come out.
   const bool is_taken =
       scanner.straight_ahead(percept.ranges(k_scanner)) < k_room && sight.range > k_creep_within;
   if (is_taken)
@@ -288,7 +291,7 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
 }
 
 void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const {
-  // After k_patience decisions the robot works on even if it could not back away. It then turns on the spot.
+  // After k_patience decisions the robot works on, even if it could not back away. It then turns on the spot.
   ++memory.near_updates;
   if (charger_in_sight(memory, percept).range > k_back_off || memory.near_updates > k_patience) {
     memory.mode = working;
@@ -322,8 +325,8 @@ struct Fasr : Forager {
   }
 };
 
-/// This controller also switches devices: the fiducial finder is on only while the robot docks and leaves.
-/// The scanner is off for the last half metre to a charger and while the robot charges.
+/// The controller `fasr2`. It also switches devices: the fiducial finder is on only while the robot docks and
+/// leaves. The scanner is off for the last half metre to a charger and while the robot charges.
 struct Fasr2 : Forager {
   struct Params {
     std::string task, task2, task3, task4, task5, task6, task7, task8;

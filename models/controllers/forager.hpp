@@ -7,26 +7,28 @@ namespace troupe::models {
 /// Foraging in a building: a robot fetches flags (coloured tokens) from a source, one at a time, brings them
 /// to a sink, and charges its power pack at chargers. There are two controllers, as in Stage's examples:
 ///
-/// fasr    one source and one sink, named by parameters
+/// fasr    one source and one sink, which are models named by the parameters `source` and `sink`
 /// fasr2   up to eight tasks, each with a source and a sink: the task "red" leads from the model red_source
-///         to the model red_sink. Each robot draws a random task, and a new one after each delivery. With a
-///         small probability, a robot that waits at a source or a charger draws another task or charger
+///         to the model red_sink. Each robot draws a random task, and a new task after each delivery. With a
+///         small probability per decision, a robot that waits at a source draws another task, and a robot
+///         that waits at a charger draws another charger
 ///
 /// paths    Robots follow cheapest paths on a 32 x 32 raster of the floor plan `map`, found by A* when the
 ///          world is built (models/controllers/floor_plan.hpp). Stage's fasr has direction tables instead,
 ///          made by hand for one cave.
 /// avoids   A robot turns away from obstacles that its scanner, a ranger of more than 8 beams, sees ahead, as
-///          `wander` does. If it is stuck, it backs out.
+///          the controller `wander` does. If it is stuck, it backs out.
 /// fetches  A robot takes a flag after more than 20 consecutive decisions within 2 m of the source, and
-///          delivers it after as many within 1 m of the sink.
-/// charges  When its pack is below 25 % (fasr2: 20 %), a robot goes to the nearest model whose
-///          fiducial_return is 2, until it touches this charger and is charged. At 95 % it drives away
-///          backwards. With a fiducial finder it docks by the readings of the finder. A robot without a pack,
-///          or in a world without chargers, never charges.
-/// zone     If there is a model `fuel_zone`, fasr2 goes there first, and then to the charger that is nearest
-///          from there.
-/// senses   fasr2 switches its fiducial finder on only while it docks and leaves. It switches its scanner off
-///          for the last half metre to a charger and while it charges.
+///          delivers it after more than 20 consecutive decisions within 1 m of the sink.
+/// charges  If its power pack holds less than 25 % of its capacity (fasr2: 20 %), a robot goes to the nearest
+///          charger, which is a model whose fiducial_return is 2. It drives up to 0.08 m from the charger and
+///          stands there until its pack holds 95 %. Then it drives away backwards. A robot with a fiducial
+///          finder docks by the readings of the finder. A robot without a power pack, or in a world without
+///          chargers, never charges.
+/// zone     If there is a model `fuel_zone`, a robot with fasr2 that must charge goes there first. Then it
+///          goes to the charger that is nearest from there.
+/// senses   fasr2 switches the fiducial finder of its robot on only while the robot docks and leaves. It
+///          switches the scanner off for the last half metre to a charger and while the robot charges.
 /// needs    a drive, a scanner, a device `flags`
 ///@{
 engine::ControllerKind fasr_controller();

@@ -16,11 +16,11 @@ using engine::DeviceInfo;
 using sensors::RadioPort;
 
 constexpr double k_stop_share = 0.6;       // fraction of min_front below which robots turn on the spot
-constexpr double k_creep_share = 0.2;      // fraction of the speed at which robots drive while they turn away
+constexpr double k_creep_share = 0.2;      // fraction of `speed` at which robots drive while they turn away
 constexpr double k_turn = 0.8;             // rad/s
 constexpr std::uint32_t k_backwards = 20;  // decisions of driving backwards when no settled robot is heard
-constexpr std::uint8_t k_halt = 3;         // decisions: more than it takes to stop and to receive messages
-constexpr float k_far_hops = 12;           // greatest number of hops that an LED can show
+constexpr std::uint8_t k_halt = 3;         // decisions: long enough to stop and then receive messages
+constexpr float k_far_hops = 12;           // an LED shows this number of hops and all greater ones alike
 // Probability per decision of halting to settle: low, so that two robots rarely settle in one place at once.
 constexpr double k_settles = 0.02;
 
@@ -56,6 +56,7 @@ struct Gradient {
     std::uint8_t halts = 0;               ///< decisions that remain of halting before the robot settles
     TROUPE_FIELDS(hops, unconfirmed, alone, avoid_updates, settled, halts)
   };
+  /// Summary of the messages that a robot hears at a decision.
   struct Heard {
     std::uint32_t hops = k_hops_unknown;                     ///< smallest hop count heard
     float nearest = std::numeric_limits<float>::infinity();  ///< distance to the nearest robot heard, m
@@ -71,8 +72,8 @@ struct Gradient {
     if (!choice.take_kind("radio")) return Error{"needs a radio"};
     if (!params.beacon) {
       const Result<Scanner> taken = choice.take_scanner(3);
-      // A robot without a ranger is meant to stand still. A ranger that cannot be used is an error: without
-      // an error, the robot would stand still too, and the user would not learn why.
+      // A robot without a ranger is meant to stand still. A ranger that cannot be used is an error: otherwise
+      // the robot would also stand still, and the user would not learn why.
       for (std::size_t d = 0; d < devices.size() && !taken; ++d)
         if (!claimed[d] && !devices[d].prepared.bearings.empty()) return taken.error();
       if (taken) scanner = *taken;
@@ -104,7 +105,7 @@ struct Gradient {
     } else {
       const bool has_room = in_touch && heard.nearest >= params.spacing;
       if (!scanner.is_usable()) memory.settled = 1;
-      // It must not settle if it stands out of radio range of the settled robots.
+      // The robot must not settle if it has stopped out of radio range of the settled robots.
       if (memory.halts > 0 && --memory.halts == 0 && has_room) memory.settled = 1;
       if (memory.halts == 0 && has_room && random.uniform() < k_settles) memory.halts = k_halt;
       if (memory.settled != 0) count(memory, heard);

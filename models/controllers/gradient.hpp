@@ -6,24 +6,25 @@
 
 namespace troupe::models {
 
-/// Hop count that means "unknown". Robots with the controller `gradient` broadcast their hop counts as one
-/// byte.
+/// The hop count that means "unknown". Robots with the controller `gradient` broadcast their hop counts as
+/// one byte each.
 inline constexpr std::uint8_t k_hops_unknown = 255;
 
 /// A gradient of hop counts by radio: robots settle one after another within radio range of settled robots,
-/// and each learns its number of hops to a beacon. If walls stop the radio, the hops lead around them.
+/// and each robot learns its number of hops to a beacon. If walls stop the radio, the hops lead around the
+/// walls.
 ///
 /// beacon    A beacon stands still and broadcasts the hop count 0.
 /// roams     A robot that is not settled drives straight on and turns away from obstacles ahead. When it no
-///           longer hears a settled robot, it drives backwards for a while, and then roams freely.
-/// settles   While the nearest settled robot that it hears is at least `spacing` away, a roaming robot halts
-///           with a probability of 2 % per decision. It settles if the condition still holds when it stands.
-///           A robot without a scanner is settled from the start.
+///           longer hears a settled robot, it drives backwards for 20 decisions, and then roams freely.
+/// settles   While the nearest settled robot that it hears is at least `spacing` (m) away, a roaming robot
+///           halts with a probability of 2 % per decision. It settles if the distance is still at least
+///           `spacing` when it has stopped. A robot without a ranger is settled from the start.
 /// counts    The hop count of a settled robot is one more than the smallest count that it hears. It
 ///           broadcasts this count, and forgets a count that no message has confirmed for `patience`
-///           decisions. So a single lost message has no effect, but the loss of a robot does.
-/// LED       If the robot has an LED, its colour goes from red near the beacon to blue at twelve hops or
-///           more. It is grey while the robot roams.
+///           decisions. So the loss of a single message has no effect, but the loss of a robot has.
+/// LED       If the robot has an LED, the LED is grey while the robot roams. On a settled robot, its colour
+///           goes from red near the beacon to blue at twelve hops or more.
 /// needs     a radio; to roam, also a drive and a scanner of more than 8 beams
 /// source    hop counts: Nagpal, Shrobe, Bachrach: Organizing a global coordinate system from local
 ///           information on an ad hoc sensor network, IPSN 2003. Settling within radio range: Payton et al.,

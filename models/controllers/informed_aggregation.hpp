@@ -4,17 +4,19 @@
 
 namespace troupe::models {
 
-/// Aggregation on black and white sites. Some of the robots are informed: they stop only on sites of one
-/// colour.
+/// Aggregation on black and white sites of the ground. Some of the robots are informed: they stop only on
+/// sites of the colour that the parameter `informed` names. The other robots stop on sites of both colours.
 ///
 /// walks     A robot drives straight on and turns by a random angle away from obstacles nearer than
 ///           `min_front`.
-/// enters    On a site of a colour on which it may stop, it drives on for a random time of at most `enter`,
-///           so that the first robots do not block the border. Then it stops if it is still on that colour.
-/// stands    While it stands, it broadcasts the colour. It leaves with the rate `leave` exp(-`others` n), in
-///           1/s, where n is the number of robots that it hears on a site of the same colour. It does not
-///           stop again before it has been on ground that is neither black nor white.
-/// colours   Ground below a quarter of full brightness is black, above three quarters white.
+/// enters    On a site of a colour on which it may stop, it drives on for a random time of at most `enter`
+///           (s), so that the first robots do not block the border. Then it stops if it is still on this
+///           colour.
+/// stands    While it stands on a site, it broadcasts the colour of the site. It leaves with the rate
+///           `leave` exp(-`others` n), in 1/s, where n is the number of robots that it hears on a site of the
+///           same colour. It does not stop again before it has been on ground that is neither black nor
+///           white.
+/// colours   Ground is black below a quarter of full brightness, and white above three quarters.
 /// stuck     If other robots block it, it backs out.
 /// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
 /// source    Firat, Ferrante, Cambier, Tuci: Self-organised aggregation in swarms of robots with informed

@@ -52,15 +52,16 @@ std::optional<double> number_of(std::string_view text) {
   return number;
 }
 
-/// Removes the text up to and including the first separator from `rest`. Returns it without the separator.
+/// Returns the text of `rest` before the first separator, and removes this text and the separator from
+/// `rest`. If there is no separator, returns all of `rest` and leaves it empty.
 std::string_view take_first(char separator, std::string_view& rest) {
   const std::size_t end = std::min(rest.size(), rest.find(separator));
   const std::string_view word = rest.substr(0, end);
   rest.remove_prefix(std::min(rest.size(), end + 1));
   return word;
 }
-/// Removes the last colon and the text after it from `rest`. Returns this text, or all of `rest` if there is
-/// no colon.
+/// Returns the text of `rest` after the last colon, and removes this text and the colon from `rest`. If there
+/// is no colon, returns all of `rest` and leaves it empty.
 std::string_view take_last(std::string_view& rest) {
   const std::size_t colon = rest.rfind(':');
   const std::string_view word = colon == rest.npos ? rest : rest.substr(colon + 1);
@@ -68,7 +69,7 @@ std::string_view take_last(std::string_view& rest) {
   return word;
 }
 
-/// One entry of a plan, DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS. The name of the device may
+/// Reads one entry of a plan: DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS. The name of the device may
 /// contain colons.
 Result<Step> read_step(std::string_view entry) {
   std::string_view time = entry;
@@ -113,7 +114,7 @@ struct Operate {
   };
 
   std::vector<Step> steps;
-  Result<> readable;  // an error if the plan cannot be read
+  Result<> readable;  // holds an error if the plan cannot be read; choose() returns it
 
   static Operate make(const Params& params) {
     Operate operate;
@@ -151,7 +152,8 @@ struct Operate {
   }
 
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
-    for (const Step& step : steps) {  // in order of time: the last order whose time has come prevails
+    // The steps are in order of time, so the last order for a device whose time has come prevails.
+    for (const Step& step : steps) {
       if (percept.tick < engine::ticks_until(step.at_s, percept.tick_s)) return;
       using G = GripperCommand;
       switch (step.order) {

@@ -16,13 +16,13 @@ namespace {
 using sensors::payload_of;
 using sensors::RadioPort;
 
-// Weights relative to that of the mean heading, which is 1:
+// Weights. The mean heading has the weight 1.
 constexpr double k_push = 3;       // repulsion by an obstacle at contact
 constexpr double k_repulsion = 5;  // greatest repulsion by another robot
-// Greatest attraction by another robot: small, so that many distant robots do not outweigh a near one.
+// Greatest attraction by another robot. It is small, so that many distant robots do not outweigh a near one.
 constexpr double k_attraction = 0.3;
 
-constexpr double k_least_range = 1e-3;  // m: smaller ranges are taken for this one
+constexpr double k_least_range = 1e-3;  // m: replaces smaller distances, so that no divisor is 0
 constexpr double k_backwards = 0.5;     // greatest speed backwards, as a fraction of the speed
 
 struct RadioFlocking {
@@ -88,7 +88,8 @@ struct RadioFlocking {
     radio.say(static_cast<float>(own));
   }
 
-  /// Repulsion by obstacles: the mean over the beams whose reading is below `clearance`, robot frame.
+  /// Repulsion by obstacles, robot frame. Each beam whose reading is below `clearance` gives a vector against
+  /// the beam of length k_push (1 - reading / clearance). The result is the mean of these vectors.
   Vec2 push(const engine::Percept& percept) const {
     Vec2 sum(0, 0);
     std::size_t count = 0;

@@ -5,16 +5,18 @@
 namespace troupe::models {
 
 /// Flocking by radio: each robot broadcasts its heading, turns to the mean of the headings that it hears, and
-/// keeps the distance `distance` from the robots that it hears.
+/// keeps the distance `distance` (m) from the robots that it hears.
 ///
 /// aims      The robot aims along the vector a = h + `spacing_weight` p in its own frame. h is the unit
-///           vector of the mean of its own heading and the headings heard. p is the mean over the robots
-///           heard of vectors along their bearings, of length 1 - (`distance` / range)^2, clamped to -5 and
-///           0.3: it repels if negative, attracts if positive. If the robot has a ranger, obstacles nearer
-///           than `clearance` add a repulsion to a.
+///           vector of the mean of its own heading and the headings that it hears. p is the mean of w u over
+///           the robots that it hears: u is the unit vector towards such a robot, r the distance between the
+///           radios, and w = 1 - (`distance` / r)^2, clamped to the interval from -5 to 0.3. Near robots
+///           repel (w < 0) and far robots attract (w > 0). If the robot has a ranger, obstacles nearer than
+///           `clearance` (m) add a repulsion to a.
 /// drives    The forward speed is `speed` times the cosine of the angle of a, but not below -`speed` / 2. The
 ///           turn rate is `gain` times this angle.
-/// needs     a drive, a radio with a payload of 4 bytes or more. The heading is that of the estimated pose
+/// needs     a drive, a radio with a payload of 4 bytes or more. The heading that a robot broadcasts is that
+///           of its estimated pose
 /// source    Turgut, Celikkanat, Gokce, Sahin: Self-organized flocking in mobile robot swarms, Swarm
 ///           Intelligence 2, 2008: their heading alignment and proximal control, with a radio as the "virtual
 ///           heading sensor"

@@ -38,7 +38,8 @@ struct Rasterize {
   }
 
  private:
-  /// Whether an outline touches the closed cell.
+  /// Whether an outline of the part touches the cell with the corners `low` and `high` (m, part frame),
+  /// including the border of the cell.
   static bool is_crossed(const PartSpec& part, const Vec2& low, const Vec2& high) {
     const Vec2 margin = 1e-6 * (high - low);
     const Vec2 a = low - margin, b = high + margin;

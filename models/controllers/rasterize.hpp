@@ -8,16 +8,17 @@
 
 namespace troupe::models {
 
-inline constexpr std::uint32_t k_raster_columns = 40;  ///< columns of the raster, over the model's size in x
-inline constexpr std::uint32_t k_raster_rows = 20;     ///< rows of the raster, over the model's size in y
-/// The memory of `rasterize`, which can be recorded.
+inline constexpr std::uint32_t k_raster_columns = 40;  ///< columns of the raster, along x
+inline constexpr std::uint32_t k_raster_rows = 20;     ///< rows of the raster, along y
+/// The memory of the controller `rasterize`, which can be recorded.
 struct RasterizeMemory {
-  /// 1: an outline crosses the cell. Cells are listed along x, row by row from the least y.
+  /// The cells of the raster, along x, row by row from the least y. 1: an outline crosses the cell; 0: none.
   std::array<std::uint8_t, k_raster_columns * k_raster_rows> cells{};
   TROUPE_FIELDS(cells)
 };
-/// In the first tick, stores in its memory a raster of 40 x 20 cells over the size of the model: 1 for each
-/// cell that an outline of the model crosses. Stage's controller prints the raster; here it can be recorded.
+/// In the first tick, stores a raster of 40 x 20 cells in its memory. The raster covers the bounding box of
+/// the outlines of its model. A cell is 1 if an outline crosses it, else 0. Stage's controller prints the
+/// raster; here it can be recorded.
 engine::ControllerKind rasterize_controller();
 
 }  // namespace troupe::models

@@ -8,7 +8,7 @@
 namespace troupe::models {
 namespace {
 
-constexpr double k_ahead = radians(30);  // a usable scanner has a beam this near to straight ahead
+constexpr double k_ahead = radians(30);  // a usable scanner has a beam within this angle of straight ahead
 
 }  // namespace
 
@@ -20,8 +20,8 @@ Scanner::Scanner(const engine::DeviceInfo& ranger, std::size_t share) {
   const double step = fov / static_cast<double>(beams.size() - 1);
   const std::size_t margin = beams.size() / share;
   const double window = fov / 2 - static_cast<double>(margin) * step;
-  // Files give angles in degrees with few digits. The tolerance keeps a beam that should be exactly at the
-  // edge of the window on the right side of the edge.
+  // Files give angles in degrees with few digits. With the tolerance, a beam that should be exactly at an
+  // edge of the window is treated as if it were.
   const double tolerance = 1e-3 * step + 1e-9;
 
   const auto off = [](const models::Beam& beam) { return std::abs(beam.bearing); };

@@ -4,9 +4,9 @@
 
 namespace troupe::models {
 
-/// Drives about and turns away from obstacles ahead, like the example `wander` of Stage. It reads the first
-/// ranger that sees ahead and has more than 8 beams in one transducer. If there is none, it reads the first
-/// ranger that sees ahead and has more than 8 beams in all its transducers together.
+/// Drives about and turns away from obstacles ahead, like the example `wander` of Stage. The controller reads
+/// the first ranger that sees ahead and has more than 8 beams in one transducer (fan of beams). If there is
+/// none, it reads the first ranger that sees ahead and has more than 8 beams in all its transducers together.
 engine::ControllerKind wander_controller();
 
 }  // namespace troupe::models

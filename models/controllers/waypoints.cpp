@@ -16,8 +16,8 @@
 namespace troupe::models {
 namespace {
 
-// The robot reaches tracked goals (Goal::is_tracked) up to the rounding of its last step: this far, m and
-// rad.
+// A robot has arrived at a tracked goal (Goal::is_tracked) if it is within this distance (m) and angle (rad).
+// The tolerance covers the rounding error of its last step.
 constexpr double k_there = 1e-6;
 
 struct Goal {
@@ -39,8 +39,8 @@ struct Goal {
     d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
                             "how long the robot waits at the goal before it goes on");
   }
-  /// Whether the robot moves to the goal in a straight line, at a speed or time that the goal gives. To other
-  /// goals it moves by the drive's own law for goals.
+  /// Whether the goal gives a time or a speed. The robot then moves to the goal in a straight line. To other
+  /// goals it moves by its drive's own law for goals.
   bool is_tracked() const { return at_s > 0 || speed > 0; }
 };
 
@@ -63,7 +63,7 @@ struct Waypoints {
       d.member<&Params::goals>(
           "goals", required,
           "goals in the order in which the robot visits them, in the frame of its estimated pose");
-      // At least 0.03 m, because drives stop within 0.02 m of a goal along both axes.
+      // `near` is at least 0.03 m, because drives stop within 0.02 m of a goal in x and in y.
       d.member<&Params::near>("near", meters, at_least(0.03),
                               "distance, by the estimated pose, within which the robot has reached a goal "
                               "that has neither `at` nor `speed`");
@@ -74,9 +74,9 @@ struct Waypoints {
   };
 
   Params params;
-  // Limits of the drive, set if goals are tracked:
-  double speed_max = 0;      // greatest speed in any direction, m/s
-  double turn_max = 0;       // greatest turn rate to either side, rad/s
+  // Limits of the drive, which bind_world() sets if any goal is tracked:
+  double speed_max = 0;      // greatest speed that the drive reaches in every direction, m/s
+  double turn_max = 0;       // greatest turn rate that the drive reaches to both sides, rad/s
   std::uint64_t period = 1;  // ticks between two runs of the drive
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
@@ -118,8 +118,8 @@ struct Waypoints {
   }
 
  private:
-  /// The tick in which a command given now first moves the robot, and its pose at the start of that tick if
-  /// it is not blocked until then.
+  /// The tick in which a command given now first moves the robot, and the robot's estimated pose at the start
+  /// of that tick, provided that nothing blocks the robot until then.
   struct Ahead {
     std::uint64_t tick;
     Pose pose;
@@ -136,7 +136,7 @@ struct Waypoints {
     return ahead;
   }
 
-  /// The tick at whose end the robot is to be at its goal; 0 if the goal has no time.
+  /// The tick at whose end the robot is to be at its present goal; 0 if the goal has no time.
   std::uint64_t due(const Memory& memory, const engine::Percept& percept) const {
     const double at_s = params.goals[memory.goal].at_s;
     return at_s > 0 ? memory.begun + engine::ticks_until(at_s, percept.tick_s) : 0;
@@ -170,7 +170,9 @@ struct Waypoints {
       memory.begun = ahead.tick;
   }
 
-  /// Commands the speed that takes the robot to the goal on time, or the greatest speed if it is late.
+  /// Commands the velocity that takes the robot to a tracked goal: at the speed of the goal or, if the goal
+  /// has a time, so that it arrives at the end of the tick `due`. A robot that is late gets its greatest
+  /// speed.
   void track(const Goal& goal, std::uint64_t due, const Ahead& ahead, const engine::Percept& percept,
              engine::Actions& actions) const {
     const Vec2 way = goal.pose.position() - ahead.pose.position();
@@ -188,7 +190,7 @@ struct Waypoints {
 
   double speed_of(const Goal& goal) const { return goal.speed > 0 ? goal.speed : speed_max; }
 
-  /// Returns an error if the drive cannot do what goal i demands.
+  /// Returns an error if goal i (from 0) contradicts itself, or demands more than the drive can do.
   Result<> can_keep(std::size_t i) const {
     const Goal& goal = params.goals[i];
     if (goal.at_s > 0 && goal.speed > 0)

@@ -88,11 +88,13 @@ struct Actuator {
     if (rotational) return {0, 0, 0, position};
     return {position * axis.x(), position * axis.y(), position * axis.z(), 0};
   }
-  /// Greatest horizontal displacement of the parts mounted on the joint, m.
+  /// Greatest horizontal distance that the joint itself moves from its pose in the world file, m; 0 if it
+  /// only turns.
   double reach() const {
     return rotational ? 0 : axis.head<2>().norm() * std::max(std::abs(min), std::abs(max));
   }
-  /// Speed for this tick, m/s or rad/s.
+  /// Signed speed for this tick, m/s or rad/s, clamped to +-max_speed. position: present position of the
+  /// joint, m or rad. period_s: time since the actuator last ran, s.
   double speed(const Command& command, double position, double period_s) const {
     double wanted = command.goal;
     if (command.mode == Command::position)

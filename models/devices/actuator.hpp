@@ -20,21 +20,21 @@ struct ActuatorCommand {
 /// State of an actuator.
 struct ActuatorState {
   double position = 0;       ///< m along the axis or rad about it; 0 is the pose in the world file
-  double velocity = 0;       ///< velocity in this tick, m/s or rad/s
-  double asked = 0;          ///< position requested for the end of this tick, m or rad
-  std::uint8_t stalled = 0;  ///< 1: its motion was blocked
+  double velocity = 0;       ///< velocity in this tick, m/s or rad/s; 0 if stalled
+  double asked = 0;          ///< position at the end of this tick if nothing blocks it, m or rad
+  std::uint8_t stalled = 0;  ///< 1: its motion in this tick was blocked
   TROUPE_FIELDS(position, velocity, asked, stalled)
 };
 
 /// A joint that moves the parts mounted on it: along an axis (linear) or about a vertical axis (rotational).
 ///
 /// parameters  type (linear or rotational), axis (x, y, z; only for linear), min_position, max_position (m or
-///             rad), max_speed (m/s or rad/s), start_position
+///             rad), max_speed (m/s or rad/s), start_position (m or rad)
 /// state       ActuatorState; commands: ActuatorCommand
-/// moves       In velocity mode, it moves at the commanded speed, clamped to max_speed, and stops at the
-///             limits. In position mode, it moves at max_speed towards the goal, clamped to the limits, and
-///             reaches it exactly, with a shorter last step.
-/// draws       2 W from its supply while it runs
+/// moves       In velocity mode, the joint moves at the commanded speed, which is clamped to +-max_speed, and
+///             stops at min_position and max_position. In position mode, the goal is clamped to these limits.
+///             The joint moves towards it at max_speed and reaches it exactly, with a shorter last step.
+/// draws       2 W from the power pack that supplies it, even if the joint stands still
 /// edges       An axis of length 0 means the x axis. If the moved parts would overlap a body or static
 ///             geometry, the joint does not move in this tick, and is stalled.
 engine::DeviceKind actuator_kind();

@@ -47,7 +47,8 @@ struct Brush {
     }
   }
 
-  /// Paints the zone. effect.verb is the index of the painted part, effect.payload the colour.
+  /// Paints a zone: a part of the body effect.target. effect.verb is the index of this part, and
+  /// effect.payload holds the colour (red, green, blue).
   void apply(World& world, const engine::Effect& effect) const {
     const Row target = world.row(effect.target);
     const BodyType::Device* device = engine::color_device(world.type(target), effect.verb);

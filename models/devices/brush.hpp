@@ -10,9 +10,9 @@ namespace troupe::models {
 /// The command of a brush. It holds until the controller replaces it.
 struct BrushCommand {
   std::uint8_t paints = 0;  ///< 1: paints the zone below the brush in each tick
-  float red = 0;            ///< 0 to 1
-  float green = 0;          ///< 0 to 1
-  float blue = 0;           ///< 0 to 1
+  float red = 0;            ///< from 0 to 1; other values are clamped
+  float green = 0;          ///< from 0 to 1; other values are clamped
+  float blue = 0;           ///< from 0 to 1; other values are clamped
   TROUPE_FIELDS(paints, red, green, blue)
 
   /// Makes the brush paint with this colour from the next tick on. r, g, b: red, green, blue, each 0 to 1.
@@ -21,13 +21,13 @@ struct BrushCommand {
 
 /// State of a brush.
 struct BrushState {
-  std::uint64_t painted = 0;  ///< how often it changed the colour of a zone
+  std::uint64_t painted = 0;  ///< number of ticks in which it changed the colour of a zone
   TROUPE_FIELDS(painted)
 };
 
-/// A brush: gives the zone (flat coloured body) below it a colour, if the zone carries a device `led`. If
-/// several brushes paint a zone in the same tick, the brush of the body with the highest id determines its
-/// colour.
+/// A brush. It gives the zone (a flat coloured body) below it the commanded colour, if the zone carries a
+/// device of kind `led`. If several brushes paint a zone in the same tick, the brush of the body with the
+/// highest id determines the colour of the zone.
 engine::DeviceKind brush_kind();
 
 }  // namespace troupe::models

@@ -55,7 +55,8 @@ class FlagList {
   std::span<float> sizes_;
 };
 
-/// The list of flags of a body; none if the body is not in the world or has no such device.
+/// The list of flags of a body: its first device of the kind `kind`. Returns nothing if the body is not in
+/// the world or has no such device.
 std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* kind) {
   if (body.index() >= world.spec().bodies.size() || !world.row(body).valid()) return {};
   const Row row = world.row(body);

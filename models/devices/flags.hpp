@@ -7,7 +7,7 @@
 
 namespace troupe::models {
 
-/// A token that a body holds.
+/// A flag: a coloured token that a body holds.
 struct Flag {
   std::uint32_t color = 0;  ///< 0xRRGGBBAA
   float size = 0;           ///< m
@@ -15,16 +15,16 @@ struct Flag {
 };
 inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< the flag of Stage's examples
 
-/// The command of a list of flags: an operation. It is carried out once, in the next tick, each time
-/// `request` changes. Controllers call ask(), which changes `request`.
+/// The command of a list of flags: one operation. Each time `request` changes, the list carries out the
+/// operation once, in the next tick. Controllers call ask(), which changes `request`.
 struct FlagCommand {
   /// Operation on flags.
   enum Verb : std::uint8_t {
     nothing,  ///< no operation
     push,     ///< adds a new flag at the front
     pop,      ///< deletes the first flag
-    take,     ///< moves the first flag of the list of `target` to the front of this list
-    give,     ///< moves the first flag of this list to the front of the list of `target`
+    take,     ///< moves the first flag of the body `target` to the front of this list
+    give,     ///< moves the first flag of this list to the front of the list of the body `target`
   };
   std::uint32_t request = 0;    ///< number of operations requested so far
   std::uint32_t target = 0;     ///< the other body of `take` and `give`, a BodyId
@@ -33,8 +33,8 @@ struct FlagCommand {
   std::uint8_t verb = nothing;  ///< a Verb
   TROUPE_FIELDS(request, target, color, size, verb)
 
-  /// Requests an operation for the next tick. of_whom: the other body (a BodyId) of `take` and `give`; flag:
-  /// the new flag of `push`.
+  /// Requests the operation `what` for the next tick. of_whom: the other body (a BodyId), for `take` and
+  /// `give`. flag: the new flag, for `push`.
   void ask(Verb what, std::uint32_t of_whom = 0, const Flag& flag = {}) {
     ++request;
     verb = what;
@@ -48,18 +48,19 @@ struct FlagCommand {
 enum FlagField : std::size_t {
   k_flag_received,  ///< u64: flags received from other bodies since tick 0
   k_flag_count,     ///< u32: number of flags in the list
-  k_flag_request,   ///< u32: the last request that was carried out
+  k_flag_request,   ///< u32: FlagCommand::request of the last operation that was carried out
   k_flag_colors,    ///< array of u32: colours, 0xRRGGBBAA, first flag first; 0 after the last flag
   k_flag_sizes,     ///< array of f32: sizes, m, in the same order
 };
 
-/// A list of flags that a body holds, at most as many as the parameter `most` says.
+/// A list of flags that a body holds. The parameter `most` is the greatest number of flags in the list.
 ///
-/// edges  These have no effect: `push` to a full list, `pop` from an empty list, and `take` or `give` if the
-///        giving list is empty, the receiving list is full, or the other body has no list.
+/// edges  These operations have no effect: `push` to a full list, `pop` from an empty list, and `take` or
+///        `give` if the list that loses the flag is empty, if the list that gets it is full, or if the other
+///        body is not in the world, has no list, or is the requesting body itself.
 /// order  `take` and `give` are carried out after all motions of the tick, one after another in the order of
-///        the ids of the requesting bodies. So if two bodies take the same last flag, the one with the lower
-///        id gets it. No flag is lost or duplicated.
+///        the ids of the requesting bodies. So if two bodies take the last flag of a list, the body with the
+///        lower id gets it. No flag is lost or duplicated.
 engine::DeviceKind flags_kind();
 
 }  // namespace troupe::models

@@ -18,8 +18,9 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-constexpr double k_rate = 0.5;                // 1/s: 2 s from end to end
-constexpr double k_beams[] = {0.495, 0.165};  // inner, outer: distance behind the tips / gripper length
+constexpr double k_rate = 0.5;  // 1/s: 2 s from end to end
+// Distances of the inner and the outer beam behind the tips of the paddles, as fractions of size.x.
+constexpr double k_beams[] = {0.495, 0.165};
 enum Verb : std::uint32_t { k_grip, k_release };
 enum JointIndex : std::size_t { k_left, k_right };
 
@@ -57,7 +58,7 @@ struct Gripper {
   static constexpr engine::FrameLayer layer = engine::FrameLayer::grips;
 
   Params params;
-  Mount place = {};  // of the gripper, in the frame of its body or joint
+  Mount place = {};  // pose of the gripper in the frame of its body, or of the joint that it is mounted on
 
   double base_front() const { return -size().x() / 2 + (1 - paddle().x()) * size().x(); }
   double thickness() const { return paddle().y() * size().y(); }
@@ -71,7 +72,7 @@ struct Gripper {
   Pose left(double position, double lift) const { return {0, -position * travel(), lift * rise(), 0}; }
   Pose right(double position, double lift) const { return {0, position * travel(), lift * rise(), 0}; }
   const Eigen::Vector3d& size() const { return params.size; }
-  const Eigen::Vector3d& paddle() const { return params.paddle_size; }  // relative to the size
+  const Eigen::Vector3d& paddle() const { return params.paddle_size; }  // fractions of size()
   bool starts_closed() const { return params.paddles == Paddles::closed; }
   bool starts_up() const { return params.lift == Lift::up; }
 
@@ -88,8 +89,8 @@ Solid block(double x0, double x1, double y0, double y1, double height) {
   return {{{Vec2(x0, y0), Vec2(x1, y0), Vec2(x1, y1), Vec2(x0, y1)}}, {0, height}};
 }
 
-/// The solids of the base and the paddles, with the paddles open and down. The numbers are those of the
-/// joints that move them, or -1.
+/// The solids of the base and the two paddles, with the paddles open and down. Each solid comes with the
+/// index of the joint that moves it: -1 for the base, k_left and k_right for the paddles.
 std::vector<DeviceKind::Fixture> Gripper::body(const Params& params) {
   const Gripper g{params};
   const double half_x = g.size().x() / 2;
@@ -101,7 +102,8 @@ std::vector<DeviceKind::Fixture> Gripper::body(const Params& params) {
 
 // ---- sensing
 
-/// One gripper at one instant: finds the bodies between its paddles.
+/// The paddles of one gripper at one instant. Tests which bodies break its beams, touch its paddles or fit
+/// between them.
 class Hand {
  public:
   Hand(const World& world, const Gripper& gripper, const GripperState& state, Row row, const Mount& frame)
@@ -112,7 +114,8 @@ class Hand {
         frame_(frame),
         z_(frame.z + state.lift_position * gripper.rise()) {}
 
-  /// Calls visit(row, placed shape) for the bodies with gripper_return that the gripper may touch.
+  /// Calls visit(row, shape) for each other body that has gripper_return and comes near enough to the gripper
+  /// to touch it. `shape` is the outline of the body at its present pose.
   template <class Visit>
   void for_each_near(Visit&& visit) const {
     const double reach = gripper_.size().head<2>().norm() / 2;
@@ -137,8 +140,9 @@ class Hand {
     });
   }
 
-  /// Whether the inner face of a paddle would sweep over the shape if the paddles closed from their present
-  /// position to `to` (0 open to 1 closed). side: 1 for the left paddle, -1 for the right.
+  /// Whether the inner face of a paddle would touch the shape if the paddles closed from their present
+  /// position to the position `to` (from 0, open, to 1, closed). side: 1 for the left paddle, -1 for the
+  /// right.
   bool touches(const partition::PlacedShape& shape, double side, double to) const {
     const double from_y = side * gripper_.face(state_.paddle_position);
     const double to_y = side * gripper_.face(to);
@@ -191,8 +195,8 @@ struct Touched {
   BodyId target() const { return left.valid() ? left : right; }
 };
 
-/// Updates the beams and contacts in `state`, and finds the bodies that the paddles would hold. closer: the
-/// paddle position after one more step of closing.
+/// Updates the beams and contacts in `state`, and writes the bodies that the paddles would hold to `touched`.
+/// closer: the paddle position, 0 to 1, after one more step of closing.
 void feel(const World& world, const Hand& hand, double closer, GripperState& state, Touched& touched) {
   state.beam_inner = state.beam_outer = state.contact_left = state.contact_right = 0;
   hand.for_each_near([&](Row row, const partition::PlacedShape& shape) {
@@ -210,7 +214,8 @@ void feel(const World& world, const Hand& hand, double closer, GripperState& sta
 
 // ---- motion
 
-/// Starts the motion that an order requests.
+/// Starts the motion that `order`, a GripperCommand::Order, requests. Does nothing if the paddles or the lift
+/// are already at rest at the end of that motion.
 void obey(std::uint8_t order, GripperState& state) {
   using S = GripperState;
   if (order == GripperCommand::open && state.paddles != S::is_open) state.paddles = S::opening;
@@ -219,20 +224,21 @@ void obey(std::uint8_t order, GripperState& state) {
   if (order == GripperCommand::down && state.lift != S::is_down) state.lift = S::sinking;
 }
 
-/// Whether the gripper no longer carries the body that it held. Only the death of that body causes this: no
-/// other body can take it.
+/// Whether the gripper of the body `own` no longer carries the body that it held. Only the death of the held
+/// body causes this: no other gripper can take it.
 bool has_lost(const World& world, BodyId own, const GripperState& state) {
   return state.held != 0 && world.carrier(world.row(BodyId(state.held - 1))) != own;
 }
 
-/// The position after one step towards `end`. If only a rounding error would remain to `end`, the step
-/// includes it, so that the motion does not take another tick.
+/// The position after one step of length `step` towards `end`. If the step would end short of `end` by no
+/// more than a rounding error, returns `end`, so that the motion does not take another tick.
 double towards(double position, double end, double step) {
   if (std::abs(end - position) <= step * (1 + 1e-9)) return end;
   return position < end ? position + step : position - step;
 }
 
-/// Updates the states of motions that have ended.
+/// Sets the paddles and the lift to their states of rest (closed, is_open, is_up, is_down) if their motion
+/// has ended.
 void finish(GripperState& state) {
   using S = GripperState;
   if (state.paddles == S::closing && (state.held != 0 || state.paddle_position == 1))
@@ -298,11 +304,11 @@ void Gripper::joints_moved(const DeviceBatch& batch) const {
   }
 }
 
-/// Grips or releases a body. Before gripping it tests the contact again, because both bodies may have moved
-/// since act().
+/// Grips or releases the body effect.target. Before it grips the body, it tests the contact again, because
+/// the gripper and the body may have moved since act().
 void Gripper::apply(World& world, const engine::Effect& effect) const {
   const Row row = world.row(effect.source);
-  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a stored state may be wrong
+  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a restored state may be wrong
   const Row target = is_body ? world.row(effect.target) : Row();
   const engine::BodyType::Device& device = world.type(row).devices[effect.device];
   auto& state = world.state(device).as<GripperState>(world.slot(row));
@@ -326,7 +332,8 @@ void Gripper::apply(World& world, const engine::Effect& effect) const {
   finish(state);
 }
 
-/// Draws the beams between the paddles, and a tie to the body that it holds.
+/// Adds lines to frame.grips: the two beams between the paddles, and a line from the gripper to the body that
+/// it holds, if any.
 void Gripper::draw(const engine::DeviceView& view, engine::Frame& frame) const {
   using engine::FrameTie;
   const auto& state = view.state.as<GripperState>(view.slot);

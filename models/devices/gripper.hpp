@@ -6,15 +6,16 @@
 namespace troupe::models {
 
 /// The command of a gripper. It holds until the controller replaces it. A motion that an order has started
-/// continues to its end even if the order changes, so paddles and lift can move at the same time.
+/// continues to its end, unless the opposite order (`open` and `close`, `up` and `down`) reverses it. So the
+/// paddles and the lift can move at the same time, if one order follows the other.
 struct GripperCommand {
   /// The motion to start.
   enum Order : std::uint8_t {
     nothing,  ///< start no motion
     open,     ///< open the paddles, and release what they hold
     close,    ///< close the paddles, and grip what they touch
-    up,       ///< lift the paddles
-    down,     ///< lower the paddles
+    up,       ///< lift the paddles, with what they hold
+    down,     ///< lower the paddles, with what they hold
   };
   std::uint8_t order = nothing;  ///< an Order
   TROUPE_FIELDS(order)
@@ -38,8 +39,8 @@ struct GripperState {
   };
   std::uint8_t paddles = is_open;  ///< one of Paddles
   std::uint8_t lift = is_down;     ///< one of Lift
-  std::uint8_t stalled = 0;        ///< 1: its motion was blocked
-  std::uint8_t taken = 0;          ///< 1: another gripper holds the body that it closed on
+  std::uint8_t stalled = 0;        ///< 1: its motion in this tick was blocked
+  std::uint8_t taken = 0;          ///< 1: it could not grip a body, because another gripper holds that body
   std::uint8_t beam_inner = 0;     ///< 1: a body with gripper_return breaks the beam near the base
   std::uint8_t beam_outer = 0;     ///< 1: a body with gripper_return breaks the beam near the tips
   std::uint8_t contact_left = 0;   ///< 1: a body with gripper_return touches the left paddle's inner face
@@ -47,34 +48,36 @@ struct GripperState {
   std::uint32_t held = 0;          ///< id + 1 of the body that it holds; 0: none
   double paddle_position = 0;      ///< from 0 (open) to 1 (closed)
   double lift_position = 0;        ///< from 0 (down) to 1 (up)
-  double asked_paddle = 0;         ///< paddle position requested for the end of this tick, 0 to 1
-  double asked_lift = 0;           ///< lift position requested for the end of this tick, 0 to 1
+  double asked_paddle = 0;         ///< paddle position at the end of this tick if nothing blocks it, 0 to 1
+  double asked_lift = 0;           ///< lift position at the end of this tick if nothing blocks it, 0 to 1
   TROUPE_FIELDS(paddles, lift, stalled, taken, beam_inner, beam_outer, contact_left, contact_right, held,
                 paddle_position, lift_position, asked_paddle, asked_lift)
 };
 
 /// A base with two paddles, which close on bodies that can be gripped and lift them.
 ///
-/// parameters  size (x, y, z, m), paddle_size (x, y, z, relative to size), paddles (open, closed), lift
-///             (down, up), autosnatch
+/// parameters  size (x, y, z, m), paddle_size (x, y, z, relative to size), paddles (open or closed) and lift
+///             (down or up) at the start, autosnatch (the gripper ignores commands: it closes while a body
+///             breaks one of its beams, and opens otherwise)
 /// state       GripperState; commands: GripperCommand
 /// geometry    Let s be `size`, p `paddle_size`, c the paddle position (0 open to 1 closed) and u the lift
 ///             position (0 down to 1 up). The base fills the rear (1 - p.x) s.x of the length. The paddles
 ///             are p.y s.y thick and p.z s.z high, their inner faces are at y = +-(1 - c)(s.y / 2 - p.y s.y),
 ///             and they are raised by u (1 - p.z) s.z.
-/// motion      Paddles and lift take 2 s from end to end. Like all joints, the paddles stop at anything in
-///             their way.
+/// motion      The paddles and the lift each take 2 s from one end to the other. If a paddle would overlap
+///             a body or a wall, paddles and lift do not move in this tick, and the gripper is stalled.
 /// beams       Two light beams run between the inner faces of the paddles, 0.495 s.x (inner) and 0.165 s.x
-///             (outer) behind the tips. Each paddle also has a contact sensor: it detects bodies in the area
-///             that the inner face would sweep in the tick while closing. Beams and contacts sense bodies
-///             with gripper_return, and the body that the gripper holds.
-/// gripping    Closing paddles that touch a body with gripper_return stop and hold it in its present pose:
-///             from then on it moves with the paddles. If they touch several bodies, they hold one that
-///             touches the left paddle before one that touches only the right, and of these the one with the
-///             lowest id. A body wider than the gap between the open paddles cannot be held. If several
-///             grippers touch a body in one tick, the gripper of the body with the lowest id holds it, and
-///             the others report `taken`.
-/// releasing   When the paddles start to open, the body stays where it is.
+///             (outer) behind the tips. Each paddle also has a contact sensor, which detects bodies in the
+///             area that its inner face would sweep in one tick of closing. The beams and the contact sensors
+///             detect bodies with gripper_return, and the body that the gripper holds.
+/// gripping    When closing paddles touch a body with gripper_return, they stop and hold the body in its
+///             present pose: from then on, the body moves with the paddles. If they touch several bodies,
+///             they hold the body with the lowest id of those that touch the left paddle. If no body touches
+///             the left paddle, they hold the body with the lowest id of those that touch the right paddle. A
+///             body wider than the gap between the open paddles cannot be held. If several grippers touch a
+///             body in one tick, the gripper whose own body has the lowest id holds the touched body, and the
+///             other grippers report `taken`.
+/// releasing   When the paddles start to open, they release the body, which stays where it is.
 /// source      Stage 4.3; docs/stage-worlds.md lists the bugs of Stage that are fixed here
 engine::DeviceKind gripper_kind();
 

@@ -10,17 +10,19 @@ namespace troupe::models {
 
 /// The command of an LED: the colour that it shows. It holds until the controller replaces it.
 struct LedCommand {
-  std::uint8_t shows = 0;  ///< 1: the LED takes the colour below in each tick; 0: it keeps its present colour
-  float red = 0;           ///< from 0 to 1; other values are clamped
-  float green = 0;         ///< from 0 to 1; other values are clamped
-  float blue = 0;          ///< from 0 to 1; other values are clamped
+  /// 1: the LED takes the colour of this command in each tick; 0: it keeps its present colour.
+  std::uint8_t shows = 0;
+  float red = 0;    ///< from 0 to 1; other values are clamped
+  float green = 0;  ///< from 0 to 1; other values are clamped
+  float blue = 0;   ///< from 0 to 1; other values are clamped
   TROUPE_FIELDS(shows, red, green, blue)
 
   /// Makes the LED show this colour from the next tick on. r, g, b: red, green, blue, each 0 to 1.
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
-/// State of an LED: the colour of its part. Brushes may change it too (models/devices/brush.hpp).
+/// State of an LED: the present colour of the part that carries it. Brushes (models/devices/brush.hpp) may
+/// also change this colour.
 struct LedState {
   std::array<float, 3> shown_color{};  ///< red, green, blue, 0 to 1
 

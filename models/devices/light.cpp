@@ -20,8 +20,8 @@ bool is_lit(const LightSource& light, double time_s) {
   return cycles - std::floor(cycles) < light.dutycycle;
 }
 
-/// A kind of light with the parameters `Params`. Its instances hold a LightSource as data, by which light
-/// sensors recognise lights.
+/// Makes a kind of light with the parameters `Params`. Params::source() converts them to a LightSource, which
+/// is the data of each light of this kind. Light sensors recognise lights by data of this type.
 template <class Params>
 DeviceKind make_light(std::string_view name, std::string_view text) {
   DeviceKind kind{.name = name, .text = text, .params = engine::described<Params>()};

@@ -8,9 +8,9 @@ namespace troupe::models {
 
 /// The command of a light. It holds until the controller replaces it.
 struct LightCommand {
-  /// State of the light, which may override the blinking.
+  /// How the light is switched.
   enum Switch : std::uint8_t {
-    as_world_says,  ///< lit as the parameters in the world file say
+    as_world_says,  ///< lit as its parameters say; a lightindicator is then dark
     on,             ///< lit, without blinking
     off,            ///< dark
   };
@@ -20,13 +20,14 @@ struct LightCommand {
 
 using sensors::LightState;
 
-/// A light that blinks: it is lit for the first fraction `dutycycle` of each `period`. The first period
-/// begins at tick 0.
+/// A light that blinks: in each `period`, it is first lit for the fraction `dutycycle` of the period, and
+/// then dark. The first period begins at tick 0.
 ///
 /// parameters  period (s), dutycycle (0 to 1), enabled, intensity
 /// state       LightState; commands: LightCommand, whose `on` and `off` override the blinking
-/// edges       With a period of 0 it does not blink: it is lit unless the dutycycle is 0. At the instant at
-///             which the lit part of a period ends, it is dark.
+/// edges       If `enabled` is false, it is dark until a controller switches it on. With a period of 0 it
+///             does not blink: it is lit unless the dutycycle is 0. At the instant at which the lit part of
+///             a period ends, it is dark.
 engine::DeviceKind blinkenlight_kind();
 
 /// A light that is off until a controller switches it on (parameter: intensity; commands: LightCommand).

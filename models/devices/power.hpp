@@ -31,7 +31,7 @@ struct PowerPackState {
     d.member<&PowerPackState::charging>("charging", "1: the pack received energy in the last tick");
   }
 
-  /// Whether it holds no energy. An infinite pack is never empty.
+  /// Whether the pack holds no energy. An infinite pack is never empty.
   bool is_empty() const { return infinite == 0 && stored <= 0; }
   /// Stored energy relative to the capacity, 0 to 1; 1 if the pack is infinite, 0 if its capacity is 0.
   double proportion_remaining() const {
@@ -42,13 +42,13 @@ struct PowerPackState {
 
 /// A power pack: an energy store that supplies the part that carries it and the parts mounted on that part.
 ///
-/// draw     The power drawn in each tick is the sum of three terms: the parameter `draw`; the watts of each
-///          running sensor and device that the pack supplies (a ranger 0.2 W per transducer); and, if the
-///          pack is on the root part of a body with a drive, the power of the drive. The latter is `idle`
-///          plus 10 W for each kg of `mass` times each m/s or rad/s of |forward| + |left| + |turn|, the
-///          velocities that the drive produces, even if the robot is stalled. This is as in Stage, with two
-///          differences: the power is multiplied by the length of the tick (Stage: always 0.1 s), and the
-///          velocities are those produced, not those commanded.
+/// draw     The power drawn in each tick is the sum of three terms: the parameter `draw`; the power of each
+///          running sensor and device that the pack supplies (a ranger draws 0.2 W per transducer); and, if
+///          the pack is on the root part of a body with a drive, the power of the drive. The last term is
+///          `idle` + 10 `mass` (|forward| + |left| + |turn|), in W, with the mass in kg and the velocities in
+///          m/s and rad/s. The velocities are those that the drive produces, even if the robot is stalled.
+///          This is the model of Stage, with two differences: Stage multiplies the power by 0.1 s instead of
+///          the length of the tick, and uses the commanded velocities.
 /// empty    With `when_empty` "stop", everything that an empty pack supplies stops: sensors keep their last
 ///          readings and the drive stands still, but controllers continue to decide. Sensors and drive run
 ///          again when the pack receives energy. With "nothing", an empty pack has no effect, as in Stage.
@@ -61,28 +61,32 @@ engine::DeviceKind power_pack_kind();
 
 /// State of a power contact.
 struct PowerContactState {
-  std::uint8_t touched = 0;  ///< for a giving contact: taking contacts that it touched in the last tick
+  /// For a giving contact: number of taking contacts that it touched at the end of the last tick, at most
+  /// k_most_takers. For other contacts: 0.
+  std::uint8_t touched = 0;
   TROUPE_FIELDS(touched)
 };
 
-/// A power contact: two touching contacts transfer energy between the packs that supply them. One contact
-/// gives (its `give` is above 0), the other takes (its `take` is above 0). The shape of a contact is the
-/// outline of the part that carries it, at whatever height.
+/// A power contact. Two touching contacts transfer energy between the power packs that supply them: one
+/// contact gives (its parameter `give`, in W, is above 0), and the other takes (its parameter `take`, in W,
+/// is above 0). The shape of a contact is the outline of the part that carries it, seen from above: heights
+/// make no difference.
 ///
 /// touching  Two contacts touch if their outlines overlap or are at most k_contact_m apart, whether or not
 ///           the bodies are obstacles.
-/// transfer  In each tick the energy min(give, take) times the length of the tick, but at most what the
-///           giving pack holds and the taking pack has room for. Transfers happen one after another, ordered
-///           by the giver's id and then the taker's id, and each sees the results of those before it. A
-///           contact that touches more than k_most_takers taking contacts serves those of the bodies with the
-///           lowest ids.
+/// transfer  In each tick, the energy min(give, take) times the length of the tick is transferred, but at
+///           most what the giving pack holds and what the taking pack has room for. Transfers happen one
+///           after another, ordered by the id of the giving body and then that of the taking body, and each
+///           sees the results of those before it. A contact that touches more than k_most_takers taking
+///           contacts serves those of the bodies with the lowest ids.
 /// state     PowerContactState; no commands
-/// needs     on both sides a power pack on the same part or on a part that carries it. Contacts of the same
-///           body, and of bodies that carry one another directly or indirectly, do not exchange energy
+/// needs     for each of the two contacts, a power pack on the part of the contact or on a part that carries
+///           this part. Contacts of the same body, and of bodies that carry one another directly or
+///           indirectly, do not exchange energy
 engine::DeviceKind power_contact_kind();
 
-/// Greatest distance of touching contacts, m: the width of the cells by which Stage detects contact of
-/// bodies.
+/// Greatest distance between two outlines that still touch, m. It is the width of the grid cells by which
+/// Stage detects contact of bodies.
 inline constexpr double k_contact_m = 0.02;
 /// Greatest number of contacts to which one contact gives energy in a tick.
 inline constexpr std::size_t k_most_takers = 16;

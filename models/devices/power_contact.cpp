@@ -54,14 +54,15 @@ const PowerContact* as_contact(const BodyType::Device& device) {
   return std::any_cast<PowerContact>(&device.prepared.data);
 }
 
-/// A touched contact that takes energy: its body, and its index among the devices of the body.
+/// A taking contact that is touched: its body, and its index among the devices of that body.
 struct Taker {
   BodyId body;
   std::size_t device = 0;
   auto operator<=>(const Taker&) const = default;
 };
 
-/// Keeps the k_most_takers lowest of the takers added, in ascending order of body and device.
+/// A list of takers in ascending order of body id and device index. If more than k_most_takers are added, it
+/// keeps the first k_most_takers in this order.
 class Takers {
  public:
   void add(const Taker& taker) {
@@ -79,7 +80,8 @@ class Takers {
   std::size_t count_ = 0;
 };
 
-/// Adds the taking contacts of the body `other` that touch the giving contact with the shape `giver`.
+/// Adds to `takers` the taking contacts of the body in row `other` that touch `giver`, the shape of the
+/// giving contact.
 void add_touched(const World& world, const PlacedShape& giver, Row other, Takers& takers) {
   const BodyType& type = world.type(other);
   for (std::size_t d = 0; d < type.devices.size(); ++d) {
@@ -103,8 +105,9 @@ Result<> PowerContact::bind_part(const engine::TypeSpec& type, std::uint32_t par
   return {};
 }
 
-/// A giving contact finds the taking contacts that it touches, by the poses at the end of the last tick. The
-/// energies depend on what the packs hold by then, so apply() computes them, one effect after another.
+/// Finds the taking contacts that each giving contact touches, by the poses at the end of the last tick, and
+/// emits one effect for each of them. apply() computes the energies, one effect after another, because each
+/// transfer changes what the packs hold for the next one.
 void PowerContact::act(const DeviceBatch& batch) const {
   if (!(params.give > 0) || shape.empty()) return;
   const World& world = batch.world;
@@ -125,7 +128,7 @@ void PowerContact::act(const DeviceBatch& batch) const {
   }
 }
 
-/// The pack that supplies a contact of the body.
+/// State of the power pack that supplies `contact`, a device of the body in `row`.
 PowerPackState& pack_of(World& world, Row row, const BodyType::Device& contact) {
   return world.state(world.type(row).devices[*contact.supply]).as<PowerPackState>(world.slot(row));
 }

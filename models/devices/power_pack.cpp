@@ -14,13 +14,13 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 
-// While a pack is charging, it emits this effect on itself, which tests whether charging continues. act()
-// cannot test it: controllers read the state of the last tick after act(), so `charging` may change only when
-// the transfers are applied. The effect is applied among the transfers, and each transfer sets `charging`
-// too.
+// Verb of an effect that a pack emits on itself in each tick in which `charging` is 1. The payload is the
+// energy received so far. apply() clears `charging` if no transfer has increased that energy since; a
+// transfer that is applied later in the tick sets `charging` again. act() cannot clear it: controllers run
+// after act() and must still read the state of the last tick.
 constexpr std::uint32_t k_ask_whether_charging = 0;
 
-constexpr double k_watts_per_kg = 10;  // for each m/s or rad/s, as in Stage's position model
+constexpr double k_watts_per_kg = 10;  // W per kg and per m/s or rad/s, as in Stage's position model
 
 enum class WhenEmpty : std::uint8_t { stop, nothing, die };
 constexpr std::array<std::string_view, 3> names_of(WhenEmpty) { return {"stop", "nothing", "die"}; }
@@ -77,7 +77,7 @@ struct PowerPack {
     row.stored = std::min(params.stored, params.capacity);
   }
 
-  /// Power that the drive of a body draws, W. v: the velocity that the drive produces.
+  /// Power that the drive of a body draws, W. v: the velocity that the drive produces, m/s and rad/s.
   double drive_watts(const engine::Velocity& v) const {
     return params.idle + k_watts_per_kg * params.mass * (std::abs(v.x) + std::abs(v.y) + std::abs(v.turn));
   }

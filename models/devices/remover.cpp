@@ -19,7 +19,8 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// Keeps the k_most_removed lowest of the ids added, in ascending order.
+/// A list of body ids in ascending order. If more than k_most_removed ids are added, it keeps the lowest
+/// k_most_removed of them.
 class Lowest {
  public:
   void add(BodyId body) {
@@ -54,8 +55,8 @@ struct Remover {
   using State = RemoverState;
 
   Params params;
-  Mount place;                           // of the remover, in the frame of its body or joint
-  std::vector<std::uint8_t> types = {};  // per TypeId, 1: its bodies are removed; empty: all robots are
+  Mount place;  // pose of the remover in the frame of its body, or of the joint that it is mounted on
+  std::vector<std::uint8_t> types = {};  // per TypeId, 1: bodies of this type are removed; empty: all robots
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_remover) {
     return {.data = Remover{params, Mount(pose_body_remover)},

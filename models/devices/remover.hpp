@@ -9,17 +9,19 @@ namespace troupe::models {
 
 /// State of a remover.
 struct RemoverState {
-  std::uint64_t removed = 0;  ///< bodies that it has removed since the birth of its body
+  /// Number of bodies that it has removed since the birth of its own body. A body that several removers
+  /// remove in the same tick counts for each of them.
+  std::uint64_t removed = 0;
   TROUPE_FIELDS(removed)
 };
 
-/// Removes bodies that come near it from the world: an exit, a pit, a mill.
+/// Removes bodies that come near it from the world. It can model an exit, a pit or a mill.
 ///
 /// which  It removes robots (bodies with a drive), or, if the parameter `of` names a type, the bodies of this
-///        type. A body is near if its origin is within `radius` of the remover, whatever the heights. The
-///        remover never removes its own body or a body that another body carries. If more than k_most_removed
-///        bodies are near in a tick, it removes those with the lowest ids.
-/// when   The bodies die at the end of the tick after the one in which they came near (docs/lives.md).
+///        type. A body is near if its origin is within the parameter `radius` (m) of the remover, seen from
+///        above. The remover never removes its own body or a body that another body carries. If more than
+///        k_most_removed bodies are near in a tick, it removes those with the lowest ids.
+/// when   A body that is near at the end of one tick dies at the end of the next tick (docs/lives.md).
 /// state  RemoverState; no commands
 engine::DeviceKind remover_kind();
 

@@ -21,15 +21,15 @@ using engine::DeviceKind;
 using engine::Mount;
 using engine::World;
 
-/// Number of periods of `every_s` seconds, counted from the birth of the body, that have ended since the
-/// device last ran. own_period: the number of ticks since then.
+/// Number of periods of `every_s` seconds that have ended since the spawner last ran. The first period begins
+/// with the birth of the spawner's body, in `row`. own_period: number of ticks since the spawner last ran.
 std::uint64_t periods_ended(const World& world, Row row, std::uint64_t own_period, double every_s) {
   const std::uint64_t age = world.tick() - world.birth_tick(row);
   const std::uint64_t every = engine::period_ticks(every_s, world.tick_s());
   return age / every - (age - std::min(age, own_period)) / every;
 }
 
-/// Number of flags that the body has received from other bodies since its birth.
+/// Number of flags that the body in `row` has received from other bodies since its birth.
 std::uint64_t flags_received(const World& world, Row row) {
   std::uint64_t sum = 0;
   for (const BodyType::Device& device : world.type(row).devices)

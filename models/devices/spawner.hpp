@@ -7,9 +7,9 @@
 
 namespace troupe::models {
 
-/// The command of a spawner: one more birth each time that `request` grows by 1.
+/// The command of a spawner. Each time a controller increases `request` by 1, one more birth becomes due.
 struct SpawnerCommand {
-  std::uint32_t request = 0;  ///< births requested so far
+  std::uint32_t request = 0;  ///< number of births requested so far
   TROUPE_FIELDS(request)
 
   void ask() { ++request; }  ///< requests one more birth
@@ -17,23 +17,23 @@ struct SpawnerCommand {
 
 /// State of a spawner.
 struct SpawnerState {
-  std::uint64_t flags = 0;    ///< flags received by its body that have been counted for births
-  std::uint32_t born = 0;     ///< bodies that it has spawned since the birth of its own body
-  std::uint32_t owed = 0;     ///< births that are due but have not succeeded yet
-  std::uint32_t refused = 0;  ///< tries that failed because the place was occupied or out of bounds
+  std::uint64_t flags = 0;    ///< number of flags that its body had received when it last ran
+  std::uint32_t born = 0;     ///< number of bodies that it has spawned since the birth of its own body
+  std::uint32_t owed = 0;     ///< number of births that are due but have not succeeded yet
+  std::uint32_t refused = 0;  ///< number of tries that failed: the place was occupied or out of bounds
   std::uint32_t request = 0;  ///< the value of SpawnerCommand::request that was counted last
   std::uint32_t last = 0;     ///< id + 1 of the body that it spawned last; 0: none
   std::uint8_t status = 0;    ///< result of its last try, an engine::BirthStatus
   TROUPE_FIELDS(flags, born, owed, refused, request, last, status)
 };
 
-/// Spawns bodies from the reserve of a population (bodies that are not in the world at the start): a nest, a
-/// door, a factory.
+/// Spawns bodies of a population from its reserve. The reserve holds the bodies of the population that are
+/// not in the world at the start. A spawner can model a nest, a door or a factory.
 ///
-/// when    A birth becomes due every `every` seconds of the spawner's life, for each `per_flags` flags that
-///         its body receives, and on the command of a controller. It stays due until it succeeds. In each
-///         tick, one birth is tried.
-/// where   Bodies are born at the pose of the spawner. With `within` above 0, they are born at a random
+/// when    A birth becomes due every `every` seconds of the life of the spawner's body, for each `per_flags`
+///         flags that this body receives, and on the command of a controller. It stays due until it succeeds.
+///         In each tick, the spawner tries at most one birth.
+/// where   Bodies are born at the pose of the spawner. With `within` (m) above 0, they are born at a random
 ///         position in the circle of this radius around the spawner, with a random heading. The pose is drawn
 ///         again for each try. If another body or a wall occupies the place, or if the place is outside the
 ///         bounds of the world, the try fails and is repeated in the next tick.

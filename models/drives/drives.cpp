@@ -28,8 +28,8 @@ struct Drive {
 // Constants of driving to a goal, from Stage.
 constexpr double k_go_to_speed = 0.4;      // m/s
 constexpr double k_go_to_turn = 1;         // rad/s
-constexpr double k_arrived_m = 0.02;       // along both axes
-constexpr double k_heads_for = k_pi / 16;  // rad: a diff drives while the goal is this near straight ahead
+constexpr double k_arrived_m = 0.02;       // the robot has arrived if it is this near the goal in x and in y
+constexpr double k_heads_for = k_pi / 16;  // rad: a diff drives while the bearing of the goal is below this
 constexpr double k_car_steers = 2;         // 1/s: gain from the bearing of the goal to a car's turn rate
 
 Drive drive_of(const DriveParams& params, double wheelbase = 1) {
@@ -45,8 +45,8 @@ Drive drive_of(const DriveParams& params, double wheelbase = 1) {
 }
 Drive drive_of(const CarParams& params) { return drive_of(params.drive, params.wheelbase); }
 
-// Not std::clamp, which promises no result for NaN: NaN must stay NaN, so that the engine can report the
-// robot.
+// This is not std::clamp, whose result is undefined for NaN. NaN must stay NaN, so that the engine can report
+// the robot whose command is not a number.
 double bounded(double v, const Bounds& bounds) {
   return v < bounds.min ? bounds.min : v > bounds.max ? bounds.max : v;
 }
@@ -64,8 +64,8 @@ double gain(double most, double elapsed_s) { return most * elapsed_s > 1 ? 1 / e
 struct Missing {
   double x, y;      // m, in the frame in which the pose is estimated
   double distance;  // m
-  double turn;      // rad, to the goal's heading
-  bool arrived;     // the position is reached; the heading may differ
+  double turn;      // angle from the robot's heading to the goal's heading, rad
+  bool arrived;     // the robot has reached the position of the goal; its heading may differ
 
   Missing(const Command& goal, const Pose& at)
       : x(goal.x - at.x),
@@ -73,7 +73,7 @@ struct Missing {
         distance(sqrt(x * x + y * y)),
         turn(wrap_angle(goal.turn - at.heading)),
         arrived(x > -k_arrived_m && x < k_arrived_m && y > -k_arrived_m && y < k_arrived_m) {}
-  /// Angle by which the robot must turn to face the goal, rad.
+  /// Angle by which the robot at the pose `at` must turn to face the goal, rad.
   double off_course(const Pose& at) const { return wrap_angle(atan2(y, x) - at.heading); }
 };
 
@@ -82,7 +82,8 @@ struct Diff {
   static Velocity accelerate(const Drive& d, const Command& c, const Velocity& v, double dt) {
     return bounded(d, v.x + bounded(c.x, d.x_rate) * dt, 0, v.turn + bounded(c.turn, d.turn_rate) * dt);
   }
-  /// Turns towards the goal, drives to it, then turns to its heading.
+  /// Velocity on the way to the goal `c` from the pose `at`. The robot turns towards the goal, drives to it,
+  /// and then turns to the goal's heading. dt: time between two runs of the drive, s.
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);
@@ -100,7 +101,8 @@ struct Omni {
     return bounded(d, v.x + bounded(c.x, d.x_rate) * dt, v.y + bounded(c.y, d.y_rate) * dt,
                    v.turn + bounded(c.turn, d.turn_rate) * dt);
   }
-  /// Drives straight to the goal, turning on the way.
+  /// Velocity on the way to the goal `c` from the pose `at`. The robot drives straight to the goal and turns
+  /// to the goal's heading on the way. dt: time between two runs of the drive, s.
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);
@@ -111,20 +113,23 @@ struct Omni {
 };
 
 struct Car {
-  /// The velocity of the car from the speed (m/s) and steering angle (rad) of its front wheels.
+  /// The velocity of the car whose front wheels have this speed (m/s) and steering angle (rad).
   static Velocity steer(const Drive& d, double speed, double angle) {
     const SinCos steering = sincos(angle);
     return bounded(d, speed * steering.cos, 0, speed * steering.sin / d.wheelbase);
   }
   static Velocity speed(const Drive& d, const Command& c) { return steer(d, c.x, c.turn); }
-  /// Accelerates the front wheels. Their speed in the last tick is computed from the velocity of the car.
+  /// The velocity of the car after its front wheels have accelerated by c.x (m/s^2) for dt seconds, with the
+  /// steering angle c.turn (rad). The speed of the wheels before is computed from the last velocity v.
   static Velocity accelerate(const Drive& d, const Command& c, const Velocity& v, double dt) {
     const double across = v.turn * d.wheelbase;
     const double rolling = sqrt(v.x * v.x + across * across);
     return steer(d, (v.x < 0 ? -rolling : rolling) + bounded(c.x, d.x_rate) * dt, c.turn);
   }
-  /// Drives in a curve towards a goal ahead. Swings about the rear axle, with the front wheels at a right
-  /// angle, towards a goal behind, and finally to the goal's heading.
+  /// Velocity on the way to the goal `c` from the pose `at`. The car drives in a curve towards a goal ahead
+  /// of it. If the goal is behind it, it swings towards the goal about its rear axle, with the front wheels
+  /// at a right angle. After arrival it swings to the goal's heading. dt: time in s between two runs of the
+  /// drive.
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);

@@ -20,8 +20,8 @@ using engine::DriveKind;
 using engine::Record;
 using engine::Velocity;
 
-// Limit of the distance of the part from its rest position. Without a limit, the bounding circle of its body,
-// which must contain all positions of the part, would be unbounded.
+// Limit of the distance of the part from its rest position. The bounding circle of its body must contain all
+// positions of the part. Without a limit, the circle would be unbounded.
 constexpr double k_most_reach_m = 100;
 
 enum class Law : std::uint8_t { diff, omni, car };
@@ -33,7 +33,8 @@ const DriveKind& kind_of(Law law) {
 }
 
 struct Wheels {
-  /// The parameters of a drive without localization, and without pushes: joints push nothing.
+  /// The parameters of a drive, except those of localization, because the estimated pose is the true pose,
+  /// and except `pushes`, because joints push nothing.
   struct Params {
     Law drive = Law::diff;
     double wheelbase = CarParams().wheelbase;
@@ -82,8 +83,9 @@ struct Wheels {
   }
 };
 
-/// The pose of the joint after dt seconds, in the frame of its rest pose. It moves along its heading at the
-/// start of the tick, as bodies do.
+/// The pose of the joint after dt seconds, in the frame of its rest pose. q: its present pose in this frame.
+/// v: its velocity, in the frame of the joint. As bodies do, it moves in a straight line, along the heading
+/// that it has at the start of the tick.
 Pose moved(const Pose& q, const Velocity& v, double dt) {
   const Vec2 way = Rotation(q.heading) * Vec2(v.x * dt, v.y * dt);
   return {q.x + way.x(), q.y + way.y(), q.z, q.heading + v.turn * dt};

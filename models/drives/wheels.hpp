@@ -5,8 +5,9 @@
 
 namespace troupe::models {
 
-/// State of a part that drives on its body. x, y, z and heading are its pose in the world frame at the start
-/// of the tick; forward, left and turn are its velocity in this tick, in its own frame.
+/// State of a part that drives on its body. x, y, z and heading are the pose of the part at the start of the
+/// tick. forward, left and turn are the velocity in this tick that its drive produces, even if the motion is
+/// blocked.
 struct WheelsState {
   double x = 0;              ///< m, world frame
   double y = 0;              ///< m, world frame
@@ -15,23 +16,24 @@ struct WheelsState {
   double forward = 0;        ///< m/s, frame of the part
   double left = 0;           ///< m/s, frame of the part
   double turn = 0;           ///< rad/s, counter-clockwise
-  std::uint8_t stalled = 0;  ///< 1: the motion of the part was blocked
+  std::uint8_t stalled = 0;  ///< 1: the motion of the part in this tick was blocked
   TROUPE_FIELDS(x, y, z, heading, forward, left, turn, stalled)
 };
 
 /// A drive for one part of a body, like a `position` model inside another model of Stage. The part drives
-/// about relative to the part that carries it, and also moves with that part.
+/// about relative to the part that carries it, and it also moves along with that part.
 ///
-/// parameters  drive (diff, omni, car), and the parameters of that drive without localization and pushes
+/// parameters  drive (diff, omni or car), and the parameters of that kind of drive, except `pushes` and those
+///             of localization
 /// state       WheelsState; commands: engine::Command, as for the drive of a body
 /// moves       The part moves as a joint does, together with the parts mounted on it. A motion is blocked if
-///             it would overlap a body or a wall, except its own body and bodies that carry it or that it
-///             carries. A blocked part keeps its pose and is stalled.
-/// estimate    The estimated pose of the part is its true pose in the world. Its controllers see this pose,
-///             and its goals are in the world frame.
-/// edges       It runs in each tick. It may leave the bounds of the world, but goes no farther than 100 m
-///             from its position in the world file.
-/// errors      A command that is not a finite number throws engine::StepError.
+///             one of these parts would overlap a wall or another body. Bodies that carry the part's body,
+///             or that it carries, do not block the motion. A blocked part keeps its pose and is stalled.
+/// estimate    The estimated pose of the part is its true pose in the world. The controllers of the part read
+///             this pose, and give goals in the world frame.
+/// edges       The drive runs in each tick. The part may leave the bounds of the world. A motion that would
+///             take it farther than 100 m from its place on the body in the world file is blocked.
+/// errors      If a command is not a finite number, the step throws engine::StepError.
 engine::DeviceKind wheels_kind();
 
 }  // namespace troupe::models

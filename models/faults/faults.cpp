@@ -17,7 +17,7 @@ namespace {
 using engine::BodyType;
 using engine::Impairment;
 
-/// Splits at commas and trims spaces: "ir, sonar" -> "ir", "sonar".
+/// Splits a text at commas and removes the spaces around each word: "ir, sonar" gives "ir" and "sonar".
 std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
   while (!text.empty()) {

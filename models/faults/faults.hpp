@@ -4,16 +4,17 @@
 
 namespace troupe::models {
 
-/// Sensors that stop working: they repeat their last readings. Controllers cannot distinguish these from new
-/// readings.
+/// Sensors that stop working: they repeat their last readings. Controllers cannot distinguish repeated
+/// readings from new ones.
 engine::FaultKind dead_sensors_fault();
 
-/// A drive that is slower than commanded: all its velocities are multiplied by `factor`. Odometry counts the
-/// slower motion, so the fault adds no error to it.
+/// A drive that is slower than commanded: all its velocities are multiplied by the parameter `factor`.
+/// Odometry measures the slower motion, so the fault adds no odometry error.
 engine::FaultKind slow_wheels_fault();
 
-/// A robot that stops completely after an exponentially distributed time of mean 1 / `rate`, for good or for
-/// a while.
+/// A robot whose devices, controllers and drive all stop after an exponentially distributed time of mean
+/// 1 / `rate` (`rate` in 1/s). With the parameter `for` (s) above 0, the robot works again after this time,
+/// until its next failure. With 0, the failure is permanent.
 engine::FaultKind drop_out_fault();
 
 }  // namespace troupe::models

@@ -14,7 +14,7 @@ using engine::Measure;
 using engine::Unit;
 using engine::World;
 
-/// Finds the clusters of pushable bodies by union-find.
+/// Base of the measures of clusters of pushable bodies. It finds the clusters by union-find.
 class Clusters : public Measure {
  public:
   struct Params {
@@ -71,7 +71,7 @@ class Clusters : public Measure {
 
   double distance_;
   std::vector<std::uint32_t> parents_;  // union-find forest, per row
-  std::vector<std::uint32_t> sizes_;
+  std::vector<std::uint32_t> sizes_;    // number of bodies in the cluster, at the row that is its root
 };
 
 class ClusterCount : public Clusters {

@@ -2,7 +2,9 @@
 
 #include "engine/measure_kind.hpp"
 
-/// Measures of the clusters that pushable bodies form. `troupe describe` prints their definitions.
+/// Measures of the clusters that pushable bodies form. Two bodies are in one cluster if their origins are at
+/// most the parameter `distance` (m) apart, or if a chain of such bodies connects them. `troupe describe`
+/// prints the definitions of the measures.
 namespace troupe::models {
 
 engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters of pushable bodies

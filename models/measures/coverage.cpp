@@ -19,7 +19,8 @@ using engine::World;
 
 constexpr double k_most_cells = 25e6;  // each takes two bytes of memory
 
-/// The bounds of the world. If it has none, the box around the static scene and the robots at the start.
+/// The box whose cells are counted, m, world frame. It is the bounds of the world or, if the world has none,
+/// the box around the static scene and the start positions of the robots.
 Box ground_of(const World& world, std::span<const Row> robots) {
   if (world.spec().bounds) return *world.spec().bounds;
   Box box = world.scene().bounds();
@@ -98,9 +99,9 @@ class Coverage : public Measure {
     if (visited.load(std::memory_order_relaxed) == 0) visited.store(1, std::memory_order_relaxed);
   }
 
-  /// Marks the cells whose centres are in a solid as not free, by the even-odd rule: each line of cell
-  /// centres is cut by the edges of the solid, and the centres between the first and second cut, the third
-  /// and fourth, and so on, are inside.
+  /// Marks the cells whose centres are in a solid as not free, by the even-odd rule. The edges of the solid
+  /// cut each line of cell centres parallel to the x axis. The centres between the first and the second cut,
+  /// between the third and the fourth, and so on, are inside the solid.
   void take(const Solid& solid) {
     std::vector<std::vector<double>> crossings(lines_);
     for (const Ring& ring : solid.contours)
@@ -122,8 +123,8 @@ class Coverage : public Measure {
     }
   }
 
-  /// Index, counted from the cell `low`, of the first of `count` cells whose centre is at v or above (m);
-  /// `count` if there is none.
+  /// The first of `count` cells along an axis whose centre has a coordinate of v (m) or more. `low` is the
+  /// number of the first cell in the grid. Returns an index from 0, or `count` if there is no such cell.
   std::size_t first_not_below(std::int32_t low, std::size_t count, double v) const {
     const std::int64_t near = std::int64_t{grid_.cell({v, 0}).x} - low;
     auto i = static_cast<std::size_t>(std::clamp<std::int64_t>(near, 0, static_cast<std::int64_t>(count)));

@@ -4,7 +4,8 @@
 
 namespace troupe::models {
 
-/// `coverage`: fraction of the free ground that robots have visited (docs/measures.md).
+/// `coverage`: fraction of the free ground, counted in square cells, that robots have visited since measuring
+/// began (docs/measures.md).
 engine::MeasureKind coverage_measure();
 
 }  // namespace troupe::models

@@ -20,14 +20,14 @@ using engine::StateTable;
 using engine::Unit;
 using engine::World;
 
-/// Base of the measures over robots that are computed from the present state.
+/// Base of the measures that are counts or means over a list of robots.
 class OfRobots : public Measure {
  public:
   OfRobots(const World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
 
  protected:
   std::span<const Row> robots() const { return robots_; }
-  /// Mean of term(i) over the robots that are in the world; NaN if there are none.
+  /// Mean of term(i) over those robots()[i] that are in the world; NaN if there are none.
   template <class Term>
   double mean(World& world, Term&& term) const {
     const std::size_t there = engine::count_there(world, robots_);
@@ -96,12 +96,13 @@ class PathLength : public OfRobots {
   double value(World& world) override {
     return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
-  // places_ is not saved: the constructor reads the positions from the restored state.
+  // places_ is not saved in checkpoints: the constructor reads the positions from the restored state.
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
-  /// The path of a robot born since the last tick begins at its birthplace. A robot that is not in the world
-  /// does not move.
+  /// Corrects places_[i], the point from which see() measures the motion of robot i in this tick. If the
+  /// robot was born since the last tick, this is its birthplace. If it is not in the world, it is its present
+  /// position, so that its path does not grow.
   void begin_life(const World& world, std::size_t i) {
     const Row row = robots()[i];
     const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(world.body(row));
@@ -111,8 +112,8 @@ class PathLength : public OfRobots {
       places_[i] = world.origin(row);
   }
 
-  /// The path of a robot that a program moved between two ticks continues at its new position: the move
-  /// itself is not counted.
+  /// Sets the places_ of robots that a program moved between two ticks to their new positions, so that these
+  /// moves are not counted. placed: the moved bodies and their new poses.
   void set_out_from(std::span<const World::Placed> placed) {
     if (placed.empty()) return;
     if (numbers_.empty()) {
@@ -193,7 +194,7 @@ class ShareWithin : public OfRobots {
   Params circle_;
 };
 
-/// The mean of one number over the robots whose state has the component.
+/// The mean of one number of the state over the robots whose types have this number.
 class StateMean : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
@@ -230,15 +231,16 @@ class StateMean : public OfRobots {
   }
 
  private:
-  /// cells: for each body, where its number is.
+  /// cells: the result of cells_of().
   StateMean(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
       : OfRobots(world, with(world, cells, std::move(rows))),
         column_(static_cast<std::size_t>(params.column)) {
     for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
   }
 
-  /// For each body, the table, field and row of its number. Every type that has the component has its own
-  /// table. Throws std::invalid_argument if no type has the component, or if a type lacks the field or
+  /// For each body, in order of ids, the table, field and row that hold its number; `table` is k_none if the
+  /// body has no such number. Every type that has the component has its own table. Throws
+  /// std::invalid_argument if no type has the component, or if the table of a type lacks the field or the
   /// column.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
     const std::string& component = params.component;

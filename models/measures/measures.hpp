@@ -6,16 +6,20 @@
 /// definition of a measure.
 namespace troupe::models {
 
-engine::MeasureKind stalls_measure();        ///< `stalls`: number of stalled robots
+/// `stalls`: number of robots whose last motion was blocked, or would have left the world's bounds.
+engine::MeasureKind stalls_measure();
 engine::MeasureKind held_measure();          ///< `held`: number of robots stopped at the world's bounds
 engine::MeasureKind alive_measure();         ///< `alive`: number of robots in the world
 engine::MeasureKind deaths_measure();        ///< `deaths`: number of bodies of a type that have died
 engine::MeasureKind displacement_measure();  ///< `displacement`, m: mean distance from where robots started
 engine::MeasureKind path_length_measure();   ///< `path_length`, m: mean length of the robots' paths
 engine::MeasureKind mean_speed_measure();    ///< `mean_speed`, m/s: mean speed of the robots in the last tick
-engine::MeasureKind order_measure();         ///< `order`: agreement of the robots' headings, 0 to 1
-engine::MeasureKind spread_measure();        ///< `spread`, m: mean distance of the robots from their centre
-engine::MeasureKind share_within_measure();  ///< `share_within`: fraction of the robots in a circle
-engine::MeasureKind state_mean_measure();    ///< `state_mean`: mean of one number of the robots' state
+/// `order`: agreement of the robots' headings, from 0 (none) to 1 (all headings are equal).
+engine::MeasureKind order_measure();
+/// `spread`, m: mean distance of the robots from the mean of their positions.
+engine::MeasureKind spread_measure();
+engine::MeasureKind share_within_measure();  ///< `share_within`: fraction of the robots in a given circle
+/// `state_mean`: mean of one number of the state, such as a reading, over the robots that have this number.
+engine::MeasureKind state_mean_measure();
 
 }  // namespace troupe::models

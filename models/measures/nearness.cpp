@@ -27,8 +27,9 @@ class AmongRobots : public Measure {
  protected:
   std::span<const Row> robots() const { return robots_; }
 
-  /// Calls work(row) for all robots in parallel. The order is that of the index: neighbours in space are
-  /// visited one after another and find each other's data in the cache.
+  /// Calls work(row) for all measured robots that are in the world, on several threads. The robots are
+  /// visited in the order of the spatial index, in which robots that are near each other follow one another.
+  /// So the data of neighbours are in the cache.
   template <class Work>
   void for_each_robot(World& world, Work&& work) const {
     const std::span<const std::uint32_t> order = world.index().order();
@@ -39,9 +40,10 @@ class AmongRobots : public Measure {
     });
   }
 
-  /// Calls visit(squared distance, m^2) for the other robots in the box of half-width `radius` (m) around the
-  /// robot in `row`. It visits all that are within `reach` (m), and some that are farther away. visit() may
-  /// reduce `reach`, which is a reference for that reason.
+  /// Calls visit(d2) for other measured robots, where d2 is the squared distance (m^2) from the robot in
+  /// `row` to the other robot. It searches the box of half-width `radius` (m) around the robot in `row`. It
+  /// visits all robots in this box that are within the distance `reach` (m), and may visit some that are
+  /// farther away. `reach` is a reference because visit() may reduce it during the search.
   template <class Visit>
   void for_each_other(const World& world, std::uint32_t row, double radius, const double& reach,
                       Visit&& visit) const {
@@ -50,7 +52,7 @@ class AmongRobots : public Measure {
     // The index visits every body whose origin is in the box, once.
     world.index().for_each_near(Box::around(place, radius), [&](const partition::BodyCircle& other) {
       if (other.row == row || !measured_[other.row]) return;
-      // The centre of the circle is rounded to float; its radius is large enough to cover that.
+      // `other` holds the position rounded to float. Its radius is large enough to cover the rounding.
       const double x = other.x - place.x();
       const double y = other.y - place.y();
       const double far = (reach + other.radius) * k_round;
@@ -61,7 +63,7 @@ class AmongRobots : public Measure {
 
  private:
   std::vector<Row> robots_;
-  std::vector<std::uint8_t> measured_;  // per row, 1: it is one of the robots
+  std::vector<std::uint8_t> measured_;  // per row, 1: the robot is measured
 };
 
 class MeanNearestDistance : public AmongRobots {
@@ -80,10 +82,10 @@ class MeanNearestDistance : public AmongRobots {
   }
 
  private:
-  /// Distance to the nearest other robot, m. Searches boxes of growing size until the nearest robot found is
-  /// certainly the nearest of all, because its distance is at most the half-width of the box. The search ends
-  /// because the caller ensures that there is another robot. The first half-width, slightly more than the
-  /// distance at the last call, affects only the speed.
+  /// Distance from the robot in `row` to the nearest other robot, m. Searches boxes of growing size, until
+  /// the distance of the nearest robot found is at most the half-width of the box: then no robot outside the
+  /// box is nearer. The search ends because the caller ensures that there is another robot. The first
+  /// half-width is slightly more than the distance at the last call. It affects only the computing time.
   double nearest(const World& world, std::uint32_t row) const {
     double radius = std::max(1.25 * distances_[row], 0.1 * world.geometry().cell_m);
     for (;;) {
@@ -95,7 +97,7 @@ class MeanNearestDistance : public AmongRobots {
     }
   }
 
-  std::vector<double> distances_;  // per row, at the last value()
+  std::vector<double> distances_;  // per row, distance to the nearest other robot at the last value(), m
 };
 
 class Neighbours : public AmongRobots {
@@ -129,7 +131,7 @@ class Neighbours : public AmongRobots {
 
  private:
   double radius_;
-  std::vector<std::uint32_t> counts_;  // per row
+  std::vector<std::uint32_t> counts_;  // per row, number of neighbours
 };
 
 }  // namespace

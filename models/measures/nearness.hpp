@@ -5,8 +5,9 @@
 /// Measures of the distances between robots. `troupe describe` prints their definitions.
 namespace troupe::models {
 
-/// `mean_nearest_distance`, m: mean distance to the nearest other robot.
+/// `mean_nearest_distance`, m: mean over the robots of the distance to the nearest other robot.
 engine::MeasureKind mean_nearest_distance_measure();
-engine::MeasureKind neighbours_measure();  ///< `neighbours`: mean number of robots within a radius
+/// `neighbours`: mean over the robots of the number of other robots within the distance `radius` (m).
+engine::MeasureKind neighbours_measure();
 
 }  // namespace troupe::models

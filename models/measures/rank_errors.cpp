@@ -38,7 +38,8 @@ class RankErrors : public Measure {
       const std::size_t type = world.spec().bodies[world.body(row).index()].type.index();
       ranked_.push_back({(world.transform(row).position - center_).squaredNorm(), type});
     }
-    // At equal distances the robot of the earlier type comes first, so that the pair counts as correct.
+    // Of two robots at equal distances, the one of the earlier type comes first, so that the pair counts as
+    // correct.
     std::ranges::sort(ranked_);
     std::ranges::fill(met_, 0);
     std::uint64_t pairs = 0;
@@ -58,7 +59,7 @@ class RankErrors : public Measure {
   std::vector<Row> robots_;
   Vec2 center_;
   std::vector<std::pair<double, std::size_t>> ranked_;  // squared distance, type
-  std::vector<std::uint64_t> met_;                      // number of robots nearer to the centre, per type
+  std::vector<std::uint64_t> met_;  // per type, number of robots that are nearer to the centre
 };
 
 }  // namespace

@@ -4,8 +4,9 @@
 
 namespace troupe::models {
 
-/// `rank_errors`: fraction of the pairs of robots of different types whose distances from a centre are in the
-/// wrong order (docs/measures.md).
+/// `rank_errors`: fraction of the pairs of robots of different types that are in the wrong order. A pair is
+/// in the wrong order if the robot of the type that the world file defines later is nearer to a given centre
+/// (docs/measures.md).
 engine::MeasureKind rank_errors_measure();
 
 }  // namespace troupe::models

@@ -29,7 +29,7 @@ class Unpacked {
   Unpacked(const Unpacked&) = delete;
   Unpacked& operator=(const Unpacked&) = delete;
 
-  /// Unpacks more data, until there are more than `most` bytes.
+  /// Unpacks more data. Stops as soon as the unpacked bytes of all calls are more than `most`.
   void add(std::string_view data, std::size_t most) {
     stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
     stream_.avail_in = static_cast<uInt>(data.size());
@@ -46,10 +46,10 @@ class Unpacked {
   std::array<Bytef, 1 << 15> buffer_;
 };
 
-/// True if a chunk of a PNG is cut off or does not match its checksum: stb_image does not check that, and a
+/// True if a chunk of a PNG is cut off or does not match its checksum. stb_image does not check that, and a
 /// map with a flipped bit would be a different map. True also if the pixel data unpack to far more bytes than
-/// the image has: stb_image would unpack all of them, while unpacking stops here as soon as there are too
-/// many. False for a file that is not a PNG.
+/// the image has. stb_image would unpack all of them, while this function stops unpacking as soon as there
+/// are too many. False for a file that is not a PNG.
 bool png_is_damaged(std::string_view bytes) {
   constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
   if (!bytes.starts_with(k_signature)) return false;
@@ -58,7 +58,7 @@ bool png_is_damaged(std::string_view bytes) {
     for (std::size_t i = 0; i < 4; ++i) n = n << 8 | static_cast<unsigned char>(bytes[at + i]);
     return n;
   };
-  constexpr std::size_t k_frame = 12;  // a chunk's length, kind and checksum
+  constexpr std::size_t k_frame = 12;  // bytes of a chunk's length, kind and checksum
   constexpr std::size_t k_most_pixel_bytes = 8;
   std::size_t most = 0;
   Unpacked unpacked;
@@ -75,7 +75,7 @@ bool png_is_damaged(std::string_view bytes) {
       if (static_cast<double>(width) * static_cast<double>(height) <= k_most_pixels)
         most = k_most_pixel_bytes * (width + 1) * (height + 1);
     }
-    if (kind == "IDAT" && most > 0) {  // a larger image is an error anyway
+    if (kind == "IDAT" && most > 0) {  // `most` is 0 if the image is too large, which is an error anyway
       unpacked.add(bytes.substr(at + 8, length), most);
       if (unpacked.bytes() > most) return true;
     }
@@ -95,16 +95,16 @@ bool jpeg_is_damaged(std::string_view bytes) {
   const auto byte = [&](std::size_t i) {
     return i < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i])) : 0;
   };
-  // Returns the marker at `at` and moves on; 0 if there is none. Any number of bytes 0xff may precede a
-  // marker.
+  // Returns the marker at `at` and moves `at` past it; returns 0 if there is no marker. Any number of bytes
+  // 0xff may precede a marker.
   const auto take_marker = [&]() -> unsigned {
     if (byte(at) != 0xff) return 0;
     while (byte(at) == 0xff) ++at;
     return byte(at++);
   };
   if (take_marker() != k_start) return false;
-  unsigned given[2] = {0,
-                       0};  // Huffman tables defined so far, a bit each: [0] for DC, [1] for AC coefficients
+  // The Huffman tables defined so far, one bit per table: [0] for DC coefficients, [1] for AC coefficients.
+  unsigned given[2] = {0, 0};
   bool is_progressive = false;
   unsigned marker = take_marker();
   while (marker != k_end) {
@@ -113,7 +113,7 @@ bool jpeg_is_damaged(std::string_view bytes) {
     const std::size_t end = at + length;
     if (length < 2 || end > bytes.size()) return true;
     if (marker == k_huffman)
-      for (std::size_t table = at + 2; table < end;) {  // 1 byte that identifies it, 16 counts, the codes
+      for (std::size_t table = at + 2; table < end;) {  // 1 byte with the table's number, 16 counts, codes
         given[byte(table) >> 4 & 1] |= 1u << (byte(table) & 15);
         unsigned codes = 0;
         for (std::size_t i = 1; i <= 16; ++i) codes += byte(table + i);
@@ -121,7 +121,7 @@ bool jpeg_is_damaged(std::string_view bytes) {
         if (codes > 256 || table > end) return true;
       }
     is_progressive = is_progressive || marker == k_progressive;
-    if (marker == k_start_of_scan) {  // per component: id, its two tables; then the coefficients
+    if (marker == k_start_of_scan) {  // per component: its id and its two tables; then the coefficient range
       const std::size_t after = at + 3 + 2 * std::size_t{byte(at + 2)};
       if (after + 3 != end) return true;
       const bool needs[] = {!is_progressive || byte(after) == 0, !is_progressive || byte(after + 1) > 0};
@@ -185,14 +185,14 @@ bool bmp_is_damaged(std::string_view bytes) {
   const bool is_old = number(14, 4) == 12;  // the OS/2 header
   const std::uint32_t width = is_old ? number(18, 2) : number(18, 4);
   const auto height =
-      static_cast<std::int32_t>(is_old ? number(20, 2) : number(22, 4));  // below 0: top row first
+      static_cast<std::int32_t>(is_old ? number(20, 2) : number(22, 4));  // negative: the top row is first
   const std::uint32_t bits = is_old ? number(24, 2) : number(28, 2);
   const double row_bytes = 4 * std::ceil(static_cast<double>(width) * bits / 32);
   return static_cast<double>(bytes.size()) <
          std::max<double>(number(2, 4), number(10, 4) + row_bytes * std::abs(static_cast<double>(height)));
 }
 
-/// The number of corners of the outlines of the solid pixels.
+/// The number of corners that the outlines of the solid pixels have together.
 std::size_t count_corners(const Bitmap& bitmap) {
   std::size_t count = 0;
   for (int y = 0; y <= bitmap.height; ++y)
@@ -205,13 +205,13 @@ std::size_t count_corners(const Bitmap& bitmap) {
   return count;
 }
 
-/// The directed unit edges around the solid pixels. There is no edge between two solid pixels. For each
-/// corner of the pixel lattice (image axes, +y down), the set of directions in which edges leave it is
-/// stored.
+/// The edges between solid pixels and free pixels. Each edge has the length of one pixel, and a direction in
+/// which the solid pixel is on its right, seen in the image. For each corner of the pixel lattice (image
+/// axes, +y down), the set of directions in which edges leave the corner is stored.
 class BoundaryEdges {
  public:
-  // Ordered by the corners to which they lead, by x and then y. Of several directions in a set, Stage follows
-  // the first.
+  // The directions are in the order of the corners to which they lead, by x and then by y. If several edges
+  // leave a corner, Stage follows the first of them in this order.
   enum Direction : std::uint8_t { left = 1, up = 2, down = 4, right = 8 };
 
   explicit BoundaryEdges(const Bitmap& bitmap)
@@ -228,12 +228,13 @@ class BoundaryEdges {
   }
 
   std::size_t corners() const { return leaving_.size(); }
-  /// Corners are numbered column by column: by x, and then by y.
+  /// Position of a corner in the image. Corners are numbered column by column: by x, and then by y.
   int x_of(std::size_t corner) const { return static_cast<int>(corner / rows_); }
   int y_of(std::size_t corner) const { return static_cast<int>(corner % rows_); }
   bool any_leaves(std::size_t corner) const { return leaving_[corner] != 0; }
 
-  /// Removes an edge that leaves a corner and returns the corner it leads to.
+  /// Removes the first edge that leaves a corner, in the order of Direction, and returns the corner to which
+  /// it leads. There must be such an edge.
   std::size_t follow(std::size_t corner) {
     std::uint8_t& set = leaving_[corner];
     const auto first = static_cast<std::uint8_t>(set & (~set + 1));
@@ -290,7 +291,7 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
   const int size = static_cast<int>(bytes.size());
   Bitmap bitmap;
   int channels = 0;
-  // Checks the size in the header before memory is allocated for it.
+  // Check the size in the header before memory is allocated for the pixels.
   if (stbi_info_from_memory(data, size, &bitmap.width, &bitmap.height, &channels) &&
       static_cast<double>(bitmap.width) * bitmap.height > most_pixels) {
     diagnostics.error(
@@ -329,7 +330,7 @@ std::vector<Ring> bitmap_contours(const Bitmap& bitmap) {
       std::size_t corner = start;
       do {
         const Vec2 point(edges.x_of(corner), -edges.y_of(corner));
-        // Collinear edges become one edge, but as in Stage never among the first three points.
+        // Collinear edges become one edge, but, as in Stage, not among the first three points of the ring.
         const std::size_t n = ring.size();
         if (n > 2 && cross(ring[n - 1] - ring[n - 2], point - ring[n - 1]) == 0)
           ring.back() = point;

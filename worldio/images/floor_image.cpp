@@ -49,7 +49,7 @@ std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageS
 std::vector<Solid> image_body(const FloorImage& image, const engine::ImageSpec& spec, Eigen::Vector3d& size) {
   std::vector<Solid> solids = floor_plan_body(image, spec, size);
   if (image.place) return solids;
-  Box frame;  // box of the whole image if its margins are kept, else empty
+  Box frame;  // bounding box of the whole image if its margins are kept, else empty
   if (spec.keeps_margins) {
     frame.max = size.head<2>() / 2;
     frame.min = -frame.max;

@@ -35,7 +35,7 @@ void append(png_structp png, png_bytep data, std::size_t size) {
   }
 }
 
-/// Pixels in the layout that libpng expects.
+/// The pixels of an image, row by row from the top, in the byte layout that libpng expects.
 struct Rows {
   int width;
   int height;
@@ -45,8 +45,8 @@ struct Rows {
   std::size_t pixel_bytes;  // bytes per pixel, all channels together
 };
 
-/// Writes the image. Returns false if libpng reported an error, which it does by longjmp(). No local variable
-/// may have a destructor, because the jump would skip it.
+/// Encodes the image as a PNG with `texts` as its text chunks. Returns false if libpng reports an error,
+/// which it does by longjmp(). No local variable may have a destructor, because the jump would skip it.
 bool encode_rows(png_structp png, png_infop info, const Rows& image, std::vector<png_text>& texts) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),

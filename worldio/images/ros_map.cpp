@@ -21,7 +21,8 @@ constexpr std::string_view k_keys[] = {"image",           "resolution",  "origin
                                        "occupied_thresh", "free_thresh", "mode"};
 constexpr std::array<std::string_view, 3> k_modes = {"trinary", "scale", "raw"};
 
-/// Reads the whole text as a number; YAML allows a leading "+".
+/// Reads the whole text as a finite number, with or without a leading "+", which YAML allows. Returns nothing
+/// if it is not such a number.
 std::optional<double> yaml_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
@@ -117,8 +118,8 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   return map;
 }
 
-/// Reports unknown keys. They are warnings, but errors in a map that has other errors: warnings would not be
-/// shown then, and an unknown key may be a misspelt form of a missing one.
+/// Reports unknown keys as warnings or, in a map that has errors, as errors. In such a map, warnings would
+/// not be shown, but the unknown key may be a misspelt form of a missing key.
 void MapReader::check_keys(const YAML::Node& map) {
   const bool is_right = is_right_;
   for (const auto& entry : map) {

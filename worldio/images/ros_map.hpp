@@ -16,9 +16,10 @@ namespace troupe::worldio {
 ///
 /// source  the documentation of map_server, https://wiki.ros.org/map_server, and of Nav2's map server
 struct RosMap {
+  /// How pixel values decide which cells are solid, unknown or free: see solid_cells().
   enum class Mode { trinary, scale, raw };
 
-  std::filesystem::path image;    ///< path of the image; relative paths are made relative to the YAML file
+  std::filesystem::path image;    ///< path of the image, with the YAML file's folder if it was relative
   Where where_image;              ///< line of the key `image`
   double resolution_m = 0;        ///< edge length of a cell
   Pose pose_map_corner;           ///< `origin`: pose of the lower left corner of the image, map frame
@@ -31,24 +32,26 @@ struct RosMap {
 /// Whether a file is a ROS map, by its extension: .yaml or .yml.
 bool is_ros_map(const std::filesystem::path& file);
 
-/// Reads the YAML file of a ROS map. If it has errors, returns nothing and adds them at their lines, or one
-/// error at `where` if the file cannot be read. Unknown keys cause warnings.
+/// Reads the YAML file of a ROS map, but not its image. If the file has errors, returns nothing and adds the
+/// errors at their lines. If it cannot be read, returns nothing and adds an error at `where`, the place of
+/// the file's name in the world file. Unknown keys cause warnings.
 std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where where, Diagnostics& diagnostics);
-/// Like read_ros_map(), but reads the content of the YAML file from `text`. `file` is its name in messages
-/// and the base of the path of the image.
+/// Like read_ros_map(), but reads `text`, the content of the YAML file. `file` is the path of this file in
+/// messages. A relative path of the image is relative to its folder.
 std::optional<RosMap> parse_ros_map(const std::filesystem::path& file, std::string_view text,
                                     Diagnostics& diagnostics);
 
-/// Returns the rule that decides which pixels of a map are solid. Every cell is solid, unknown or free;
-/// unknown cells are solid if `unknown_is_solid`. Let l be the lightness of a pixel, the mean of its colours
-/// from 0 to 1. The probability that its cell is occupied is p = 1 - l, or p = l if `negate` is set. The mode
-/// of the map decides:
+/// Returns the rule that decides which pixels of a map are solid. A cell (pixel) is occupied, unknown or
+/// free. Occupied cells are solid; unknown cells are solid if `unknown_is_solid` is true. Let l be the
+/// lightness of a pixel: the mean of its colour channels, from 0 to 1. The probability that the cell is
+/// occupied is p = 1 - l, or p = l if `negate` is set. The mode of the map decides:
 ///
-/// trinary  p above occupied_thresh is solid, p below free_thresh is free, values between them are unknown
-/// scale    Pixels that are not opaque are unknown. Other pixels are solid if p is above occupied_thresh,
+/// trinary  A cell is occupied if p is above occupied_thresh, free if p is below free_thresh, else unknown.
+/// scale    Pixels that are not opaque are unknown. Other cells are occupied if p is above occupied_thresh,
 ///          else free.
-/// raw      The value of the pixel, 0 to 255, is the probability in percent, and `negate` has no effect.
-///          Values above 100 are unknown. Other values are solid if above occupied_thresh, else free.
+/// raw      The mean of the colour channels of the pixel, 0 to 255, is the probability in percent, and
+///          `negate` has no effect. Values above 100 are unknown. Other cells are occupied if the probability
+///          is above occupied_thresh, else free.
 PixelRule solid_cells(const RosMap& map, bool unknown_is_solid);
 
 }  // namespace troupe::worldio

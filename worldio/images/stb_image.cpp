@@ -1,4 +1,4 @@
-// The implementation of stb_image, in its own file so that warnings are disabled for nothing else.
+// The implementation of stb_image. It has a file of its own, so that warnings are disabled for no other code.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
 #pragma GCC diagnostic ignored "-Wextra"
