@@ -27,9 +27,10 @@ struct Hdf5Superblock {
 /// versions. HDF5 writes the superblock with the first flush.
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file);
 
-/// Marks a file whose writer was killed as closed, so that ordinary HDF5 tools open it, and makes the size of
-/// the file equal to the recorded size. It changes 48 bytes in a single write, which happens completely or
-/// not at all, and may extend the file. Throws std::runtime_error with the file and the reason.
+/// Marks a file whose writer was killed as closed, so that ordinary HDF5 tools open it. If the file is
+/// shorter than the size in its superblock, the file is extended; if it is longer, the superblock gets the
+/// real size. The superblock is written as a whole (48 bytes) in a single write, so that it is never half
+/// changed. On failure, throws std::runtime_error with the name of the file and the reason.
 void close_superblock(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio
