@@ -21,8 +21,8 @@ using engine::Value;
 using engine::WorldSpec;
 
 /// Visits the compared members of one struct (N = 1), or of two structs of the same type in parallel (N = 2),
-/// in the
-/// order of their table. It calls these functions of `found`, each with one argument per struct:
+/// in the order of their table. It calls these functions of `found`, whose first argument is an array with
+/// one entry per struct:
 ///   bool size(sizes, path)    for each list, and for each optional block (size 0 or 1)
 ///   bool value(values, path)  for each other value
 ///   bool place(wheres, path)  for each member that is a place in a file (a Where)

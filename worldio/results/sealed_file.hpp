@@ -20,11 +20,10 @@ namespace troupe::worldio {
 inline constexpr std::size_t k_seal_bytes = 512;
 
 /// Writes `bytes` as a sealed file. `kind` is the word in the first line, and `layout` the number in the
-/// second.
-/// The file has the head in place of the first 512 elements of `bytes`. The function writes to another name
-/// in the same folder (worldio/partial_file.hpp), syncs that file to the disk and renames it to `file`. If
-/// that fails, throws std::runtime_error `run.h5: error: ...`; no partial file remains, and `file` is
-/// unchanged.
+/// second. The file has the head in place of the first 512 elements of `bytes`. The function writes to
+/// another name in the same folder (worldio/partial_file.hpp), syncs that file to the disk and renames it to
+/// `file`. If that fails, throws std::runtime_error `run.h5: error: ...`; no partial file remains, and `file`
+/// is unchanged.
 void write_sealed(const std::filesystem::path& file, std::string_view kind, unsigned layout,
                   std::span<const std::byte> bytes);
 
