@@ -160,7 +160,7 @@ struct DocumentKind {
 
 /// The kinds that objects of one struct can have.
 struct DocumentKinds {
-  std::string_view what;  ///< "drive"
+  std::string_view what;  ///< word for such a kind in messages: "drive"
   std::string_view page;  ///< documentation page of plug-ins with such kinds; empty: plug-ins cannot have any
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
   std::vector<std::string_view> (*known)(const engine::Registry& registry);  ///< names, for messages, sorted
@@ -194,11 +194,13 @@ struct DocumentTable {
   std::vector<DocumentRule> rules;
   const DocumentKinds* kinds = nullptr;
   const DocumentShorthand* shorthand = nullptr;
-  std::string_view variant;  ///< the key whose choices select the variant; empty: no variants
+  /// Name of the key whose choice determines which other keys are valid, such as `rule` of a population's
+  /// place. Empty if the same keys are valid in all objects.
+  std::string_view variant;
   /// Checks the object after all keys are read. Null: no check.
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
   Placed& (*placed)(void* object) = nullptr;  ///< the struct as its base class Placed
-  const void* usual = nullptr;                ///< a struct with default values
+  const void* usual = nullptr;                ///< a struct whose members have their default values
   /// Returns whether the writer omits the key `kind` of this object, because the reader finds its kind by
   /// DocumentKinds::implied. Null: the writer always writes the key.
   bool (*is_kind_implied)(const void* object) = nullptr;

@@ -192,7 +192,7 @@ std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   return value;
 }
 
-/// Like the function above, for a list of numbers. Empty if one of them cannot be converted exactly.
+/// Returns a list of numbers in another unit. Empty if the function above is empty for any of them.
 std::optional<std::vector<double>> exactly_in(std::span<const double> si, const UnitSuffix& suffix) {
   std::vector<double> values;
   for (const double x : si)

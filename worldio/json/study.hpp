@@ -32,9 +32,9 @@ struct Study {
     std::optional<std::uint64_t> seed;  ///< empty: the seed of the world
   };
 
-  std::filesystem::path world;  ///< resolved relative to the study's file
+  std::filesystem::path world;  ///< path of the world file, already joined with the folder of the study
   std::optional<double>
-      for_s;  ///< world time at which each run ends at the latest, s; empty: that of the world
+      for_s;  ///< world time at which each run ends at the latest, s; empty: the world's quit time
   std::vector<Parameter> parameters;
   std::vector<std::string>
       measures;  ///< in the form that troupe::Measures accepts; empty: the measures of the world

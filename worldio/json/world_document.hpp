@@ -52,9 +52,9 @@ struct Placed {
   Where where_of(std::string_view key) const;
 };
 
-/// The name of a joint, or null in the file: no joint.
+/// The value of a key `joint`: the name of a joint, or null for no joint.
 struct JointName {
-  std::optional<std::string> name;  ///< empty: null
+  std::optional<std::string> name;  ///< empty: no joint
 };
 
 // ---- bodies
@@ -102,7 +102,7 @@ struct DeviceDocument : Placed {
   std::optional<JointName> joint;  ///< joint that moves it; empty: that of its part
   bool active = true;              ///< false: runs only while a controller or a program reads it
   double period = 0;               ///< time between two readings, s; 0: every tick
-  engine::Record params;           ///< complete, by the kind's field table
+  engine::Record params;           ///< one value per field of the kind's table
   std::string on;                  ///< the device that it is mounted on; empty: none
   // The members below describe the body of a device that has a joint. Other devices have no body.
   std::optional<Color> color;                             ///< colour of its body
@@ -124,7 +124,7 @@ struct OwnDeviceDocument : DeviceDocument {
 struct DriveDocument : Placed {
   std::string kind;                                      ///< name in Registry::drives
   double period = 0;                                     ///< time between two commands, s; 0: every tick
-  engine::Record params;                                 ///< complete, by the kind's field table
+  engine::Record params;                                 ///< one value per field of the kind's table
   static void describe(DocumentKeys<DriveDocument>& d);  ///< adds its keys to `d`
 };
 
@@ -132,13 +132,13 @@ struct DriveDocument : Placed {
 struct ControllerDocument : Placed {
   std::string kind;                                           ///< name in Registry::controllers
   double period = 0;                                          ///< time between two calls, s; 0: every tick
-  engine::Record params;                                      ///< complete, by the kind's field table
+  engine::Record params;                                      ///< one value per field of the kind's table
   static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A part, or the root of a type's tree of parts.
 struct PartDocument : Placed {
-  std::string name;                ///< name of the part; of a type, empty if it is the type's key
+  std::string name;                ///< name of the part or type; empty for a type that is named like its key
   std::string alias;               ///< another name; empty: none
   std::string kind;                ///< its type of Stage model; empty: "position" with a drive, else "model"
   std::optional<Pose> pose;        ///< in the frame of the body
@@ -238,7 +238,7 @@ struct MeasureDocument : Placed {
   std::string kind;       ///< name in Registry::measures
   std::string of;         ///< a type, a population or a robot; empty: all robots
   std::string name;       ///< name of the column; empty: KIND or KIND:OF
-  engine::Record params;  ///< complete, by the kind's field table
+  engine::Record params;  ///< one value per field of the kind's table
   static void describe(DocumentKeys<MeasureDocument>& d);  ///< adds its keys to `d`
 };
 
@@ -309,7 +309,7 @@ struct FaultDocument : GroupDocument {
   /// One fault of the group.
   struct Impairment {
     std::string kind;       ///< name in Registry::faults
-    engine::Record params;  ///< complete, by the kind's field table
+    engine::Record params;  ///< one value per field of the kind's table
   };
   double from = 0;                                       ///< simulated time at which the faults begin, s
   std::vector<Impairment> impairments;                   ///< at least one
@@ -342,12 +342,12 @@ struct GroundDocument : Placed {
 
 /// A whole world.
 struct WorldDocument : Placed {
-  /// How a violation is treated.
+  /// How the reader treats bodies that overlap or that have the same name.
   enum class Check : std::uint8_t {
     error,  ///< as an error
     warn,   ///< as a warning
   };
-  std::shared_ptr<SourceFiles> files;  ///< the files to which places refer; null: none
+  std::shared_ptr<SourceFiles> files;  ///< the files to which the places (Where) refer; null: none
   std::string schema;                  ///< `$schema`, for editors
   std::string title;                   ///< empty: the file's name without its ending
   std::uint64_t seed = 1;              ///< seed of all random draws

@@ -29,7 +29,7 @@ struct RecordedComponent {
   };
   std::vector<Source> sources;
 
-  /// The size of one field, by its index, in all rows together, bytes.
+  /// Returns the size, bytes, of the field with this index in one frame: in all rows together.
   std::size_t bytes(std::size_t field) const;
 };
 

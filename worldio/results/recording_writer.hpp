@@ -23,9 +23,9 @@ inline constexpr std::uint64_t k_no_tick = ~std::uint64_t{0};
 /// The header of a recording, in addition to what the world itself provides.
 struct RecordingHead {
   std::vector<std::pair<std::string, std::string>>
-      meta;                ///< attributes of /meta: the keys and values of the header of a hash log
-  std::string world_json;  ///< the content of /world
-  std::uint64_t every_ticks = 1;
+      meta;                         ///< attributes of /meta, as keys and values: version, world, seed, ...
+  std::string world_json;           ///< the content of /world: the spec of the world as JSON
+  std::uint64_t every_ticks = 1;    ///< number of ticks from one frame to the next
   std::vector<std::string> fields;  ///< names of fields, as the user gave them
 };
 

@@ -58,7 +58,7 @@ class FrameReader {
   const RecordingReader& recording_;
   std::vector<std::byte> bytes_;
   std::vector<std::uint8_t> alive_;
-  std::size_t alive_frame_;  // the frame of alive_
+  std::size_t alive_frame_;  // the frame that alive_ is from; recording_.frames() if there is none yet
 };
 
 /// Plans a page. Reads every frame once to find the ranges of the numbers. Each entry of `fields` names a
