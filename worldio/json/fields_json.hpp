@@ -49,7 +49,7 @@ std::optional<Color> read_color(const JsonCursor& at);
 /// nothing if the value is not given.
 void write_field(const engine::Field& field, const engine::Value& value, JsonNode::Object& object);
 
-/// Adds those fields of a record to an object whose values differ from their defaults.
+/// Adds to an object those fields of a record whose values differ from their defaults.
 void write_fields(const engine::Record& record, const engine::FieldTable& table, JsonNode::Object& object);
 
 /// Returns the node that read_color() reads as this colour.

@@ -23,7 +23,7 @@ std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixe
 void set_json_value(JsonNode& document, const std::string& pointer, const std::string& value,
                     Diagnostics& diagnostics);
 
-/// Reports an error for every key that occurs twice in an object, for all objects in the tree under `node`.
+/// Reports an error for every repeated key of an object. Checks `node` and all objects inside it.
 void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics);
 /// Gives every node that has no place in a file (Where) the place of the node that contains it; the root gets
 /// `around`. Each key gets the place of its value.

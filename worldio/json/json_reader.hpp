@@ -26,6 +26,7 @@ class DocumentPath {
   std::string pointer() const;
   /// Reports an error at this value: `/types/r/drive: message`.
   void error(const std::string& message) const { error_at(where_, message); }
+  /// Like error(), but with another place in a file, such as that of a key.
   void error_at(Where where, const std::string& message) const;
 
  private:

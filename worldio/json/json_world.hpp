@@ -29,9 +29,9 @@ std::optional<WorldDocument> load_json_document(const std::filesystem::path& fil
                                                 Diagnostics& diagnostics);
 
 /// Returns the world that a document describes. Reads the images of the document and places its bodies.
-/// `file` is the file of the document; relative paths are relative to its folder. If `diagnostics` already
-/// has errors, from reading the document, this function still reports the errors that it finds, but places no
-/// bodies.
+/// `file` is the file of the document; relative paths are relative to its folder. Reports all errors that it
+/// finds, even if reading the document has already reported some. Places the bodies only if there is no error
+/// at all.
 engine::WorldSpec expand(const WorldDocument& document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics);
@@ -55,7 +55,7 @@ engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonN
 
 /// Returns the document that, as the content of `file`, reads back as this world to the last bit. The result
 /// is read back to check this. Empty, with errors, if JSON cannot express the world.
-/// - Every body, also a body of a population, is written as an entry of `models`.
+/// - The bodies of populations are written one by one, as entries of `models`.
 /// - An angle is written in degrees if the degrees convert back to the same radians.
 /// - An image is written with a path relative to the folder of `file` if it still gives the same solids;
 ///   otherwise its outlines are written.

@@ -35,8 +35,7 @@ inline bool is_within(const engine::Field& field, double x) {
 /// Whether the struct that `table` describes consists only of numbers, as a pose does. In a stored world,
 /// such a struct is a list of numbers.
 bool is_listed(const engine::FieldTable& table);
-/// Returns the number of numbers in a struct for which is_listed() is true, including those of nested
-/// structs.
+/// Returns how many numbers a struct has that consists only of numbers, including those of nested structs.
 std::size_t numbers_in(const engine::FieldTable& table);
 
 inline const void* member_of(const engine::Field& field, const void* object) {

@@ -29,8 +29,8 @@ namespace troupe::worldio {
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
 
-/// What observers, such as measures, remember of earlier ticks. The key is the name of the observer, and the
-/// bytes have a format of its own. They are not part of the state of the world.
+/// What observers, such as measures, remember of earlier ticks. The key is the name of an observer. The bytes
+/// are in a format that only this observer reads, and they are not part of the state of the world.
 using Memories = std::map<std::string, std::vector<std::byte>>;
 
 /// What a result file says about the run that wrote it, as keys and values: version, world, seed, effective

@@ -225,8 +225,8 @@ void bound_metadata_cache(hid_t access) {
   H5Pset_mdc_config(access, &config);
 }
 
-/// Returns the properties for opening a file. They select the file format of HDF5 1.10, even if the library
-/// is newer: SWMR mode needs at least this format, and HDF5 1.10 cannot read newer ones.
+/// Returns the properties for creating or opening a file. They select the file format of HDF5 1.10, even if
+/// the library is newer: SWMR mode needs at least this format, and HDF5 1.10 cannot read newer ones.
 Hdf5Id access_properties() {
   Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);

@@ -151,7 +151,7 @@ class Hdf5Dataset : public Hdf5Object {
 /// How HDF5 stores an extendible dataset: in blocks of equal size, called chunks.
 struct Hdf5Chunks {
   std::vector<std::size_t> extent;    ///< size of a chunk along each dimension of the dataset, each above 0
-  std::optional<std::uint64_t> fill;  ///< unwritten values; empty: NaN for floats, else 0
+  std::optional<std::uint64_t> fill;  ///< value of unwritten elements; empty: NaN for floats, else 0
 };
 
 class Hdf5Group : public Hdf5Object {

@@ -12,8 +12,8 @@
 
 namespace troupe::worldio {
 
-/// Converts the properties of Stage models to Troupe's devices, drives and controllers. A parameter that a
-/// kind does not have is left out.
+/// Converts the properties of Stage models to Troupe's devices, drives and controllers. A property for which
+/// a kind has no parameter is left out.
 class StageKinds {
  public:
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)

@@ -20,6 +20,7 @@ class StageLint {
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)
       : document_(document), macros_(macros), values_(values) {}
 
+  /// Checks the properties at the top level of the file.
   void check_world();
   /// Checks an entity, its macros and its children. The body of a macro is checked once.
   void check(const StageEntity& entity) { check(entity, 0); }
