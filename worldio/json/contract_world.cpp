@@ -173,7 +173,8 @@ FloorplanDocument WorldContractor::contract_floor_plan(const BodySpec& body) con
   return document;
 }
 
-/// Keys of types must be unique: of several types with the same name, all but the first get another key.
+/// Adds the types with index `first` and above to the document. Keys of types must be unique: of several
+/// types with the same name, all but the first get another key.
 void WorldContractor::contract_types(std::size_t first, WorldDocument& document) {
   keys_.assign(spec_.types.size(), {});
   colors_.assign(spec_.types.size(), {});

@@ -74,8 +74,8 @@ struct DocumentKey {
       other;  ///< used in place of `field` if the kind of the object has a parameter of the same name
   std::uint32_t variants = ~0u;               ///< bit i: whether an object may have the key if its key
                                               ///< DocumentTable::variant has the i-th choice
-  const DocumentTable& (*table)() = nullptr;  ///< for object, list and map
-  const engine::FieldTable* block = nullptr;  ///< for block
+  const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
+  const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
   /// Returns whether a JSON object may have this key, given its other keys. Null: it always may.
   bool (*is_there)(const JsonNode& object) = nullptr;
   /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind. Null: all objects may.
@@ -132,7 +132,7 @@ struct DocumentKey {
   }
 };
 
-/// Which keys an object must or must not have together; checked by the reader and the schema.
+/// A rule about which keys an object must have or must not have together. The reader and the schema check it.
 struct DocumentRule {
   /// How many of the keys an object must have: exactly one (one_of), at least one (any_of), or at most one
   /// (not_both).
@@ -211,17 +211,19 @@ struct DocumentTable {
 /// Reads `text`, which is all or part of the value at `at`, as a comparison such as `>= 0.9`. Empty, with an
 /// error at `at`, if the text is not a comparison.
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
-/// The regular expression of comparisons, for the schema.
+/// Returns the regular expression that comparisons match, for the schema.
 std::string comparison_pattern();
 
 /// Returns the table of a struct. The first call makes it with T::describe().
 template <class T>
 const DocumentTable& document_table();
 
-/// The field for the heading of a HeadingDocument, in radians or degrees. It is the field that poses have.
+/// Returns the field that describes the angle of a HeadingDocument, in radians or degrees: the heading of a
+/// pose.
 const engine::Field& heading_field();
-/// The field of a key in an object whose kind has the parameters `params` (null: the object has no kind):
-/// DocumentKey::field or DocumentKey::other.
+/// Returns the field that describes a key in an object whose kind has the parameters `params`; null if the
+/// object has no kind. It is DocumentKey::other if this is set and one of the parameters has the name of the
+/// key, else DocumentKey::field.
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
 namespace detail {

@@ -47,7 +47,9 @@ class TypeExpander {
 
  private:
   void expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below);
-  /// Adds the device that the part itself is. If the device moves, the part moves with it.
+  /// Adds the device that the part itself is. If the device has a joint that moves the part, changes the
+  /// joint of the part and of `stand`. If the document does not give the part a shape (`has_shape`), the
+  /// device does.
   void expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
                          Stand& stand);
   void expand_contents(const PartDocument& document, const DocumentPath& at, const Stand& stand);
@@ -185,8 +187,8 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
   return Error{unknown_name("device with a joint", on, known)};
 }
 
-/// The part that a device with a body adds to the type. Its solids come from the kind of the device, or from
-/// the size and blocks in the document.
+/// Returns the part that a device with a joint adds to the type. Its solids come from the size and blocks in
+/// the document, unless the kind of the device has a body of its own: that is added later.
 engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                            const engine::DeviceKind& kind) const {
   // The kind of a part must be a model kind. Some kinds of devices with a joint, such as "wheels", are not.

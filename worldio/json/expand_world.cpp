@@ -254,8 +254,8 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
 }
 
 /// Sets the region in which the origins of the bodies must lie: a box, a polygon, or the intersection of
-/// both. Without either, the region is the bounds of the world; without bounds, only `gaussian` is
-/// possible.
+/// both. If the document has neither, the region is the bounds of the world. In a world without bounds, the
+/// rule `gaussian` needs no region, and any other rule is then an error.
 void WorldExpander::expand_region(const PlaceDocument& document, const DocumentPath& at,
                                   PlacementRule& rule) {
   if (document.polygon) rule.polygon = *document.polygon;

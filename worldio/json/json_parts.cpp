@@ -30,7 +30,8 @@ Solid box(const Eigen::Vector3d& size) {
   return {{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, size.z()}};
 }
 
-/// Returns the sign of the turn from a over b to c: 1 to the left, -1 to the right, 0 for straight on.
+/// Returns the direction of the turn at b on the path a, b, c: 1 to the left, -1 to the right, 0 if the three
+/// points are on one line.
 int turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double t = cross(b - a, c - a);
   return t > 0 ? 1 : t < 0 ? -1 : 0;

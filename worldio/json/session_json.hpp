@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-/// Sessions: files, in the format JSON Lines, of what was done to a running world (docs/live.md). An *act* is
-/// one such action: a body was moved, a command was given, ...
+/// A session is a file in the format JSON Lines that lists what was done to a running world (docs/live.md).
+/// An *act* is one such action: a body was moved, a command was given, ...
 namespace troupe::worldio {
 
 inline constexpr int k_session_format = 1;

@@ -15,9 +15,9 @@
 #include <charconv>
 #include <cmath>
 
-/// Describes the format of JSON worlds: keys, units, limits, meanings, and which keys go together. The
-/// reader, the writer, the schema and the reference are all made from this description. The limits here apply
-/// to JSON worlds; engine/spec_description.cpp has those of specs.
+/// Describes the format of JSON worlds: keys, units, limits, meanings, and which keys go together. This is
+/// the only description: the reader, the writer and the schema all use it. The limits here apply to JSON
+/// worlds; engine/spec_description.cpp has those of specs.
 namespace troupe::worldio {
 namespace {
 

@@ -49,7 +49,7 @@ struct RecordedScene {
     /// The component whose field `shown_color` gives each body its colour (engine/shown_color.hpp), such as
     /// "sensors/robot/lamp". Empty if no such field was recorded.
     std::string shown_color;
-    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: index of the joint that moves it
+    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: its joint; k_rigid: none
   };
   struct Body {
     std::string name;

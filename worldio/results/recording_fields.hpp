@@ -15,7 +15,7 @@ namespace troupe::worldio {
 /// types have comes from several tables of the state, one for each of these types.
 struct RecordedComponent {
   std::vector<std::string> path;  ///< steps from the root: {"state", "pose"}
-  std::string name;               ///< name of the component or of the sensor
+  std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
   std::string frame;              ///< frame of the values: "world", "body", "sensor", "joint" (at rest) or
                                   ///< "carrier"; empty: none
   std::size_t rows = 0;

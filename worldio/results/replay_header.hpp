@@ -30,10 +30,10 @@ struct ReplayBlocks {
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 
-/// The data that a page which shows a running world needs at its start.
+/// The data that a page needs before it can show a running world.
 struct LivePage {
   std::string header;                ///< like replay_header(), without the keys that only recordings have
-  std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page: by type, then by id
+  std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page, sorted by type, then by id
   bool has_z = false;                ///< whether heights may change; if not, the header has them
 };
 /// Returns the data for a page that shows this world while it runs.

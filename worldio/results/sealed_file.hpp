@@ -15,8 +15,9 @@ namespace troupe::worldio {
 ///     bytes 123456
 ///     xxh3 6b0f...
 ///
-/// padded with blanks. After the head come as many bytes as its third line says; their XXH3 hash (64 bits) is
-/// in the fourth line. To HDF5 the head is a user block, so the tools of HDF5 and h5py can open the file.
+/// The head is padded with blanks. Its third line gives the number of bytes that follow the head, and its
+/// fourth line gives their XXH3 hash (64 bits). To HDF5, the head is a user block, so the tools of HDF5 and
+/// h5py can open the file.
 inline constexpr std::size_t k_seal_bytes = 512;
 
 /// Writes `bytes` as a sealed file. `kind` is the word in the first line, and `layout` the number in the

@@ -18,7 +18,7 @@ enum class StageSupport {
 
 struct StageRow {
   std::string_view type;  ///< "world", "block", "sensor", "window" or a model type; "model": every model type
-  std::string_view name;  ///< a number in brackets is written [k], as in `point[k]`
+  std::string_view name;  ///< name of the property; a number in brackets is written [k], as in `point[k]`
   StageSupport support;
   std::string_view note;
 };

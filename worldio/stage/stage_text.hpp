@@ -45,7 +45,7 @@ class StageText {
   void at(Where where) { where_ = where; }
   /// Writes a line `# text`.
   void comment(std::string_view text);
-  /// Writes `word (`, or with define() `define word base (`. close() writes the `)`.
+  /// open() writes `word (`, define() writes `define word base (`, and close() writes the `)` of either.
   void open(std::string_view word);
   void define(std::string_view word, std::string_view base);
   void close();
