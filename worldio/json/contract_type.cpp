@@ -54,12 +54,12 @@ class TypeContractor {
   }
 
  private:
-  /// Describes what a part that is itself a device gets from that device (its parts and its size): the
-  /// document does not repeat these.
+  /// The parts and the size that expand_type() gives a part because the part is itself a device. The document
+  /// does not repeat them.
   struct Brought {
-    std::size_t parts = 0;          ///< number of parts that directly follow this one
-    Eigen::Vector3d size{0, 0, 0};  ///< size of this part after expansion
-    bool needs_extent = false;
+    std::size_t parts = 0;          ///< number of added parts, which directly follow this one
+    Eigen::Vector3d size{0, 0, 0};  ///< size of this part after expansion, m
+    bool needs_extent = false;      ///< whether the document also has the key `extent`
   };
 
   const DeviceKind& kind_of(std::size_t device) const {
@@ -83,7 +83,7 @@ class TypeContractor {
   const engine::Registry& registry_;
   const std::filesystem::path* folder_;
   std::optional<Color> color_;
-  std::vector<std::size_t> order_;  // of the devices, after expansion
+  std::vector<std::size_t> order_;  // indices of the devices in the order that they have after expansion
 };
 
 void TypeContractor::contract_part(std::uint32_t p, std::int32_t joint, PartDocument& document) {
@@ -150,8 +150,8 @@ void TypeContractor::contract_contents(std::uint32_t p, const std::optional<std:
     if (type_.parts[q].parent == p && !is_brought[q]) contract_part(q, joint, document.parts.emplace_back());
 }
 
-/// The index of the device that a part itself is: a device with a joint, or the device that belongs to the
-/// model kind of the part. Empty if the part is no device.
+/// Returns the index of the device that a part itself is: the first device on it that has a joint, or else a
+/// device with the name of the part and the device kind of its model kind. Empty if there is neither.
 std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   const PartSpec& part = type_.parts[p];
   const engine::ModelKind* model = registry_.model(part.kind);
@@ -165,7 +165,8 @@ std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   return own;
 }
 
-/// The result is empty if this part and the parts after it differ from those that the device would add.
+/// Returns what part `p` gets from `device`, which the part itself is. Empty if this part or the parts after
+/// it differ from those that the device would give.
 std::optional<TypeContractor::Brought> TypeContractor::brought(std::uint32_t p, std::size_t device) const {
   if (!kind_of(device).body || type_.parts[p].image) return std::nullopt;
   for (const bool needs_extent : {true, false}) {

@@ -35,8 +35,11 @@ struct Checks {
   bool same_names = true;  ///< bodies of the same name
 };
 
+/// Whether the document has the list `floorplans`, and whether it also has the key `bounds_m`. Without this
+/// key, the bounds of the world are those of the floor plans.
 enum class FloorPlans : std::uint8_t { none, with_their_bounds, with_other_bounds };
 
+/// Makes a document from the spec of a world.
 class WorldContractor {
  public:
   WorldContractor(WorldSpec spec, const std::filesystem::path& file, const engine::Registry& registry)
@@ -65,8 +68,8 @@ class WorldContractor {
   std::filesystem::path folder_;
   Diagnostics image_findings_;  // ignored: an image that can no longer be read is written as outlines
   FloorImages images_;
-  std::vector<std::string> keys_;             // of the types
-  std::vector<std::optional<Color>> colors_;  // of the types: the colour of their first body
+  std::vector<std::string> keys_;             // for each type, its key in the document
+  std::vector<std::optional<Color>> colors_;  // for each type, the colour of its first body
   std::unordered_map<std::uint32_t, engine::Name> aliases_;
   std::unordered_map<std::uint32_t, std::set<std::string>> global_parts_;
 };
@@ -79,8 +82,8 @@ bool WorldContractor::makes(const PartSpec& part, bool as_floor_plan) {
   return made.size == part.size && made.solids == part.solids;
 }
 
-/// Drops an image that does not give the solids of its part, because the frame of the part or the image
-/// file has changed since. The part is then written as outlines.
+/// Removes each image that does not give the present solids of its part, because the frame of the part or the
+/// image file was changed after the image was read. The part is then written as outlines.
 void WorldContractor::drop_images() {
   for (TypeSpec& type : spec_.types)
     for (PartSpec& part : type.parts)
@@ -102,7 +105,7 @@ bool WorldContractor::is_floor_plan(std::size_t body) {
   return type.name == spec_.names.text(spec.name) && part.image->origin == Pose() && makes(part, true);
 }
 
-/// The number of floor plans, which are the first bodies after the ground.
+/// Returns how many bodies are written as floor plans. They are the first bodies after the ground.
 std::size_t WorldContractor::count_floor_plans() {
   std::size_t count = 0;
   while (count + 1 < spec_.bodies.size() && is_floor_plan(count + 1)) ++count;
@@ -170,7 +173,8 @@ FloorplanDocument WorldContractor::contract_floor_plan(const BodySpec& body) con
   return document;
 }
 
-/// Keys of types must be unique: of several types with the same name, all but the first get another key.
+/// Adds the types with index `first` and above to the document. Keys of types must be unique: of several
+/// types with the same name, all but the first get another key.
 void WorldContractor::contract_types(std::size_t first, WorldDocument& document) {
   keys_.assign(spec_.types.size(), {});
   colors_.assign(spec_.types.size(), {});
@@ -216,11 +220,11 @@ bool has_repeated_names(const WorldSpec& spec) {
   return false;
 }
 
-/// The result of one way to write a world.
+/// The result of one attempt to write a world.
 struct Attempt {
-  std::optional<JsonNode> document;  ///< a document that reads back as the same world; empty: the way failed
-  std::vector<Finding> findings;     ///< if it failed: the errors from reading the document back, or:
-  std::string difference;            ///< the path of the first value that differs after reading it back
+  std::optional<JsonNode> document;  ///< a document that reads back as the same world; empty: failure
+  std::vector<Finding> findings;     ///< after a failure: the errors from reading the document back, if any
+  std::string difference;            ///< else the path of the first differing value, or an exception's text
 };
 
 Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const Checks& checks,

@@ -34,29 +34,29 @@ struct DocumentTable;
 
 /// The form that a value has in a file. Each comment begins with the C++ type of the member that stores it.
 enum class Form : std::uint8_t {
-  value,            ///< the type and the limits that DocumentKey::field gives
+  value,            ///< a type that engine::Field can describe: its JSON form follows from DocumentKey::field
   choice,           ///< an enum of one byte: a text, one of Field::choices, in the order of the enum
   block,            ///< engine::Record: an object with the fields of DocumentKey::block
   version,          ///< no member: the version of the format, which must be k_format_version
-  seed,             ///< std::uint64_t
+  seed,             ///< std::uint64_t: a whole number from 0 to 2^64 - 1
   name,             ///< std::string: a text, not empty
-  names,            ///< std::vector<std::string>: a list of texts, not empty
-  model_kind,       ///< std::string: a name of Registry::models
-  color,            ///< Color
-  color_or_random,  ///< ColorDocument
-  heading,          ///< HeadingDocument
-  points,           ///< std::vector<Vec2>
-  box,              ///< Box
-  contours,         ///< std::vector<Ring>
+  names,            ///< std::vector<std::string>: a list of texts, none of which is empty
+  model_kind,       ///< std::string: the name of a kind in Registry::models
+  color,            ///< Color: an X11 name, [r, g, b] or [r, g, b, a]
+  color_or_random,  ///< ColorDocument: a color, or "random"
+  heading,          ///< HeadingDocument: an angle, or "random"
+  points,           ///< std::vector<Vec2>: [[x, y], ...], m
+  box,              ///< Box: [[x_min, y_min], [x_max, y_max]], m
+  contours,         ///< std::vector<Ring>: a list of outlines, each [[x, y], ...], m
   joint,            ///< JointName: a text or null
   comparison,       ///< ComparisonDocument: a text such as `>= 0.9`
   kept,             ///< JsonNode: stored unread, because its keys depend on other objects
-  kind,             ///< std::string: a name of DocumentTable::kinds
+  kind,             ///< std::string: the name of one of DocumentTable::kinds
   parameters,       ///< engine::Record: the parameters of the kind, which are keys of the same object
-  faults,           ///< std::vector<FaultDocument::Impairment>: a possible key for each of Registry::faults
+  faults,           ///< std::vector<FaultDocument::Impairment>: each is a key, a name in Registry::faults
   object,           ///< a struct with a DocumentTable
   list,             ///< std::vector of structs with a DocumentTable
-  map,              ///< std::vector of pairs of a name and such a struct: an object whose keys are the names
+  map,              ///< like `list`, but of pairs of a name and a struct: an object whose keys are the names
 };
 
 /// One key of a struct with a DocumentTable.
@@ -64,21 +64,21 @@ struct DocumentKey {
   engine::Field field;         ///< name and meaning of the key; for Form::value also unit, limits and choices
   Form form = Form::value;     ///< form of its value
   bool required = false;       ///< an object without the key is an error
-  std::string_view hint = {};  ///< text after `missing "key": `; empty: the meaning of the field
+  std::string_view hint = {};  ///< text after `missing "key": `; empty: field.text or else `expects`
   std::string_view expects = {};  ///< for texts: text after `expected ` in errors
-  std::size_t least = 0;          ///< minimum number of entries of a list
-  std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of entries of a list
-  bool always = false;         ///< written even at its default; for a pose, x, y and heading are
+  std::size_t least = 0;          ///< minimum number of entries of a list, or of points of an outline
+  std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
+  bool always = false;  ///< the writer writes the key even at its default; of a pose, not z at its default
   bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
   std::optional<engine::Field>
       other;  ///< used in place of `field` if the kind of the object has a parameter of the same name
-  std::uint32_t variants = ~0u;  ///< a bit for each choice of DocumentTable::variant: whether objects of that
-                                 ///< variant may have the key
-  const DocumentTable& (*table)() = nullptr;  ///< for object, list and map
-  const engine::FieldTable* block = nullptr;  ///< for block
-  /// Called with the JSON object: whether it may have the key, given its other keys. Null: always.
+  std::uint32_t variants = ~0u;               ///< bit i: whether an object may have the key if its key
+                                              ///< DocumentTable::variant has the i-th choice
+  const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
+  const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
+  /// Returns whether a JSON object may have this key, given its other keys. Null: it always may.
   bool (*is_there)(const JsonNode& object) = nullptr;
-  /// Called with a const engine::DeviceKind*: whether objects of this kind may have the key. Null: all may.
+  /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind. Null: all objects may.
   bool (*is_of)(const void* kind) = nullptr;
 
   bool is_optional = false;  ///< the member is a std::optional
@@ -86,8 +86,8 @@ struct DocumentKey {
 
   // Access to the member, for every form except `value`. `object` is the struct for make() and find(). For
   // the other functions it is the list or the map that make() or find() returned.
-  void* (*make)(void* object) = nullptr;              ///< the member, created if missing
-  const void* (*find)(const void* object) = nullptr;  ///< the member; null if missing
+  void* (*make)(void* object) = nullptr;              ///< the member; an empty std::optional gets a value
+  const void* (*find)(const void* object) = nullptr;  ///< the member; null if it is an empty std::optional
   std::size_t (*size)(const void* object) = nullptr;  ///< number of entries
   void* (*append)(void* object,
                   std::string_view name) = nullptr;  ///< adds an entry and returns it; name: its key in a map
@@ -132,7 +132,7 @@ struct DocumentKey {
   }
 };
 
-/// Which keys an object must or must not have together; checked by the reader and the schema.
+/// A rule about which keys an object must have or must not have together. The reader and the schema check it.
 struct DocumentRule {
   /// How many of the keys an object must have: exactly one (one_of), at least one (any_of), or at most one
   /// (not_both).
@@ -151,27 +151,29 @@ struct DocumentKind {
   std::string_view name;
   std::string_view text;
   const engine::FieldTable* params = nullptr;
-  /// For a preset: its defaults. `name` is then the name of the preset, and the kind of the objects is
-  /// `preset_of`.
+  /// Defaults that replace those in `params`, for a preset: a named variant of a controller kind. In the
+  /// result of DocumentKinds::all(), `name` is then the name of the preset and `preset_of` that of the kind.
   std::span<const std::pair<std::string_view, engine::Value>> presets = {};
   std::string_view preset_of = {};
-  const void* kind = nullptr;  ///< the argument for DocumentKey::is_of
+  const void* kind = nullptr;  ///< argument of DocumentKey::is_of: engine::DeviceKind of a device, else null
 };
 
 /// The kinds that objects of one struct can have.
 struct DocumentKinds {
-  std::string_view what;  ///< "drive"
+  std::string_view what;  ///< word for such a kind in messages: "drive"
   std::string_view page;  ///< documentation page of plug-ins with such kinds; empty: plug-ins cannot have any
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
-  std::vector<std::string_view> (*known)(const engine::Registry& registry);  ///< for messages, sorted
+  std::vector<std::string_view> (*known)(const engine::Registry& registry);  ///< names, for messages, sorted
   std::vector<std::string_view> (*named)(
       const engine::Registry& registry);  ///< names that no kind of a plug-in may have
-  /// Finds a kind by its name and, if a plug-in has it, loads the plug-in. The error is a message.
+  /// Returns the kind of this name. Loads the plug-in if the kind is in a plug-in. If there is no such kind,
+  /// returns an error whose text is the message for the user.
   Result<DocumentKind> (*find)(const engine::Registry& registry, const std::string& name);
-  /// Returns the kind that follows from the enclosing object `around`. Null: the kind must be given.
+  /// Returns the kind that an object without the key `kind` has because of the enclosing object `around`;
+  /// empty if it has none. Null: every object must have the key.
   std::optional<DocumentKind> (*implied)(const engine::Registry& registry, const JsonNode& around) = nullptr;
-  std::string_view expects = {};  ///< as DocumentKey::expects, for `kind`; empty: "the name of a" what
-  std::string_view hint = {};     ///< as DocumentKey::hint, for `kind`; empty: "one of" all known
+  std::string_view expects = {};  ///< DocumentKey::expects of the key `kind`; empty: "the name of a WHAT"
+  std::string_view hint = {};     ///< DocumentKey::hint of the key `kind`; empty: a list of all known kinds
 };
 
 /// A text that may be given in place of an object, such as "stalls" in place of {"kind": "stalls"}.
@@ -187,35 +189,41 @@ struct DocumentShorthand {
 
 /// The description of a struct: its keys, and rules for them.
 struct DocumentTable {
-  std::string_view definition;  ///< name of its definition in the schema; empty: the schema has it in place
+  std::string_view definition;  ///< name of its definition in the schema; empty: repeated wherever it is used
   std::vector<DocumentKey> keys;
   std::vector<DocumentRule> rules;
   const DocumentKinds* kinds = nullptr;
   const DocumentShorthand* shorthand = nullptr;
-  std::string_view variant;  ///< the key whose choices select the variant; empty: no variants
+  /// Name of the key whose choice determines which other keys are valid, such as `rule` of a population's
+  /// place. Empty if the same keys are valid in all objects.
+  std::string_view variant;
   /// Checks the object after all keys are read. Null: no check.
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
   Placed& (*placed)(void* object) = nullptr;  ///< the struct as its base class Placed
-  const void* usual = nullptr;                ///< a struct with default values
-  /// Whether this object may lack `kind`. Null: every object must have it.
+  const void* usual = nullptr;                ///< a struct whose members have their default values
+  /// Returns whether the writer omits the key `kind` of this object, because the reader finds its kind by
+  /// DocumentKinds::implied. Null: the writer always writes the key.
   bool (*is_kind_implied)(const void* object) = nullptr;
 
   const DocumentKey* find(std::string_view name) const;
 };
 
-/// Reads a comparison such as `>= 0.9`. Empty, with an error, if the text is not a comparison.
+/// Reads `text`, which is all or part of the value at `at`, as a comparison such as `>= 0.9`. Empty, with an
+/// error at `at`, if the text is not a comparison.
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
-/// The regular expression of comparisons, for the schema.
+/// Returns the regular expression that comparisons match, for the schema.
 std::string comparison_pattern();
 
 /// Returns the table of a struct. The first call makes it with T::describe().
 template <class T>
 const DocumentTable& document_table();
 
-/// The field for the heading of a HeadingDocument, in radians or degrees. It is the field that poses have.
+/// Returns the field that describes the angle of a HeadingDocument, in radians or degrees: the heading of a
+/// pose.
 const engine::Field& heading_field();
-/// The field of a key in an object whose kind has the parameters `params` (null: the object has no kind):
-/// DocumentKey::field or DocumentKey::other.
+/// Returns the field that describes a key in an object whose kind has the parameters `params`; null if the
+/// object has no kind. It is DocumentKey::other if this is set and one of the parameters has the name of the
+/// key, else DocumentKey::field.
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
 namespace detail {
@@ -272,7 +280,8 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key for a member of another form. `text` is the meaning of the key; `expects`: see DocumentKey.
+  /// Adds a key for a member of any other form. `text` is the meaning of the key. `expects` is
+  /// DocumentKey::expects.
   template <auto... Path>
   DocumentKey& other(Form form, std::string_view name, std::string_view text = {},
                      std::string_view expects = {}) {
@@ -357,8 +366,9 @@ class DocumentKeys {
   /// The other members of the table.
   DocumentTable& table() { return table_; }
 
-  /// Throws std::logic_error if the calls so far have left out a member of T, or of a member struct of which
-  /// they describe other members. The base class is not counted.
+  /// Throws std::logic_error if the calls so far have not described all members of T. If they described some
+  /// members of a struct inside T, all members of that struct must be described. The base class Placed is not
+  /// counted.
   void require_all_members() const {
     for (const auto& [name, described] : described_)
       if (described.tags.size() != described.members)

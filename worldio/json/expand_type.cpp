@@ -25,8 +25,10 @@ struct Stand {
   std::int32_t joint = engine::k_rigid;
 };
 
-/// A device that is mounted on another device, which may come later in the file. `on` is the name of that
-/// other device or of its joint. The pointer is stored as text because DocumentPaths live only on the stack.
+/// A device whose mount is found after all devices of the type are read, because it may come later in the
+/// file: another device on which it is mounted, or a joint that moves it. `on` is the name of that device or,
+/// if `names_joint`, of that joint. `pointer` is the JSON pointer to this name, for errors; it is stored as
+/// text because a DocumentPath lives only on the stack.
 struct Riding {
   std::size_t device;
   std::string on;
@@ -35,6 +37,7 @@ struct Riding {
   std::string pointer;
 };
 
+/// Makes a type from its document.
 class TypeExpander {
  public:
   TypeExpander(const engine::Registry& registry, ImageFolder& images, engine::TypeSpec& type)
@@ -44,7 +47,9 @@ class TypeExpander {
 
  private:
   void expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below);
-  /// Adds the device that the part itself is. If the device moves, the part moves with it.
+  /// Adds the device that the part itself is. If the device has a joint that moves the part, changes the
+  /// joint of the part and of `stand`. If the document does not give the part a shape (`has_shape`), the
+  /// device does.
   void expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
                          Stand& stand);
   void expand_contents(const PartDocument& document, const DocumentPath& at, const Stand& stand);
@@ -53,7 +58,8 @@ class TypeExpander {
   engine::PartSpec device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                const engine::DeviceKind& kind) const;
   void expand_controller(const ControllerDocument& document, std::uint32_t part);
-  /// Sets `joint`, which is that of the enclosing part at the call, if the document names another joint.
+  /// Sets `joint` if the document names a joint or says that there is none. Otherwise `joint` keeps its
+  /// value, which is the joint of the enclosing part.
   void expand_joint(const std::optional<JointName>& name, Where where, const DocumentPath& at,
                     std::int32_t& joint);
   Result<> find_joint(const std::string& name, std::int32_t& joint) const;
@@ -120,7 +126,7 @@ void TypeExpander::expand_part(const PartDocument& document, const DocumentPath&
 
 void TypeExpander::expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
                                      Stand& stand) {
-  // Set before the device's body is added, because its moving parts copy the size.
+  // The size is set before the body of the device is added, because the moving parts of that body copy it.
   if (document.extent) type_.parts[stand.part].size = *document.extent;
   if (!document.device) return;
   const OwnDeviceDocument& own = *document.device;
@@ -181,8 +187,8 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
   return Error{unknown_name("device with a joint", on, known)};
 }
 
-/// The part that a device with a body adds to the type. Its solids come from the kind of the device, or from
-/// the size and blocks in the document.
+/// Returns the part that a device with a joint adds to the type. Its solids come from the size and blocks in
+/// the document, unless the kind of the device has a body of its own: that is added later.
 engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                            const engine::DeviceKind& kind) const {
   // The kind of a part must be a model kind. Some kinds of devices with a joint, such as "wheels", are not.

@@ -38,9 +38,10 @@ struct Model {
   std::optional<engine::Name> alias;
   std::vector<std::string> global_parts;  ///< ModelDocument::global_parts
   std::optional<std::string> reserve_of;  ///< population that it may be born into
-  std::string pointer;                    ///< JSON pointer, for errors
+  std::string pointer;                    ///< JSON pointer to the model, for errors
 };
 
+/// Makes the spec of a world from a document.
 class WorldExpander {
  public:
   WorldExpander(const WorldDocument& document, const std::filesystem::path& file,
@@ -68,7 +69,7 @@ class WorldExpander {
     std::vector<std::string> type_keys(spec_.types.size());
     for (const auto& [key, type] : type_ids_) type_keys[type.index()] = key;
     expand_experiment(document_.experiment, world, document_.where_of("at"), type_keys, registry_, spec_);
-    // Bodies are placed only in a world without errors: errors of placement would only be consequences.
+    // Bodies are placed only in a world without errors, because errors in it would cause further ones here.
     if (!diagnostics_.has_errors()) place_bodies();
     if (!diagnostics_.has_errors()) report_repeated_names();
     return std::move(spec_);
@@ -96,8 +97,8 @@ class WorldExpander {
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
 
-  /// The id of the type with this name. If there is none: an error at the key `type` of `object`, and the
-  /// result is type 0, that of the ground.
+  /// Returns the id of the type with this name. If there is none, reports an error at the key `type` of
+  /// `object`, whose path is `at`, and returns type 0, that of the ground.
   TypeId type_of(const std::string& name, const Placed& object, const DocumentPath& at);
   Color color_of(TypeId type) const {
     return type_colors_[type.index()].value_or(default_colors_[type.index()]);
@@ -112,9 +113,9 @@ class WorldExpander {
   std::vector<std::optional<Color>> type_colors_;          // parallel to spec_.types
   std::vector<Color> default_colors_;                      // parallel to spec_.types
   std::unordered_map<std::string_view, TypeId> type_ids_;  // by key of the document
-  FloorImages images_;                                     // shared, because plans may use the same image
+  FloorImages images_;                                     // shared: several objects may use one image
   ImageFolder folder_;
-  std::size_t vertices_ = 0;  // of all floor plans
+  std::size_t vertices_ = 0;  // number of corners of all floor plans together
   std::vector<Model> models_;
   std::vector<engine::PopulationSpec> populations_;
 };
@@ -253,8 +254,8 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
 }
 
 /// Sets the region in which the origins of the bodies must lie: a box, a polygon, or the intersection of
-/// both. Without either, the region is the bounds of the world; without bounds, only `gaussian` is
-/// possible.
+/// both. If the document has neither, the region is the bounds of the world. In a world without bounds, the
+/// rule `gaussian` needs no region, and any other rule is then an error.
 void WorldExpander::expand_region(const PlaceDocument& document, const DocumentPath& at,
                                   PlacementRule& rule) {
   if (document.polygon) rule.polygon = *document.polygon;
@@ -316,8 +317,9 @@ void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
     }
 }
 
-/// Adds a body that is born later. A reserve is a range of ids: the body extends the last reserve if its id,
-/// population and type fit, else it starts a new reserve.
+/// Adds a body to the bodies that a population may bring into the world during the run. A reserve is a range
+/// of ids of one population and type. The body extends the last reserve if its id, population and type fit;
+/// otherwise it starts a new reserve.
 void WorldExpander::add_to_reserve(const std::string& population, BodyId body, TypeId type) {
   auto& reserves = spec_.reserves;
   if (!reserves.empty()) {
@@ -362,7 +364,7 @@ void WorldExpander::name_parts(const Model& model, BodyId body) {
 void WorldExpander::report_repeated_names() {
   engine::NameMap taken;
   taken.reserve(spec_.bodies.size());
-  const Where* reported = nullptr;  // one error per population is enough
+  const Where* reported = nullptr;  // place of the last error: bodies of one population have the same place
   for (std::size_t i = 0; i < spec_.bodies.size(); ++i) {
     const BodySpec& body = spec_.bodies[i];
     const BodyId first = taken.add(body.name, BodyId(i));
@@ -385,8 +387,8 @@ void WorldExpander::report_repeated_names() {
   }
 }
 
-/// The index of the population that `--robots` sets: the one with this name or, if `name` is empty, the only
-/// population. Empty, with an error, if there is no such population.
+/// Returns the index of the population that `--robots` changes: the population with this name or, if `name`
+/// is empty, the only population. Empty, with an error at `where`, if there is no such population.
 std::optional<std::size_t> population_index(const JsonNode& document, const std::string& name, Where where,
                                             Diagnostics& diagnostics) {
   const JsonNode* node = document.find("populations");

@@ -53,8 +53,8 @@ void contract_group(const GroupSpec& group, GroupDocument& document) {
   document.share = group.share;
 }
 
-/// Reads the fields of a table that an object has. The other fields of the result have no value. Every
-/// other key of the object is an error, as is an object without any field.
+/// Reads those fields of a table that an object has; the other values of the record are not given. Reports an
+/// error for every other key of the object, and for an object without any field.
 Record read_some(JsonObject& object, const FieldTable& table) {
   const std::size_t before = object.at().diagnostics().findings().size();
   Record record;
@@ -78,8 +78,8 @@ std::vector<std::string_view> names_of(const List& list, Projection name) {
   return names;
 }
 
-/// Reads the new parameters of a type. The document stores them as unread JSON, because which parameters are
-/// valid depends on the type.
+/// Reads the new parameters that an intervention gives to a type. The document stores them as unread JSON,
+/// because which parameters are valid depends on the type.
 class SettingExpander {
  public:
   SettingExpander(std::span<const std::string> type_keys, const engine::Registry& registry,

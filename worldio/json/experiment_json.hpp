@@ -12,14 +12,14 @@ namespace troupe::worldio {
 
 /// Returns the spec of the measure that a document describes.
 engine::MeasureSpec expand_measure(const MeasureDocument& document);
-/// The document that expands to this measure.
+/// Returns the document from which expand_measure() makes this measure.
 MeasureDocument contract_measure(const engine::MeasureSpec& measure);
 
 /// Sets the stop conditions, interventions and faults (docs/experiments.md) of `spec`, whose types must be
 /// set already.
 /// world      path of the object that has the keys, for errors
-/// where_at   place of the key `at`, for errors
-/// type_keys  for each of spec.types its key in the document; empty for a type without a key
+/// where_at   place of the key `at`, the list of interventions, for errors
+/// type_keys  for each type in spec.types, its key in the document; empty for a type without a key
 /// Names of populations and models are resolved later, when the world is built.
 void expand_experiment(const ExperimentDocument& document, const DocumentPath& world, Where where_at,
                        std::span<const std::string> type_keys, const engine::Registry& registry,
@@ -29,10 +29,11 @@ void expand_experiment(const ExperimentDocument& document, const DocumentPath& w
 void contract_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                          const engine::Registry& registry, ExperimentDocument& document);
 
-/// Reads and expands the keys of an experiment, which are among other keys of an object of a stored world.
+/// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored
+/// world, and sets spec.experiment. The object has other keys too, which are left unread.
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
-/// Adds the keys that read_experiment() reads. Adds nothing for a world without an experiment.
+/// Adds the keys that read_experiment() reads to `object`. Adds nothing for a world without an experiment.
 void write_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                       const engine::Registry& registry, JsonNode::Object& object);
 

@@ -192,7 +192,7 @@ std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   return value;
 }
 
-/// The numbers in another unit. Empty if one of them cannot be converted exactly.
+/// Returns a list of numbers in another unit. Empty if the function above is empty for any of them.
 std::optional<std::vector<double>> exactly_in(std::span<const double> si, const UnitSuffix& suffix) {
   std::vector<double> values;
   for (const double x : si)
@@ -201,7 +201,7 @@ std::optional<std::vector<double>> exactly_in(std::span<const double> si, const 
   return values;
 }
 
-/// Whether values are written in degrees, which are more readable than radians.
+/// Whether values of this unit are written in degrees, which are more readable than radians.
 bool has_degrees(Unit unit) {
   return unit == Unit::radians || unit == Unit::radians_per_second ||
          unit == Unit::radians_per_second_squared;

@@ -26,14 +26,15 @@ struct FoundField {
 /// Like read_field(), but also returns the place of the value.
 FoundField find_field(JsonObject& object, const engine::Field& field);
 
-/// Reads a value that has no key, such as an entry of a list, as a value of `field`. Returns it in SI units.
-/// If the value is wrong or outside the limits, reports an error and returns a value for which given() is
-/// false.
+/// Reads a value that has no key, such as an entry of a list, as a value of `field`. Numbers must be in the
+/// SI unit of the field, because only a key can name another unit. If the value is wrong or outside the
+/// limits, reports an error and returns a value for which given() is false.
 engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
 /// Reads all fields of a table from an object. A field that the object lacks takes its value from `presets`,
-/// or else its default; if it has neither, that is an error. The record is complete unless errors were
-/// reported.
+/// which are pairs of a field name and a value, or else its default. A field without either is an error,
+/// unless it is optional: then its value is not given. Unknown keys are not reported; JsonObject::finish()
+/// does that.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 
@@ -44,11 +45,11 @@ std::optional<Color> read_color(const JsonCursor& at);
 // Every written value reads back as the same bits. An angle is therefore written in degrees only if the
 // degrees convert back to exactly the same radians.
 
-/// Adds a value to an object, under the name of its field with the unit. Adds nothing if the value is not
-/// given.
+/// Adds a value to an object. The key is the name of the field followed by the unit, such as `fov_deg`. Adds
+/// nothing if the value is not given.
 void write_field(const engine::Field& field, const engine::Value& value, JsonNode::Object& object);
 
-/// Adds the fields of a record that differ from their defaults to an object.
+/// Adds to an object those fields of a record whose values differ from their defaults.
 void write_fields(const engine::Record& record, const engine::FieldTable& table, JsonNode::Object& object);
 
 /// Returns the node that read_color() reads as this colour.

@@ -62,7 +62,7 @@ std::string value_text(const Value& value, const Field& field) {
     return fmt::format("[{}]", texts);
   }
   if (std::holds_alternative<std::vector<engine::Record>>(value.v) || field.optional) return "none";
-  // A block may be absent unless one of its fields is required: the fields then have their defaults.
+  // A block may be absent if none of its fields is required. Its fields then have their defaults.
   const bool optional = field.type == FieldType::record &&
                         std::ranges::all_of(field.record->fields,
                                             [](const Field& f) { return f.fallback.given() || f.optional; });

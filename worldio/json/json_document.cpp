@@ -14,13 +14,14 @@ namespace {
 
 constexpr std::size_t k_max_depth = 64;  // limited, because the reader and the destructors are recursive
 
-/// Position of the lexer, which reads characters one by one through CountingIterator.
+/// How far the parser has read the text: the present line, from 1, and the last character that it has read.
 struct Progress {
   std::uint32_t line = 1;
   char last = 0;
 };
 
-/// Counts lines while the parser reads, because nlohmann's parser does not report positions of values.
+/// An iterator over the text that updates a Progress while the parser reads, because nlohmann's parser does
+/// not report the lines of values.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -117,15 +118,16 @@ class TreeBuilder {
   JsonNode take() { return std::move(root_); }
 
  private:
-  /// The line of the current value. The lexer finds the end of a number only by reading the next character
-  /// (`read_ahead`), which may be the end of the line.
+  /// Returns the place of the value or key that the parser has just read. `read_ahead` says that it is a
+  /// number: the parser finds the end of a number only by reading the next character, which may be the end of
+  /// the line.
   Where here(bool read_ahead) const {
     if (fixed_place_) return start_;
     const bool passed = read_ahead && progress_.last == '\n';
     return {start_.file, progress_.line - (passed ? 1 : 0)};
   }
 
-  /// The JSON pointer of the value that the parser reads next.
+  /// Returns the JSON pointer to the value that the parser is reading.
   std::string next_pointer() const {
     std::string pointer;
     for (const JsonNode* node : open_) {
@@ -177,7 +179,7 @@ class TreeBuilder {
   std::vector<JsonNode*> open_;
 };
 
-/// The unescaped tokens of a JSON pointer. Empty if it is malformed or points to the root.
+/// Returns the tokens of a JSON pointer, unescaped. Empty if it is malformed or points to the root.
 std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointer) {
   if (pointer.empty() || pointer[0] != '/') return std::nullopt;
   std::vector<std::string> tokens;
@@ -194,8 +196,8 @@ std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointe
   return tokens;
 }
 
-/// The list index that a token of a JSON pointer stands for; `size` for `-`, which appends. Empty if the
-/// token is neither a number nor `-`.
+/// Returns the list index that a token of a JSON pointer means. The token `-`, which appends, means `size`,
+/// the length of the list. Empty if the token is neither a number nor `-`.
 std::optional<std::size_t> list_index(const std::string& token, std::size_t size) {
   if (token == "-") return size;
   std::size_t index = 0;

@@ -23,10 +23,10 @@ std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixe
 void set_json_value(JsonNode& document, const std::string& pointer, const std::string& value,
                     Diagnostics& diagnostics);
 
-/// Reports every repeated key in an object and in all objects inside it.
+/// Reports an error for every repeated key of an object. Checks `node` and all objects inside it.
 void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics);
-/// Gives every node without a place the place of the node that contains it, and the root the place `around`.
-/// Each key gets the place of its value.
+/// Gives every node that has no place in a file (Where) the place of the node that contains it; the root gets
+/// `around`. Each key gets the place of its value.
 void place_nodes(JsonNode& node, const Where& around);
 
 /// Returns a key as a token of a JSON pointer: `~` becomes `~0`, `/` becomes `~1`.

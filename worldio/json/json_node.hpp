@@ -23,7 +23,8 @@ struct JsonNode {
       value;    ///< std::monostate is null
   Where where;  ///< where it begins
 
-  /// Each function returns the value if it is of this type, else null.
+  /// Each function returns a pointer to the value if it is a list, an object or a text, respectively, else
+  /// null.
   ///@{
   const List* list() const { return std::get_if<List>(&value); }
   const Object* object() const { return std::get_if<Object>(&value); }

@@ -30,7 +30,8 @@ Solid box(const Eigen::Vector3d& size) {
   return {{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, size.z()}};
 }
 
-/// Returns the sign of the turn from a over b to c: 1 to the left, -1 to the right, 0 for straight on.
+/// Returns the direction of the turn at b on the path a, b, c: 1 to the left, -1 to the right, 0 if the three
+/// points are on one line.
 int turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double t = cross(b - a, c - a);
   return t > 0 ? 1 : t < 0 ? -1 : 0;
@@ -49,8 +50,8 @@ bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
          (cda == 0 && within_box(c, d, a)) || (cdb == 0 && within_box(c, d, b));
 }
 
-/// The solid that a block describes, in the frame of the body. Empty if the document is incomplete: the
-/// reader has already reported an error then.
+/// Returns the solid that a block describes, in the frame of the body. Empty if the document is incomplete;
+/// the reader of documents has then already reported an error.
 std::optional<Solid> expand_block(const BlockDocument& document, const Pose& pose_body_part) {
   if (!document.z || (!document.points && !document.contours)) return std::nullopt;
   Solid solid{{}, {(*document.z)[0], (*document.z)[1]}};
@@ -101,7 +102,7 @@ bool same_size(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
          worldio::same_bits(a.z(), b.z());
 }
 
-/// Returns the blocks scaled to the size of the part, as Stage scales them, in the frame of the body.
+/// Returns the blocks after Stage's scaling to the size of the part, in the frame of the body.
 std::vector<Solid> fitted_solids(const engine::FittedBlocks& fitted, const PartSpec& part) {
   std::vector<Solid> solids = fitted.blocks;
   normalise(solids, part.size);
@@ -110,7 +111,7 @@ std::vector<Solid> fitted_solids(const engine::FittedBlocks& fitted, const PartS
   return solids;
 }
 
-/// Sets the shape of a part with `fit`: blocks scaled to the size.
+/// Sets the shape of a part that has the key `fit`: its blocks, scaled together to its size.
 void expand_fitted(const PartDocument& document, PartSpec& part) {
   engine::FittedBlocks fitted;
   fitted.origin = document.origin.value_or(Pose());
@@ -128,7 +129,7 @@ bool is_fitted(const PartSpec& part) {
   return std::equal(solids.begin(), solids.end(), part.solids.begin(), part.solids.end(), same_solid);
 }
 
-/// Whether the part's shape is the box that `size_m` gives.
+/// Whether the only solid of a part is the box that the key `size_m` would give it.
 bool is_box(const PartSpec& part) {
   if (part.solids.size() != 1 || part.size.minCoeff() <= 0) return false;
   Solid expected = box(part.size);
@@ -299,7 +300,7 @@ bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFol
     part.solids = expand_solids(document.image.size, blocks, part.pose_body_part);
     is_given = document.blocks || !part.solids.empty();
     measure_part(part);
-    // The size as given, because the size of the placed box has rounding errors.
+    // The size in the document is used, because the extent of the placed box has rounding errors.
     if (!document.blocks && document.image.size) part.size = *document.image.size;
   }
   part.floor_plan = document.floor_plan.value_or(has_image);

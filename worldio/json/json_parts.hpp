@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-/// Shapes of types and parts: conversion between documents and specs.
+/// Converts the shapes of body types and of their parts between JSON documents and specs (engine::PartSpec).
 namespace troupe::worldio {
 
 /// Reads a list of points [[x, y], ...], m. Empty, with an error, if a value is wrong or if there are fewer
@@ -28,53 +28,60 @@ JsonNode points_node(std::span<const Vec2> points);
 /// Reads a box [[x_min, y_min], [x_max, y_max]], m. Empty, with an error, if the value is not such a box.
 std::optional<Box> read_box(const JsonCursor& at);
 
-/// Checks that a ring, which must not be empty, can be the outline of a block. It returns an error if points
-/// are repeated, if edges cross or touch, or if the ring has no area.
+/// Checks that a ring, which must not be empty, can be the outline of a block. Returns an error if a point
+/// equals the next one, if the ring turns back on itself, if two of its edges cross or touch other than at
+/// their common point, or if it has no area.
 Result<> check_outline(const Ring& ring);
 
-/// Returns the solids that an image gives a part, in the frame of the body.
+/// Returns the solids that an image gives a part, in the frame of the body. `part` must have its image, size
+/// and pose. A ROS map sets x and y of the size.
 std::vector<Solid> image_solids(const FloorImage& image, engine::PartSpec& part);
 
-/// The images of a world and the folder that their paths are relative to.
+/// The images of a world, each of which is read from its file only once, and the folder that their paths are
+/// relative to.
 struct ImageFolder {
   FloorImages& images;
   std::filesystem::path folder;
 };
-/// An image and how it is scaled.
+/// An image that was read, and the size to which it is scaled.
 struct ExpandedImage {
   const FloorImage* image = nullptr;
   engine::ImageSpec spec;
   Eigen::Vector3d size{0, 0, 0};  ///< m; for a ROS map, x and y follow from the map
 };
-/// Reads the image of the object at path `at`. Empty, with an error, if the image cannot be read or has
-/// nothing solid. Also empty if the size of the image is missing, for which the reader of documents has
-/// already reported an error.
+/// Reads the image of a part or floor plan. `object` is this part or floor plan, and `at` is its path; both
+/// are used for errors. Empty, with an error, if the image cannot be read or has nothing solid. Also empty,
+/// without an error, if the document has no image, or if the size of the image is missing: the reader of
+/// documents has already reported that.
 std::optional<ExpandedImage> expand_image(const ImageDocument& document, const Placed& object,
                                           const DocumentPath& at, ImageFolder& images);
 /// The inverse of expand_image(): returns the document of an image that is scaled to `size`, m. The path of
-/// the image becomes relative to `folder`.
+/// the image becomes relative to `folder`. For a ROS map, only the height is stored.
 ImageDocument contract_image(const engine::ImageSpec& image, const Eigen::Vector3d& size,
                              const std::filesystem::path& folder);
 
-/// Sets the shape of a part, whose pose must be set; the solids are in the frame of the body. Returns whether
-/// the document gives a shape: a size, blocks or an image.
+/// Sets the shape of a part: its solids (in the frame of the body), size and image. The pose of the part must
+/// be set before. `at` is the path of the part, for errors. Returns whether the document gives a shape: a
+/// size, blocks or an image.
 bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFolder& images,
                   engine::PartSpec& part);
-/// The inverse of expand_shape(): sets the shape in `document`. `folder`: the folder that the paths of images
-/// are relative to; null: an image is written as its outlines. Returns the size, m, that expand_shape() would
-/// give the part.
+/// The inverse of expand_shape(): sets the shape in `document`. Paths of images become relative to `folder`;
+/// if it is null, the outlines of an image are stored as blocks. Returns the size, m, that expand_shape()
+/// would give the part.
 Eigen::Vector3d contract_shape(const engine::PartSpec& part, const std::filesystem::path* folder,
                                PartDocument& document);
-/// Sets `extent` of the document if the size of the part differs from `size_expanded`, the result of
-/// contract_shape().
+/// Sets `extent` of the document to the size of the part if this size differs in any bit from
+/// `size_expanded`, the result of contract_shape().
 void contract_extent(const engine::PartSpec& part, const Eigen::Vector3d& size_expanded,
                      PartDocument& document);
 
-/// Returns the solids, in the frame of the body, of a box of `size`, m, (if given) and of `blocks`. Both are
-/// in the frame of the part, whose pose is `pose_body_part`.
+/// Returns the solids, in the frame of the body, of a box of `size`, m, (if given) and of `blocks`. The box
+/// and the blocks whose `frame` is `part` are in the frame of the part, whose pose in the body is
+/// `pose_body_part`.
 std::vector<Solid> expand_solids(const std::optional<Eigen::Vector3d>& size,
                                  std::span<const BlockDocument> blocks, const Pose& pose_body_part);
-/// Sets the size of a part to the extent of its solids, if it has any.
+/// Sets the size of a part, m, to the extent of its solids along x, y and z of the body. A part without
+/// solids keeps its size.
 void measure_part(engine::PartSpec& part);
 
 }  // namespace troupe::worldio

@@ -26,6 +26,7 @@ class DocumentPath {
   std::string pointer() const;
   /// Reports an error at this value: `/types/r/drive: message`.
   void error(const std::string& message) const { error_at(where_, message); }
+  /// Like error(), but with another place in a file, such as that of a key.
   void error_at(Where where, const std::string& message) const;
 
  private:
@@ -45,14 +46,14 @@ class JsonCursor : public DocumentPath {
       : DocumentPath(parent, key, node.where), parent_(&parent), node_(&node) {}
   JsonCursor(const JsonCursor& parent, std::size_t index, const JsonNode& node)
       : DocumentPath(parent, index, node.where), parent_(&parent), node_(&node) {}
-  /// For a node that a document keeps unread (Form::kept).
+  /// For a node that a WorldDocument stores as unread JSON. `parent` is only a path: parent() returns null.
   JsonCursor(const DocumentPath& parent, std::string_view key, const JsonNode& node)
       : DocumentPath(parent, key, node.where), node_(&node) {}
 
   const JsonNode& node() const { return *node_; }
   /// The object or list that contains this value; null for the root of what is being read.
   const JsonCursor* parent() const { return parent_; }
-  /// Reports the error `expected WHAT, found ...`.
+  /// Reports the error `expected WHAT, found ...` at this value. The message ends with the value itself.
   void expected(std::string_view what) const;
 
  private:
@@ -76,7 +77,7 @@ class JsonObject {
   /// Reports a missing key. Does nothing if the value is not an object, because the constructor has reported
   /// that.
   void missing(std::string_view key, std::string_view hint) const;
-  /// Reports every unknown key.
+  /// Reports an error for every key of the object that the caller did not ask for.
   void finish() const;
 
  private:

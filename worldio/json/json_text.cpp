@@ -73,7 +73,7 @@ class Printer {
   }
 
  private:
-  /// Appends a value on one line. Returns false, with `out` incomplete, if `out` gets longer than `most`.
+  /// Appends a value on one line to `out`. If `out` gets longer than `most` bytes, stops and returns false.
   static bool compact(const JsonNode& node, std::size_t most, std::string& out) {
     if (const JsonNode::List* list = node.list()) {
       out += '[';

@@ -11,47 +11,56 @@
 
 namespace troupe::worldio {
 
-/// Applies LoadOptions::set (--set) and LoadOptions::robots (--robots) to the document of a world.
+/// Changes the document of a world as the command line asks: first sets the values of LoadOptions::set
+/// (`--set POINTER=VALUE`), then the numbers of bodies of LoadOptions::robots (`--robots NAME=COUNT`).
+/// Reports an error for a value that cannot be set and for an unknown population.
 void change_json_world(JsonNode& document, const LoadOptions& options, Diagnostics& diagnostics);
 
-/// Reads the nodes of a JSON world. Reports all errors, each at its line, and treats a wrong value as absent.
+/// Converts the JSON nodes of a world to a WorldDocument. Reports all errors, each at its line, and treats a
+/// wrong value as absent. Of `options`, only LoadOptions::most_bodies is used.
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
                                  const LoadOptions& options, Diagnostics& diagnostics);
 
-/// Reads the text of a JSON world and applies the changes in `options` (change_json_world()). Empty, with
-/// errors, if the text is not JSON.
+/// Parses `text`, applies the changes in `options` with change_json_world(), and reads the result with
+/// read_json_document(). `file` is the name of the world in error messages. Empty, with errors, if the text
+/// is not JSON.
 std::optional<WorldDocument> load_json_document(const std::filesystem::path& file, const std::string& text,
                                                 const engine::Registry& registry, const LoadOptions& options,
                                                 Diagnostics& diagnostics);
 
-/// Returns the world that a document describes: reads its images and places its bodies. `file` is the file of
-/// the document; relative paths are relative to its folder. Reports errors, even if reading the document has
-/// already reported some, but places bodies only if there are no errors.
+/// Returns the world that a document describes. Reads the images of the document and places its bodies.
+/// `file` is the file of the document; relative paths are relative to its folder. Reports all errors that it
+/// finds, even if reading the document has already reported some. Places the bodies only if there is no error
+/// at all.
 engine::WorldSpec expand(const WorldDocument& document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics);
 
-/// Returns the JSON node that reads back as this document. Values without a place get `file` as their place.
+/// Returns the JSON node that reads back as this document. A node whose value has no place in a file (Where)
+/// gets the place of the node that contains it; the root gets `file`.
 JsonNode json_world_node(const WorldDocument& document, const std::filesystem::path& file,
                          const engine::Registry& registry, Diagnostics& diagnostics);
-/// Like load_json_world(), from the nodes of a world instead of its text.
+/// Like load_json_world() (worldio/load.hpp), for a world that is already parsed: `document` is its root
+/// node. Reports repeated keys and applies the changes in `options` with change_json_world().
 engine::WorldSpec load_json_node(JsonNode document, const std::filesystem::path& file,
                                  const engine::Registry& registry, const LoadOptions& options,
                                  Diagnostics& diagnostics);
 
-/// Reads and expands a document without applying LoadOptions::set and LoadOptions::robots. `file` is the file
-/// of the document; relative paths are relative to its folder.
+/// Reads a document with read_json_document() and returns the world that expand() makes of it. Does not apply
+/// LoadOptions::set and LoadOptions::robots. `file` is the file of the document; relative paths are relative
+/// to its folder.
 engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonNode& document,
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics);
 
 /// Returns the document that, as the content of `file`, reads back as this world to the last bit. The result
 /// is read back to check this. Empty, with errors, if JSON cannot express the world.
-/// - Populations are written body by body, and angles in degrees where that is exact.
-/// - Images stay images, with paths relative to the folder of `file`, if they still give the same solids;
-///   otherwise they become outlines.
-/// - `overlaps` and `same_names` are "warn" only if the world would otherwise have errors.
-/// - Nodes have the places that the spec has for its values.
+/// - The bodies of populations are written one by one, as entries of `models`.
+/// - An angle is written in degrees if the degrees convert back to the same radians.
+/// - An image is written with a path relative to the folder of `file` if it still gives the same solids;
+///   otherwise its outlines are written.
+/// - The keys `overlaps` and `same_names` are "warn" only if reading the world back would otherwise fail.
+/// - Each node has the place in a file (Where) that the spec has for its value.
 std::optional<JsonNode> write_json_world(const engine::WorldSpec& spec, const std::filesystem::path& file,
                                          const engine::Registry& registry, Diagnostics& diagnostics);
 

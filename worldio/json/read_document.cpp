@@ -15,7 +15,7 @@ namespace {
 using engine::Field;
 using engine::FieldTable;
 
-/// Reads one object by its table.
+/// Reads one JSON object into a struct, key by key, as the table of the struct lists the keys.
 class ObjectReader {
  public:
   ObjectReader(JsonObject& keys, const DocumentTable& table, const DocumentReading& reading, void* object)
@@ -29,8 +29,8 @@ class ObjectReader {
 
  private:
   bool find_kind();
-  /// The bit that stands for the variant of this object in DocumentKey::variants. 0 if the key that selects
-  /// the variant is missing or wrong.
+  /// Returns the bit of this object's variant in DocumentKey::variants. 0 if the key that selects the variant
+  /// is missing or wrong.
   std::uint32_t find_variant();
   bool applies(const DocumentKey& key) const;
   void read_key(const DocumentKey& key);
@@ -80,8 +80,8 @@ void ObjectReader::read() {
   if (table_.check) table_.check(object_, at_);
 }
 
-/// Finds the kind of the object. False, with an error, if the object has no known kind: without it, the valid
-/// keys are not known.
+/// Finds the kind of the object. False, with an error, if the object has no known kind. The object is then
+/// not read, because its valid keys depend on its kind.
 bool ObjectReader::find_kind() {
   const DocumentKinds& kinds = *table_.kinds;
   const engine::Registry& registry = reading_.registry;

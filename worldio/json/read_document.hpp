@@ -7,18 +7,21 @@
 
 namespace troupe::worldio {
 
-/// Context of reading a document.
+/// The arguments of read_described() that are the same for all objects of a document. Holds a reference: the
+/// registry must outlive it.
 struct DocumentReading {
   const engine::Registry& registry;
   double most_bodies;  ///< LoadOptions::most_bodies
 };
 
-/// Reads an object into a struct by its table. Reports all errors, each at its line, and treats a wrong value
-/// as absent. `object` points to a default-constructed struct of the type that the table describes.
+/// Reads the JSON object at `at` into the struct at `object`, which must be default-constructed and of the
+/// type that `table` describes. If the table has a shorthand, a text is accepted in place of the JSON object.
+/// Reports all errors, each at its line, and treats a wrong value as absent.
 void read_described(const JsonCursor& at, const DocumentTable& table, const DocumentReading& reading,
                     void* object);
 
-/// Like read_described(), for a struct whose keys are among other keys of an object.
+/// Like read_described(), for a JSON object that has keys of other structs too. Does not report unknown keys
+/// and does not apply the rules and checks of the table.
 void read_described_keys(JsonObject& keys, const DocumentTable& table, const DocumentReading& reading,
                          void* object);
 

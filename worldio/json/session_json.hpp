@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-/// Sessions: files, in the format JSON Lines, of what was done to a running world (docs/live.md). An *act* is
-/// one such action: a body was moved, a command was given, ...
+/// A session is a file in the format JSON Lines that lists what was done to a running world (docs/live.md).
+/// An *act* is one such action: a body was moved, a command was given, ...
 namespace troupe::worldio {
 
 inline constexpr int k_session_format = 1;
@@ -43,7 +43,9 @@ struct Session {
   std::vector<std::string> warnings;
 };
 
-/// Return lines of a session, without line ends. They throw std::invalid_argument for text that is not UTF-8.
+/// Return the header, the line of an act, and the last line of a session, without line ends. `tick` is the
+/// tick at whose end the act was done or the session ended. `n` is the number of the line, where the first
+/// line after the header has number 1. The functions throw std::invalid_argument for text that is not UTF-8.
 ///@{
 std::string header_line(const SessionHeader& header);
 std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act);

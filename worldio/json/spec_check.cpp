@@ -20,7 +20,7 @@ using engine::MemberType;
 using engine::Record;
 using engine::Value;
 
-/// The index of the alternative of std::variant that holds values of this field type.
+/// Returns which alternative of the std::variant in engine::Value holds values of this field type.
 std::size_t alternative_of(FieldType type) {
   switch (type) {
     case FieldType::boolean: return Value(true).v.index();
@@ -83,7 +83,8 @@ class SpecCheck {
   Diagnostics& diagnostics_;
 };
 
-/// `where`: place of the enclosing struct, for a struct without a place.
+/// Checks the members of a struct. `where` is the place of the enclosing struct, which errors get if the
+/// struct itself has no place. `path` is the path of the struct; null for the world.
 void SpecCheck::object(const FieldTable& table, const void* object, Where where, const SpecPath* path) {
   for (const Field& field : table.fields)
     if (field.name == "where") where = *static_cast<const Where*>(member_of(field, object));
@@ -166,7 +167,8 @@ void SpecCheck::beyond(const Field& field, double x, Where where, const SpecPath
   error(where, path, fmt::format("must be {}, found {:.10g}", limits.empty() ? "finite" : limits, x));
 }
 
-/// is_partial: the record changes only some parameters, so that required parameters may be missing.
+/// Checks the parameters of a kind, whose table is `table`. `is_partial` says that the record changes only
+/// some parameters, so that required parameters may be missing.
 void SpecCheck::record(const FieldTable& table, const Record& record, bool is_partial, Where where,
                        const SpecPath& path) {
   if (record.size() != table.fields.size())
@@ -197,7 +199,8 @@ void SpecCheck::record(const FieldTable& table, const Record& record, bool is_pa
   }
 }
 
-/// Checks the new parameters of types. The types exist: check_rules() found no error.
+/// Checks the parameters that interventions give to types. The types exist, because check_rules() found no
+/// error.
 void SpecCheck::settings() {
   for (std::size_t i = 0; i < spec_.experiment.at.size(); ++i) {
     const engine::InterventionSpec& at = spec_.experiment.at[i];

@@ -20,11 +20,13 @@ using engine::MemberType;
 using engine::Value;
 using engine::WorldSpec;
 
-/// Walks the compared members of one struct, or of two in parallel, by their tables, and calls `Found`:
+/// Visits the compared members of one struct (N = 1), or of two structs of the same type in parallel (N = 2),
+/// in the order of their table. It calls these functions of `found`, whose first argument is an array with
+/// one entry per struct:
 ///   bool size(sizes, path)    for each list, and for each optional block (size 0 or 1)
 ///   bool value(values, path)  for each other value
 ///   bool place(wheres, path)  for each member that is a place in a file (a Where)
-/// A call that returns false ends the walk.
+/// `path` is the path of the member. A call that returns false ends the visit.
 template <std::size_t N, class Found>
 class Walk {
  public:
@@ -79,7 +81,7 @@ class Walk {
   Found& found_;
 };
 
-/// Keeps the path of the first difference.
+/// Compares the members of two structs for Walk and keeps the path of the first member that differs.
 class FirstDifference {
  public:
   FirstDifference(const WorldSpec* a, const WorldSpec* b, Places places) : specs_{a, b}, places_(places) {}
@@ -114,7 +116,7 @@ class FirstDifference {
   std::string text_;
 };
 
-/// Appends all values to one byte string.
+/// Appends all values that Walk visits to one byte string.
 class Bytes {
  public:
   bool size(const std::array<std::size_t, 1>& sizes, const SpecPath&) { return add(sizes[0]); }
@@ -148,7 +150,9 @@ class Bytes {
   std::string bytes_;
 };
 
-/// Compares the bodies, or the aliases, of two worlds. Names are compared as texts.
+/// Compares the bodies, or the aliases, of two worlds: `list` is the member of WorldSpec, `table` describes
+/// its entries, and `what` is its name in paths. Names are compared as texts. Returns whether the lists are
+/// equal.
 template <class List>
 bool compare_named(const FieldTable& table, const std::array<const WorldSpec*, 2>& specs, List list,
                    std::string_view what, FirstDifference& found) {

@@ -6,16 +6,17 @@
 
 namespace troupe::worldio {
 
-/// Whether places in files are compared, by file name and line.
+/// Whether spec_difference() compares the places in files (Where) that values come from, by file name and
+/// line.
 enum class Places {
   ignored,
-  compared,  ///< except those of an experiment, which stored worlds do not keep
+  compared,  ///< all places, except those of WorldSpec::experiment, which stored worlds do not keep
 };
 
 /// Returns the path of the first value that differs in any bit between two worlds, such as
-/// `types[3].parts[1].solids` or `bodies[7].name`. Empty if the worlds are equal. Not compared are the
-/// sources of the solids of parts (images, blocks), and the title if that of `a` is empty. Names are compared
-/// as texts, not by the words and numbers that store them.
+/// `types[3].parts[1].solids` or `bodies[7].name`. Empty if the worlds are equal. Two things are not
+/// compared: the images and blocks from which the solids of parts were made, and the title if `a` has none.
+/// Names are compared as texts, because two worlds may store the same name by different words and numbers.
 std::string spec_difference(const engine::WorldSpec& a, const engine::WorldSpec& b,
                             Places places = Places::ignored);
 

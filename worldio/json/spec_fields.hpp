@@ -18,8 +18,8 @@ namespace troupe::worldio {
 /// that a path is formatted only for an error.
 struct SpecPath {
   const SpecPath* parent = nullptr;
-  std::string_view name = {};  ///< of a member; empty for an entry of a list
-  std::size_t index = 0;       ///< of an entry of a list
+  std::string_view name = {};  ///< name of the member; empty for an entry of a list
+  std::size_t index = 0;       ///< index of the entry of a list
 
   std::string text() const;  ///< the whole path: `types[0].parts[2].size`
 };
@@ -32,10 +32,10 @@ inline bool is_within(const engine::Field& field, double x) {
   return std::isfinite(x) && x >= field.min && x <= field.max && !(field.above_min && x == field.min);
 }
 
-/// Whether a struct consists only of numbers, as a pose does. Stored worlds write such a struct as a list of
-/// numbers.
+/// Whether the struct that `table` describes consists only of numbers, as a pose does. In a stored world,
+/// such a struct is a list of numbers.
 bool is_listed(const engine::FieldTable& table);
-/// How many numbers such a struct has, including those of nested structs.
+/// Returns how many numbers a struct has that consists only of numbers, including those of nested structs.
 std::size_t numbers_in(const engine::FieldTable& table);
 
 inline const void* member_of(const engine::Field& field, const void* object) {
@@ -49,9 +49,10 @@ inline const void* block_of(const engine::MemberType& type, const void* member, 
   return type.block(const_cast<void*>(member), i);
 }
 
-/// Returns the table of the parameters that a struct of a spec holds: the parameters of the kind that its
-/// member `kind` names or, for the world, those of its window. If the kind is unknown, returns an error that
-/// lists the known kinds.
+/// Returns the table of the parameters of a struct of a spec, such as an engine::DeviceSpec. `table`
+/// describes the struct and `object` points to it. The parameters are those of the kind that the member
+/// `kind` names or, for a WorldSpec, those of the window. If the kind is unknown, returns an error that lists
+/// the known kinds.
 Result<const engine::FieldTable*> parameters_of(const engine::FieldTable& table, const void* object,
                                                 const engine::Registry& registry);
 

@@ -13,21 +13,21 @@
 
 namespace troupe::worldio {
 
-/// The bodies of a spec as columns, because there may be millions: each column has one entry per body, in the
-/// order of the ids.
+/// The bodies of a spec as columns, because there may be millions of bodies. Each column has one entry per
+/// body, in the order of the ids; `pose` and `color` have four.
 struct BodyColumns {
   std::vector<std::uint32_t> word, number;  ///< the two members of engine::Name
-  std::vector<std::uint32_t> type;
-  std::vector<double> pose;               ///< x, y, z (m) and heading (rad), world frame
-  std::vector<float> color;               ///< red, green, blue, opacity
-  std::vector<std::int32_t> fiducial;     ///< BodySpec::fiducial; empty if all are 0
-  std::vector<std::uint32_t> file, line;  ///< BodySpec::where
-  /// Other names of bodies, one entry per name.
+  std::vector<std::uint32_t> type;          ///< index into WorldSpec::types
+  std::vector<double> pose;                 ///< x, y, z (m) and heading (rad), world frame
+  std::vector<float> color;                 ///< red, green, blue, opacity
+  std::vector<std::int32_t> fiducial;       ///< BodySpec::fiducial; empty if all are 0
+  std::vector<std::uint32_t> file, line;    ///< BodySpec::where
+  /// Other names of bodies: the two members of each name, and the id of its body. One entry per name.
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
 };
 
-/// A stored world: its whole expanded spec, which needs no other file. restore_spec() makes the same spec of
-/// it, to the last bit.
+/// A stored world: its whole expanded spec, which needs no other file. restore_spec() returns the same spec,
+/// to the last bit.
 struct StoredSpec {
   std::string json;  ///< from spec_to_json()
   BodyColumns bodies;
@@ -39,12 +39,14 @@ StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& reg
 /// that names consist of, names of parts, and the names of the files to which each place `where`, [file,
 /// line], refers. Parameters have the names and SI units of their field tables. Throws std::runtime_error for
 /// a number that is not finite and for a parameter that is not UTF-8, because JSON cannot represent these.
+/// Throws it also for a kind that is not registered.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// Returns the keys that the types have in a stored world: "0", "1", ...
+/// Returns the keys that the types of a world have when it is stored: their indices "0", "1", ...
 std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
 
-/// The values of a stored world that --set may change: those that do not alter the shape of the state.
+/// The values of a stored world that --set may change, for messages. These values do not change which arrays
+/// the state has, nor their sizes.
 inline constexpr std::string_view k_changeable =
     "/seed, /quit_time_s, /stop_when, /ranging, /resolution_m, /bounds_m; in /types/N: /drive/period_s, "
     "/drive/params/..., "

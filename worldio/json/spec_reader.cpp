@@ -88,8 +88,8 @@ Field numbers_like(const Field& field, std::size_t columns) {
       .name = field.name, .type = FieldType::numbers, .min = field.min, .max = field.max, .columns = columns};
 }
 
-/// Reads a member that is neither a block nor a list of points. If the value is wrong, reports an error and
-/// returns a value that is not given.
+/// Reads a member that is neither a struct, nor a record of parameters, nor a list of structs or points. If
+/// the value is wrong, reports an error and returns a value that is not given.
 Value scalar(const JsonCursor& at, const Field& field) {
   if (field.type == FieldType::texts) return texts_of(at, "a text");
   if (field.type == FieldType::color)
@@ -139,7 +139,8 @@ struct NamedPart {
   }
 };
 
-/// Reads what spec_writer.cpp writes. If errors are reported, the spec is well-formed but must not be used.
+/// Reads the JSON that spec_to_json() writes, and the columns of the bodies. If errors are reported, the spec
+/// is incomplete and must not be used.
 class SpecReader {
  public:
   SpecReader(const engine::Registry& registry, Where file, Diagnostics& diagnostics)
@@ -177,7 +178,7 @@ class SpecReader {
 
 constexpr std::string_view k_always = "required in a stored world";
 
-/// Whether a stored world may omit the member, which then keeps its default.
+/// Whether a stored world may omit a member of a struct. The member then keeps its default.
 bool may_be_missing(const Field& field) {
   const bool is_block = field.type == FieldType::record && field.record != nullptr;
   return field.sparse || field.optional || (is_block && !is_listed(*field.record));

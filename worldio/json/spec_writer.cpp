@@ -28,8 +28,8 @@ double finite(double x) {
   return x;
 }
 
-/// Returns a text as JSON. World files of Stage may be in any encoding: text that is not UTF-8 is written as
-/// {"latin1": ...}, with one character per byte.
+/// Returns a text as JSON. World files of Stage may be in any encoding, so a text that is not UTF-8 is
+/// written as {"latin1": ...}, with one character per byte.
 Json text_json(const std::string& text) {
   Json json = text;
   try {
@@ -52,7 +52,8 @@ Json text_json(const std::string& text) {
   return other;
 }
 
-/// Whether the reader accepts the value. A default may be outside the limits, where it means "not given".
+/// Whether the reader of stored worlds accepts the value of a parameter. It refuses values outside the
+/// limits, although a default may be outside them: it then means "not given".
 bool takes(const Field& field, const Value& value) {
   switch (field.type) {
     case FieldType::integer: return is_within(field, static_cast<double>(value.integer()));
@@ -108,7 +109,7 @@ Json params_json(const Record& record, const FieldTable& table) {
   return json;
 }
 
-/// Appends the numbers of a struct that consists only of numbers.
+/// Appends all numbers of a struct that consists only of numbers to `list`.
 void list_numbers(const FieldTable& table, const void* object, Json& list) {
   for (const Field& field : table.fields) {
     if (field.type == FieldType::record) {
@@ -152,7 +153,8 @@ class SpecWriter {
   const engine::Registry& registry_;
 };
 
-/// Empty for a member that is omitted: a member without a value, or a sparse member at its default.
+/// Returns a member of a struct as JSON. Empty if the member is omitted, because it has no value or is sparse
+/// (Field::sparse) and at its default.
 std::optional<Json> SpecWriter::member_json(const Field& field, const FieldTable& table,
                                             const void* object) const {
   const engine::MemberType& type = *field.member;

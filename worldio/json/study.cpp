@@ -71,7 +71,8 @@ struct SeedRange {
   }
 };
 
-/// Reads a struct that has a field table. Empty, with errors, if a field is missing or wrong.
+/// Reads all fields of a struct T from the keys of an object. Empty, with errors, if a field is missing or
+/// wrong.
 template <class T>
 std::optional<T> read_all(JsonObject& object) {
   const engine::Record record = read_fields(object, engine::described<T>());
@@ -79,7 +80,7 @@ std::optional<T> read_all(JsonObject& object) {
   return engine::from_record<T>(record);
 }
 
-/// The text of a value, as --set reads it.
+/// Returns a value as the JSON text that --set reads back as this value.
 std::string text_of(const JsonNode& node) {
   std::string text = json_text(node);
   while (text.ends_with('\n')) text.pop_back();
@@ -348,8 +349,8 @@ Study::Run Study::run(std::size_t index) const {
   run.values.resize(choices.size());
   for (std::size_t p = choices.size(); p-- > 0;) {
     if (samples) {
-      // Each parameter has an independent random stream: adding another parameter changes no value of this
-      // one.
+      // Each parameter has an independent random stream, so that adding another parameter does not change the
+      // values of this one.
       Random random(random_seed, stream_id("study", parameters[p].pointer), static_cast<std::uint32_t>(index),
                     0);
       run.values[p] = drawn(choices[p], random);

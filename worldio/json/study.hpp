@@ -28,13 +28,13 @@ struct Study {
     std::string pointer;  ///< JSON pointer into the world, as in --set
   };
   struct Run {
-    std::vector<std::string> values;  ///< JSON texts, one per parameter
-    std::optional<std::uint64_t> seed;
+    std::vector<std::string> values;    ///< JSON texts, one per parameter
+    std::optional<std::uint64_t> seed;  ///< empty: the seed of the world
   };
 
-  std::filesystem::path world;  ///< resolved relative to the study's file
+  std::filesystem::path world;  ///< path of the world file, already joined with the folder of the study
   std::optional<double>
-      for_s;  ///< world time at which each run ends at the latest, s; empty: that of the world
+      for_s;  ///< world time at which each run ends at the latest, s; empty: the world's quit time
   std::vector<Parameter> parameters;
   std::vector<std::string>
       measures;  ///< in the form that troupe::Measures accepts; empty: the measures of the world
@@ -77,7 +77,7 @@ inline constexpr std::size_t k_most_runs = 1000000;
 /// Does not load the world.
 Study load_study(const std::filesystem::path& file, const engine::Registry& registry,
                  Diagnostics& diagnostics);
-/// Like load_study(), from the content of `file`.
+/// Like load_study(), for a file whose content is `text`.
 Study load_study_text(const std::filesystem::path& file, std::string_view text,
                       const engine::Registry& registry, Diagnostics& diagnostics);
 

@@ -18,14 +18,15 @@ engine::TypeSpec expand_type(const TypeDocument& document, const std::string& ke
                              const engine::Registry& registry, ImageFolder& images);
 
 /// The inverse of expand_type(): returns the document that describes this type under `key`, without the
-/// values that expand_type() assumes by default. `folder`: the folder that the paths of images are relative
-/// to; null: images are written as outlines. Throws std::runtime_error for kinds that are not registered.
+/// values that expand_type() assumes by default. `color` becomes the colour of the type; if it is empty, the
+/// document has none. Paths of images become relative to `folder`; if it is null, images are written as
+/// outlines. Throws std::runtime_error for kinds that are not registered.
 TypeDocument contract_type(const engine::TypeSpec& type, const std::string& key,
                            const std::optional<Color>& color, const engine::Registry& registry,
                            const std::filesystem::path* folder);
 
-/// Whether a part that is itself a device of this kind moves with the device. The part of an actuator does;
-/// the base of a gripper does not, because only its paddles move.
+/// Whether a part that is itself a device of this kind is moved by the joint of the device. True for
+/// actuators. False for grippers, because only their paddles move, and for devices without a joint.
 inline bool moves_itself(const engine::DeviceKind& kind) { return !kind.joints.empty() && !kind.body; }
 
 }  // namespace troupe::worldio

@@ -15,8 +15,9 @@
 #include <charconv>
 #include <cmath>
 
-/// The only description of the JSON world format: keys, units, limits, meanings, and which keys go together.
-/// The limits here apply to JSON worlds; engine/spec_description.cpp has those of specs.
+/// Describes the format of JSON worlds: keys, units, limits, meanings, and which keys go together. This is
+/// the only description: the reader, the writer and the schema all use it. The limits here apply to JSON
+/// worlds; engine/spec_description.cpp has those of specs.
 namespace troupe::worldio {
 namespace {
 
@@ -29,10 +30,10 @@ using How = DocumentRule::How;
 constexpr Unit meters = Unit::meters;
 constexpr Unit seconds = Unit::seconds;
 
-constexpr double k_most_period_s = 1e6;   // periods of devices, drives and controllers
-constexpr double k_most_chosen = 1e9;     // bodies in a group
-constexpr double k_most_return = 1e6;     // absolute value of ranger_return
-constexpr double k_least_step_m = 0.001;  // distance between bodies, cell size of free_floor
+constexpr double k_most_period_s = 1e6;   // maximum period of a device, drive or controller
+constexpr double k_most_chosen = 1e9;     // maximum number of bodies in a group
+constexpr double k_most_return = 1e6;     // maximum absolute value of ranger_return
+constexpr double k_least_step_m = 0.001;  // minimum distance between bodies and cell size of free_floor
 constexpr std::array<std::string_view, 2> k_checks{"error", "warn"};
 constexpr std::array<std::string_view, 5> k_rules{"grid", "uniform", "gaussian", "poisson_disc",
                                                   "free_floor"};
@@ -90,7 +91,8 @@ Result<DocumentKind> find_device(const Registry& registry, const std::string& na
                                                 : "is not a sensor: it belongs in \"devices\"")};
 }
 
-/// The device that belongs to the model kind of a part, if any: a part of kind "ranger" is a ranger.
+/// Returns the device kind that a part is because of its model kind: a part of kind "ranger" is a ranger.
+/// Empty if its model kind has no device.
 std::optional<DocumentKind> implied_device(const Registry& registry, const JsonNode& part) {
   const JsonNode* named = part.find("kind");
   const std::string* name = named ? named->text() : nullptr;
@@ -326,7 +328,7 @@ void describe_returns(DocumentKeys<T>& d) {
 
 constexpr std::string_view k_size_text = "size of a box on the floor: x, y and height";
 
-/// The path of an image; null if the object has none.
+/// Returns the value of the key `bitmap`, the path of an image; null if the object has no such text.
 const std::string* bitmap_of(const JsonNode& object) {
   const JsonNode* node = object.find("bitmap");
   return node ? node->text() : nullptr;
@@ -345,8 +347,9 @@ bool is_fitted(const JsonNode& object) {
 
 bool has_no_map(const JsonNode& object) { return !has_map(object); }
 
-/// Describes the keys of an image. is_plan: the object is a floor plan, which always has a `bitmap`; in other
-/// objects, the keys of an image are only allowed together with `bitmap`.
+/// Describes the keys of an image; `text` is the meaning of `bitmap`. `is_plan` says that the objects are
+/// floor plans, which always have a `bitmap`. Other objects may have the keys of an image, except `size`,
+/// only together with `bitmap`.
 template <class T, auto Image>
 void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   constexpr std::string_view k_path =
@@ -373,7 +376,8 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   if (!is_plan) boundary.when(has_image);
 }
 
-/// Reports an error if an image or fitted blocks need a size and the object has none.
+/// Reports an error if the object `at` needs a size (`is_needed`) and has none. Fitted blocks and images need
+/// one, but ROS maps do not.
 void check_size(const ImageDocument& image, bool is_needed, const JsonCursor& at) {
   if (is_needed && at.node().object() && !has_map(at.node()) && !image.size) {
     const DocumentTable& table = document_table<PartDocument>();

@@ -29,7 +29,7 @@
 /// docs/world-format.md.
 namespace troupe::worldio {
 
-/// Describes a struct of a document: worldio/json/document_table.hpp.
+/// Collects the keys of a struct T of a document (worldio/json/document_table.hpp). T::describe() adds them.
 template <class T>
 class DocumentKeys;
 
@@ -45,16 +45,16 @@ struct Placed {
     Where where;            ///< place of the value
   };
   Where where;            ///< where the object begins
-  std::vector<Key> keys;  ///< in the order of describe()
+  std::vector<Key> keys;  ///< in the order in which describe() adds them
 
   bool says(std::string_view key) const;  ///< whether the object has the key
   /// The place of a key's value; that of the object if it has no such key.
   Where where_of(std::string_view key) const;
 };
 
-/// The name of a joint, or null in the file: no joint.
+/// The value of a key `joint`: the name of a joint, or null for no joint.
 struct JointName {
-  std::optional<std::string> name;  ///< empty: null
+  std::optional<std::string> name;  ///< empty: no joint
 };
 
 // ---- bodies
@@ -66,11 +66,11 @@ struct BlockDocument : Placed {
     part,  ///< the frame of the part that has the block
     body,  ///< the frame of the body
   };
-  std::optional<Ring> points;                 ///< the outline, m; or:
+  std::optional<Ring> points;                 ///< the outline, m; required unless `contours` is given
   std::optional<std::vector<Ring>> contours;  ///< outlines, m; points inside an odd number of them are solid
   std::optional<std::array<double, 2>> z;     ///< heights of bottom and top, m; required
   Frame frame = Frame::part;                  ///< frame of the points
-  static void describe(DocumentKeys<BlockDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<BlockDocument>& d);  ///< adds its keys to `d`
 };
 
 /// An image, or a ROS map, that gives a body its shape.
@@ -95,49 +95,50 @@ struct ImageDocument {
 
 /// A device of a type or part: a sensor or another device.
 struct DeviceDocument : Placed {
-  std::string name;                     ///< empty: generated, "ranger:0"
-  std::string kind;                     ///< name in Registry::devices
-  bool is_kind_implied = false;         ///< the kind follows from that of the enclosing part
-  std::optional<Pose> pose;             ///< in the frame of the body, or of the device `on`
-  std::optional<JointName> joint;       ///< joint that moves it; empty: that of its part
-  bool active = true;                   ///< false: runs only while a controller or a program reads it
-  double period = 0;                    ///< s; 0: every tick
-  engine::Record params;                ///< complete, by the kind's field table
-  std::string on;                       ///< the device that it is mounted on; empty: none
-  std::optional<Color> color;           ///< this and the next members: the body of a device with a joint
-  engine::Returns returns;              ///< how other bodies collide with it and sense it
-  std::optional<Eigen::Vector3d> size;  ///< a box of this size, m
-  std::vector<BlockDocument> blocks;    ///< in addition to the box
-  static void describe(DocumentKeys<DeviceDocument>& d);  ///< its keys
+  std::string name;                ///< empty: generated from the kind, as in "ranger:0"
+  std::string kind;                ///< name in Registry::devices
+  bool is_kind_implied = false;    ///< the kind follows from that of the enclosing part
+  std::optional<Pose> pose;        ///< in the frame of the body, or of the device `on`
+  std::optional<JointName> joint;  ///< joint that moves it; empty: that of its part
+  bool active = true;              ///< false: runs only while a controller or a program reads it
+  double period = 0;               ///< time between two readings, s; 0: every tick
+  engine::Record params;           ///< one value per field of the kind's table
+  std::string on;                  ///< the device that it is mounted on; empty: none
+  // The members below describe the body of a device that has a joint. Other devices have no body.
+  std::optional<Color> color;                             ///< colour of its body
+  engine::Returns returns;                                ///< how other bodies collide with it and sense it
+  std::optional<Eigen::Vector3d> size;                    ///< a box of this size, m
+  std::vector<BlockDocument> blocks;                      ///< in addition to the box
+  static void describe(DocumentKeys<DeviceDocument>& d);  ///< adds its keys to `d`
 };
 /// An entry of `sensors`.
 struct SensorDocument : DeviceDocument {
-  static void describe(DocumentKeys<SensorDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<SensorDocument>& d);  ///< adds its keys to `d`
 };
 /// The `device` of a part: the part itself is this device.
 struct OwnDeviceDocument : DeviceDocument {
-  static void describe(DocumentKeys<OwnDeviceDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<OwnDeviceDocument>& d);  ///< adds its keys to `d`
 };
 
 /// The drive of a type.
 struct DriveDocument : Placed {
   std::string kind;                                      ///< name in Registry::drives
   double period = 0;                                     ///< time between two commands, s; 0: every tick
-  engine::Record params;                                 ///< complete, by the kind's field table
-  static void describe(DocumentKeys<DriveDocument>& d);  ///< its keys
+  engine::Record params;                                 ///< one value per field of the kind's table
+  static void describe(DocumentKeys<DriveDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A controller of a type or part.
 struct ControllerDocument : Placed {
   std::string kind;                                           ///< name in Registry::controllers
-  double period = 0;                                          ///< s; 0: every tick
-  engine::Record params;                                      ///< complete, by the kind's field table
-  static void describe(DocumentKeys<ControllerDocument>& d);  ///< its keys
+  double period = 0;                                          ///< time between two calls, s; 0: every tick
+  engine::Record params;                                      ///< one value per field of the kind's table
+  static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A part, or the root of a type's tree of parts.
 struct PartDocument : Placed {
-  std::string name;                ///< name of the part; of a type, empty if it is the type's key
+  std::string name;                ///< name of the part or type; empty for a type that is named like its key
   std::string alias;               ///< another name; empty: none
   std::string kind;                ///< its type of Stage model; empty: "position" with a drive, else "model"
   std::optional<Pose> pose;        ///< in the frame of the body
@@ -148,62 +149,62 @@ struct PartDocument : Placed {
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
   std::optional<bool> floor_plan;                    ///< whether it is a floor plan; empty: if it is an image
   std::optional<Eigen::Vector3d> extent;             ///< declared size, m, if it differs from the shape's
-  std::optional<Color> color;                        ///< empty: the body's
+  std::optional<Color> color;                        ///< colour of the part; empty: that of the body
   engine::Returns returns;                           ///< how other bodies collide with it and sense it
   std::optional<OwnDeviceDocument> device;           ///< the device that the part itself is
   std::vector<SensorDocument> sensors;               ///< devices that only observe the world
   std::vector<DeviceDocument> devices;               ///< all other devices
-  std::optional<ControllerDocument> controller;      ///< one controller, or:
-  std::vector<ControllerDocument> controllers;       ///< several
-  std::vector<PartDocument> parts;                   ///< parts mounted on it
-  static void describe(DocumentKeys<PartDocument>& d);  ///< its keys
+  std::optional<ControllerDocument> controller;      ///< the only controller; excludes `controllers`
+  std::vector<ControllerDocument> controllers;       ///< several controllers; excludes `controller`
+  std::vector<PartDocument> parts;                   ///< parts mounted on this part
+  static void describe(DocumentKeys<PartDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A type: what identical bodies share.
 struct TypeDocument : PartDocument {
   std::optional<DriveDocument> drive;                    ///< empty: the bodies do not move by themselves
   std::optional<std::vector<std::string>> device_order;  ///< names of the devices in order; empty: file order
-  static void describe(DocumentKeys<TypeDocument>& d);   ///< its keys
+  static void describe(DocumentKeys<TypeDocument>& d);   ///< adds its keys to `d`
 };
 
 /// Walls drawn as an image: a body with a type of its own.
 struct FloorplanDocument : Placed {
   std::string name;            ///< name of the body and of its type
   ImageDocument image;         ///< image of the walls
-  Pose pose;                   ///< pose of the centre; of a map, of its frame
-  std::optional<Color> color;  ///< empty: gray30
+  Pose pose;                   ///< pose of the image centre, or of a map's frame, in the world
+  std::optional<Color> color;  ///< colour of the walls; empty: gray30
   engine::Returns returns;     ///< how other bodies collide with it and sense it
-  static void describe(DocumentKeys<FloorplanDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<FloorplanDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A single body.
 struct ModelDocument : Placed {
   std::string name;            ///< unique in the world
-  std::string alias;           ///< empty: none
+  std::string alias;           ///< another name; empty: none
   std::string type;            ///< a key of WorldDocument::types
   std::string reserve_of;      ///< population that it may be born into; empty: exists from the start
   Pose pose;                   ///< in the world frame
-  std::optional<Color> color;  ///< empty: the type's
-  std::optional<std::int32_t> fiducial_return;           ///< number for fiducial finders; empty: the type's
-  std::vector<std::string> global_parts;                 ///< parts that can be found without the body's name
-  static void describe(DocumentKeys<ModelDocument>& d);  ///< its keys
+  std::optional<Color> color;  ///< colour of the body; empty: that of its type
+  std::optional<std::int32_t> fiducial_return;  ///< number that fiducial finders read; empty: the type's
+  std::vector<std::string> global_parts;        ///< parts that can be found without the body's name
+  static void describe(DocumentKeys<ModelDocument>& d);  ///< adds its keys to `d`
 };
 
 /// The heading of a population's bodies.
 struct HeadingDocument {
   bool is_random = false;  ///< a random heading per body
-  double rad = 0;          ///< else the heading of all bodies
+  double rad = 0;          ///< if not random: the heading of all bodies, rad, world frame
 };
 
 /// The colour of a population's bodies.
 struct ColorDocument {
   bool is_random = false;  ///< a random colour per body
-  Color color;             ///< else the colour of all bodies
+  Color color;             ///< if not random: the colour of all bodies
 };
 
 /// How a population is placed.
 struct PlaceDocument : Placed {
-  std::optional<engine::PlacementRule::Kind> rule;  ///< required
+  std::optional<engine::PlacementRule::Kind> rule;  ///< the rule: grid, uniform, ...; required
   std::optional<Box> region;                        ///< region of the origins, m
   std::optional<Ring> polygon;                      ///< polygon that contains the origins, m
   std::optional<Box> spill;                   ///< grid: region for bodies that do not fit in the first, m
@@ -216,7 +217,7 @@ struct PlaceDocument : Placed {
   std::optional<double> cell;                 ///< free_floor: cell size of the search, m
   std::optional<HeadingDocument> heading;     ///< empty: 0 on a grid, else random
   double z = 0;                               ///< height of the origins, m
-  static void describe(DocumentKeys<PlaceDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<PlaceDocument>& d);  ///< adds its keys to `d`
 };
 
 /// Bodies of one type, placed by a rule.
@@ -225,9 +226,9 @@ struct PopulationDocument : Placed {
   std::string type;                                           ///< a key of WorldDocument::types
   std::optional<std::int64_t> count;                          ///< number of bodies; required
   std::int64_t reserve = 0;                                   ///< number of bodies that may be born later
-  std::optional<ColorDocument> color;                         ///< empty: the type's
-  std::optional<PlaceDocument> place;                         ///< required
-  static void describe(DocumentKeys<PopulationDocument>& d);  ///< its keys
+  std::optional<ColorDocument> color;                         ///< colours; empty: the type's colour
+  std::optional<PlaceDocument> place;                         ///< how the bodies are placed; required
+  static void describe(DocumentKeys<PopulationDocument>& d);  ///< adds its keys to `d`
 };
 
 // ---- measures and experiments
@@ -237,70 +238,70 @@ struct MeasureDocument : Placed {
   std::string kind;       ///< name in Registry::measures
   std::string of;         ///< a type, a population or a robot; empty: all robots
   std::string name;       ///< name of the column; empty: KIND or KIND:OF
-  engine::Record params;  ///< complete, by the kind's field table
-  static void describe(DocumentKeys<MeasureDocument>& d);  ///< its keys
+  engine::Record params;  ///< one value per field of the kind's table
+  static void describe(DocumentKeys<MeasureDocument>& d);  ///< adds its keys to `d`
 };
 
-/// A comparison with a number: `>= 0.9`.
+/// A comparison with a number, such as `>= 0.9`.
 struct ComparisonDocument {
-  engine::Comparison how = engine::Comparison::below;  ///< the comparison
+  engine::Comparison how = engine::Comparison::below;  ///< the operator, such as `>=`
   double with = 0;                                     ///< the number, in the unit of the measure
 };
 
 /// A condition on a measure.
 struct ConditionDocument : Placed {
-  std::optional<MeasureDocument> measure;                    ///< required
-  std::optional<ComparisonDocument> is;                      ///< required
-  static void describe(DocumentKeys<ConditionDocument>& d);  ///< its keys
+  std::optional<MeasureDocument> measure;                    ///< what is compared; required
+  std::optional<ComparisonDocument> is;                      ///< the comparison that must hold; required
+  static void describe(DocumentKeys<ConditionDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A group of bodies: all bodies of a population, all bodies of a type or one model, or a random selection of
-/// these bodies.
+/// these bodies. Exactly one of `population`, `type` and `model` is given.
 struct GroupDocument : Placed {
-  std::optional<std::string> population;  ///< name of a population; or:
-  std::optional<std::string> type;        ///< a key of WorldDocument::types; or:
+  std::optional<std::string> population;  ///< name of a population
+  std::optional<std::string> type;        ///< a key of WorldDocument::types
   std::optional<std::string> model;       ///< the name of one body
   std::optional<std::int64_t> count;      ///< number of bodies, selected at random
   std::optional<double> share;            ///< fraction of the bodies, 0 to 1, selected at random
-  static void describe(DocumentKeys<GroupDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<GroupDocument>& d);  ///< adds its keys to `d`
 };
 
-/// Births from a reserve.
+/// Births of bodies from the reserve of a population.
 struct AddDocument : Placed {
   std::string population;                              ///< a population with a reserve
   std::optional<std::int64_t> count;                   ///< number of births; empty: all that remain
-  std::optional<Pose> pose;                            ///< where they are born, in the world frame; or:
-  std::optional<Box> region;                           ///< region of random poses, m; neither: the bounds
-  static void describe(DocumentKeys<AddDocument>& d);  ///< its keys
+  std::optional<Pose> pose;                            ///< of each birth, world frame; empty: random
+  std::optional<Box> region;                           ///< region of random poses, m; empty: the bounds
+  static void describe(DocumentKeys<AddDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A change of a model's pose.
 struct MoveDocument : Placed {
   std::string model;                                    ///< name of the body
   std::optional<Pose> pose;                             ///< new pose, in the world frame; required
-  static void describe(DocumentKeys<MoveDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<MoveDocument>& d);  ///< adds its keys to `d`
 };
 
-/// New parameters for all bodies of a type. They are stored as unread JSON, because which parameters are
-/// valid depends on the type.
+/// New parameters of the drive, a device or a controller, for all bodies of a type. Exactly one of the three
+/// is given. It is stored as unread JSON, because which parameters are valid depends on the type.
 struct SettingDocument : Placed {
-  std::string type;                    ///< a key of WorldDocument::types
-  std::optional<JsonNode> drive;       ///< new parameters of the drive; or:
-  std::optional<JsonNode> device;      ///< `name` of a device, and its new parameters; or:
-  std::optional<JsonNode> controller;  ///< `kind` of a controller, and its new parameters
-  static void describe(DocumentKeys<SettingDocument>& d);  ///< its keys
+  std::string type;                                        ///< a key of WorldDocument::types
+  std::optional<JsonNode> drive;                           ///< new parameters of the drive
+  std::optional<JsonNode> device;                          ///< `name` of a device, and its new parameters
+  std::optional<JsonNode> controller;                      ///< `kind` of a controller, and its new parameters
+  static void describe(DocumentKeys<SettingDocument>& d);  ///< adds its keys to `d`
 };
 
-/// An intervention: a time and one action.
+/// An intervention: a time and exactly one action.
 struct InterventionDocument : Placed {
-  std::optional<double> time;                                   ///< s; required
+  std::optional<double> time;                                   ///< simulated time, s; required
   std::optional<GroupDocument> remove;                          ///< bodies to remove
   std::optional<AddDocument> add;                               ///< bodies to be born
   std::optional<GroupDocument> disable;                         ///< bodies to stop
   std::optional<GroupDocument> enable;                          ///< disabled bodies to continue
   std::optional<MoveDocument> move;                             ///< a body and its new pose
   std::optional<SettingDocument> set;                           ///< new parameters of a type
-  static void describe(DocumentKeys<InterventionDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<InterventionDocument>& d);  ///< adds its keys to `d`
 };
 
 /// Faults of a group of bodies.
@@ -308,19 +309,19 @@ struct FaultDocument : GroupDocument {
   /// One fault of the group.
   struct Impairment {
     std::string kind;       ///< name in Registry::faults
-    engine::Record params;  ///< complete, by the kind's field table
+    engine::Record params;  ///< one value per field of the kind's table
   };
-  double from = 0;                                       ///< time from which they act, s
+  double from = 0;                                       ///< simulated time at which the faults begin, s
   std::vector<Impairment> impairments;                   ///< at least one
-  static void describe(DocumentKeys<FaultDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<FaultDocument>& d);  ///< adds its keys to `d`
 };
 
 /// Stop conditions, interventions and faults.
 struct ExperimentDocument : Placed {
-  std::vector<ConditionDocument> stop_when;                   ///< the run ends when one of them holds
-  std::vector<InterventionDocument> at;                       ///< in any order
-  std::vector<FaultDocument> faults;                          ///< of bodies that exist at the start
-  static void describe(DocumentKeys<ExperimentDocument>& d);  ///< its keys
+  std::vector<ConditionDocument> stop_when;                   ///< the run ends when any of these holds
+  std::vector<InterventionDocument> at;                       ///< interventions, in any order
+  std::vector<FaultDocument> faults;                          ///< faults of bodies that exist at the start
+  static void describe(DocumentKeys<ExperimentDocument>& d);  ///< adds its keys to `d`
 };
 
 // ---- the world
@@ -330,23 +331,23 @@ struct RecordDocument : Placed {
   std::string file;             ///< name of the recording; empty: a run records only if its caller names one
   std::optional<double> every;  ///< simulated time between frames, s; empty: the default
   std::vector<std::string> fields;  ///< fields of the state to record; empty: the default
-  static void describe(DocumentKeys<RecordDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<RecordDocument>& d);  ///< adds its keys to `d`
 };
 
 /// Properties of the ground.
 struct GroundDocument : Placed {
   std::string alias;                                      ///< another name of the ground
-  static void describe(DocumentKeys<GroundDocument>& d);  ///< its keys
+  static void describe(DocumentKeys<GroundDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A whole world.
 struct WorldDocument : Placed {
-  /// How a violation is treated.
+  /// How the reader treats bodies that overlap or that have the same name.
   enum class Check : std::uint8_t {
     error,  ///< as an error
     warn,   ///< as a warning
   };
-  std::shared_ptr<SourceFiles> files;  ///< the files to which places refer; null: none
+  std::shared_ptr<SourceFiles> files;  ///< the files to which the places (Where) refer; null: none
   std::string schema;                  ///< `$schema`, for editors
   std::string title;                   ///< empty: the file's name without its ending
   std::uint64_t seed = 1;              ///< seed of all random draws
@@ -355,21 +356,21 @@ struct WorldDocument : Placed {
   double measure_every = 1;            ///< interval between measurements, s; 0: every tick
   engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< engine that computes ranges
   double resolution = engine::k_resolution_m;                    ///< edge of the cells of the grid engine, m
-  std::optional<Box> bounds;                                     ///< m; empty: the box of the floor plans
-  std::optional<GroundDocument> ground;                          ///< properties of the ground
-  std::optional<RecordDocument> record;                          ///< what a run records
-  std::optional<engine::Record> watch;                           ///< by engine::watch_fields()
-  std::optional<engine::Record> window;                          ///< by window_fields()
+  std::optional<Box> bounds;                  ///< region for robots, m; empty: the box of the floor plans
+  std::optional<GroundDocument> ground;       ///< properties of the ground
+  std::optional<RecordDocument> record;       ///< what a run records
+  std::optional<engine::Record> watch;        ///< clock and pace: engine::watch_fields()
+  std::optional<engine::Record> window;       ///< a view of the world: window_fields()
   bool mortal = false;                        ///< programs may always remove and disable bodies
   Check overlaps = Check::error;              ///< how a model that overlaps something at the start is treated
   Check same_names = Check::error;            ///< how bodies with the same name are treated
   std::vector<FloorplanDocument> floorplans;  ///< walls drawn as images
-  std::vector<std::pair<std::string, TypeDocument>> types;  ///< by name
+  std::vector<std::pair<std::string, TypeDocument>> types;  ///< types, each with its key
   std::vector<ModelDocument> models;                        ///< single bodies
   std::vector<PopulationDocument> populations;              ///< bodies placed by rules
   std::vector<MeasureDocument> measures;                    ///< what a run measures
   ExperimentDocument experiment;                            ///< its keys are keys of the world
-  static void describe(DocumentKeys<WorldDocument>& d);     ///< its keys
+  static void describe(DocumentKeys<WorldDocument>& d);     ///< adds its keys to `d`
 };
 
 }  // namespace troupe::worldio

@@ -81,8 +81,8 @@ double rounded_to_digits(double x) {
   return rounded;
 }
 
-/// Returns a limit in another unit. It is rounded to few digits, but never so that the schema is stricter
-/// than the reader. `outward` is 1 for a maximum, -1 for a minimum.
+/// Returns the limit `si`, in SI units, in the unit `suffix`. It is rounded to ten digits, but never so that
+/// the schema is stricter than the reader. `outward` is 1 for a maximum and -1 for a minimum.
 double limit_in(const UnitSuffix& suffix, double si, double outward) {
   if (suffix.to_si == 1) return si;
   constexpr double k_digits = 1e-9;
@@ -156,7 +156,8 @@ class ObjectSchema {
     return member(key, std::move(schema), about);
   }
 
-  /// Adds a key for each unit of a field. An object has at most one of them, or exactly one if `required`.
+  /// Adds one key for each unit of a field, such as `fov_rad` and `fov_deg`. An object has at most one of
+  /// these keys, or exactly one if `required`.
   ObjectSchema& field(const Field& field, bool required) {
     const auto suffixes = engine::unit_suffixes(field.unit);
     std::vector<JsonNode> one_of;
@@ -206,7 +207,7 @@ class ObjectSchema {
 
 JsonNode table_schema(const FieldTable& table) { return ObjectSchema().fields(table).done(); }
 
-/// A number without a unit.
+/// Returns the description of a number without a unit.
 Field plain_number(double min, double max) { return {.name = "", .min = min, .max = max}; }
 
 JsonNode color_schema() {
@@ -237,15 +238,15 @@ JsonNode kind_of_a_plug_in(std::string_view what, std::string_view page,
                     {"required", texts(std::array{"kind"})}});
 }
 
-/// Adds the minimum number of entries of a list.
+/// Adds DocumentKey::least, the minimum number of entries, to the schema `list` and returns this schema.
 JsonNode counted(JsonNode list, const DocumentKey& key) {
   if (key.least > 0)
     add_member(std::get<Members>(list.value), "minItems", static_cast<std::int64_t>(key.least));
   return list;
 }
 
-/// Makes the schemas of structs that have a DocumentTable. A struct with a definition name is defined once in
-/// the schema and referenced everywhere else.
+/// Makes the schemas of structs that have a DocumentTable. The schema of a struct whose table has a
+/// definition name is stored once, under "definitions", and referenced everywhere else.
 class DocumentSchema {
  public:
   explicit DocumentSchema(const engine::Registry& registry) : registry_(registry) {}

@@ -25,7 +25,7 @@ JsonNode place_node(const engine::Record& pose) {
   return json_node(std::move(object));
 }
 
-/// Writes one object by its table.
+/// Writes one struct as a JSON object, key by key, as the table of the struct lists the keys.
 class ObjectWriter {
  public:
   ObjectWriter(const DocumentTable& table, const void* object, const engine::Registry& registry)
@@ -60,7 +60,7 @@ class ObjectWriter {
   void write_value(const DocumentKey& key);
   JsonNode node(const DocumentKey& key) const;
   JsonNode entries(const DocumentKey& key) const;
-  /// Whether the writer omits the key.
+  /// Whether the writer omits the key, because its member has no value or the default. Not for Form::value.
   bool is_missing(const DocumentKey& key) const;
 
   const DocumentTable& table_;

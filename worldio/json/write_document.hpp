@@ -7,8 +7,8 @@
 namespace troupe::worldio {
 
 /// Returns the JSON node that reads back as the struct at `object`, which must be of the type that the table
-/// describes. Values at their defaults are omitted. Nodes have the places of the document. If a kind is not
-/// registered, only its name is written, because the keys of its parameters are unknown.
+/// describes. Values at their defaults are omitted. Each node gets the place (Where) of its value. If a kind
+/// is not registered, only its name is written, because the keys of its parameters are unknown.
 JsonNode write_described(const DocumentTable& table, const void* object, const engine::Registry& registry);
 
 /// Writes a struct of type T with write_described().

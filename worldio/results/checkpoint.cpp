@@ -24,7 +24,8 @@ using engine::StateTable;
 
 constexpr std::string_view k_id = "bodies";  // the dataset with the ids of the rows; no field has this name
 
-/// The rows of a table, sorted by id, so that the file does not depend on their order in memory.
+/// Returns the rows of a table, sorted by the ids of their bodies, so that the file does not depend on the
+/// order of the rows in memory.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
   std::vector<std::size_t> rows(table.rows());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
@@ -41,9 +42,9 @@ std::vector<std::uint32_t> ids_of(const StateTable& table, std::span<const std::
 
 std::size_t bytes_of(const StateField& field) { return engine::element_size(field.element) * field.columns; }
 
-/// The group of each table, as steps of the path below /tables: the component "ranger/eye" is stored in the
-/// group eye in the group ranger. If several types have a component of the same name, it gets a number:
-/// "ranger/eye#2".
+/// Returns the group of each table, as steps of the path below /tables: the component "ranger/eye" is stored
+/// in the group eye in the group ranger. If several types have a component of the same name, it gets a
+/// number: "ranger/eye#2".
 std::vector<std::vector<std::string>> places_of(std::span<const StateTable> tables) {
   std::vector<std::vector<std::string>> places;
   std::set<std::string> taken;

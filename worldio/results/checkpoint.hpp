@@ -22,32 +22,33 @@ namespace troupe::worldio {
 /// `/world`       the spec as JSON (worldio/json/spec_json.hpp), without its bodies and aliases
 /// `/bodies`      the bodies of the spec, one column per field
 /// `/aliases`     the other names of the bodies
-/// `/tables/<component>/<field>`  the state, as arrays [rows, columns]; the rows are in the order of the ids
-/// in
-///                `/tables/<component>/bodies`
+/// `/tables/<component>/bodies`   ids of the bodies that have this component of the state, one per row
+/// `/tables/<component>/<field>`  one field of this component, as an array [rows, columns]
 /// `/bodies/subscribed`  ids of the bodies whose sensors the program itself subscribed to
-/// `/memories/<name>`  bytes that observers remember of earlier ticks; not part of the state
+/// `/memories/<name>`    bytes that observers remember of earlier ticks; not part of the state
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
 
-/// What observers, such as measures, remember of earlier ticks: bytes by name. Not part of the state.
+/// What observers, such as measures, remember of earlier ticks. The key is the name of an observer. The bytes
+/// are in a format that only this observer reads, and they are not part of the state of the world.
 using Memories = std::map<std::string, std::vector<std::byte>>;
 
 /// What a result file says about the run that wrote it, as keys and values: version, world, seed, effective
 /// options.
 using FileHeader = std::vector<std::pair<std::string, std::string>>;
 
-/// Saves the world between two ticks. Throws std::runtime_error, with the name of the file, if the file
-/// cannot be written or if the world cannot be stored. An existing checkpoint of this name is then unchanged.
+/// Saves the state that `world` has after its last tick. `header` is added to /meta. Throws
+/// std::runtime_error, with the name of the file, if the file cannot be written or if the world cannot be
+/// stored. An existing checkpoint of this name is then unchanged.
 void write_checkpoint(const std::filesystem::path& file, engine::World& world,
                       const engine::Registry& registry, const FileHeader& header,
                       const Memories& memories = {});
 
-/// A checkpoint that was opened and found intact. All functions throw InputError with a message
+/// A checkpoint file that is open for reading. All functions throw InputError with a message
 /// `run.h5: error: ...` if the file is not a valid checkpoint.
 class Checkpoint {
  public:
-  /// Opens a file and checks that it is an intact checkpoint.
+  /// Opens a file and checks, by the hash of its bytes, that it is an undamaged checkpoint.
   explicit Checkpoint(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return file_; }
@@ -64,9 +65,10 @@ class Checkpoint {
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;
-  /// Reads what observers remembered when the state was saved.
+  /// Returns the bytes that observers remembered when the state was saved.
   Memories memories() const;
-  /// Sets the state of `world`, which must have been built from spec(), to that of the checkpoint.
+  /// Sets the state of `world`, which must have been built from spec(), to that of the checkpoint. Throws if
+  /// the restored state does not have the hash that is stored in the file.
   void restore(engine::World& world) const;
 
  private:
@@ -81,7 +83,7 @@ class Checkpoint {
   std::map<std::string, std::string> header_;
 };
 
-/// Whether the first bytes of a file are those of a checkpoint.
+/// Whether the first bytes of a file are those of a checkpoint. False if the file cannot be read.
 bool is_checkpoint(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

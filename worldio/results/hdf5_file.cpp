@@ -54,9 +54,10 @@ Hdf5Id text_type(std::size_t size) {
   return type;
 }
 
-/// A conversion of HDF5 data types, from texts of variable length to the references that the file stores for
-/// them. With it, HDF5 does not follow the references, which hdf5_heap.hpp does more safely. With the command
-/// H5T_CONV_INIT, HDF5 asks each registered conversion whether it applies.
+/// A type conversion for HDF5, from a text of variable length to the reference that the file stores for it.
+/// With this conversion, HDF5 returns the reference and does not read the text; read_heap_text() reads it
+/// more safely. HDF5 calls the function with the command H5T_CONV_INIT to ask whether it can convert these
+/// types.
 herr_t convert_to_reference(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t,
                             std::size_t, void*, void*, hid_t) {
   if (conversion->command != H5T_CONV_INIT)
@@ -70,8 +71,8 @@ herr_t convert_to_reference(hid_t from, hid_t to, H5T_cdata_t* conversion, std::
 Hdf5Id reference_type() { return {H5Tcreate(H5T_OPAQUE, k_heap_reference_bytes), H5Tclose}; }
 
 /// Starts the library and disables its flush at the exit of the program. A file that was abandoned on a full
-/// disk is still open at the exit, and the library would try to flush it for ever. All other files are closed
-/// by their owners before.
+/// disk is still open at the exit, and the library would try to flush it for ever. Other files do not need
+/// this flush, because their owners close them.
 void start_library() {
   static const bool started = [] {
     H5dont_atexit();
@@ -111,7 +112,7 @@ hid_t datasets() {
 
 /// Checks that a dataset has its values in this file and needs no plug-in of HDF5 to decode them. HDF5
 /// supports both, but a file of unknown origin could use them to read other files or to run code. The error
-/// is a predicate of the dataset.
+/// text continues a sentence about the dataset, as in "has its values in other files".
 Result<> check_own(hid_t dataset) {
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
   if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
@@ -210,7 +211,7 @@ Hdf5Id creation_properties(hid_t kind) {
   return properties;
 }
 
-/// Limits the cache for the metadata of a file to 2 MiB. By default it grows to 32 MiB, filled with metadata
+/// Limits the cache for the metadata of a file to 2 MiB. By default, it grows to 32 MiB, with metadata
 /// that a long recording has written and never needs again. With the limit, the memory of a run is constant
 /// after some seconds.
 void bound_metadata_cache(hid_t access) {
@@ -224,8 +225,8 @@ void bound_metadata_cache(hid_t access) {
   H5Pset_mdc_config(access, &config);
 }
 
-/// Selects the file format of HDF5 1.10, even if the library is newer: SWMR needs this format, and HDF5 1.10
-/// can read it.
+/// Returns the properties for creating or opening a file. They select the file format of HDF5 1.10, even if
+/// the library is newer: SWMR mode needs at least this format, and HDF5 1.10 cannot read newer ones.
 Hdf5Id access_properties() {
   Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);

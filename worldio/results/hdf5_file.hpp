@@ -14,8 +14,8 @@
 
 namespace troupe::worldio {
 
-/// An error that is thrown if a file cannot be written or is not what a reader expects. The message is
-/// `run.h5: error: ...` with the reason in plain words. HDF5 itself prints nothing.
+/// The exception that is thrown if a file cannot be read or written, or if its content is not what a reader
+/// expects. The message is `run.h5: error: ...` with the reason. The HDF5 library itself prints nothing.
 class Hdf5Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -148,10 +148,10 @@ class Hdf5Dataset : public Hdf5Object {
   std::vector<std::size_t> extent_;
 };
 
-/// The layout of an extendible dataset in the file.
+/// How HDF5 stores an extendible dataset: in blocks of equal size, called chunks.
 struct Hdf5Chunks {
   std::vector<std::size_t> extent;    ///< size of a chunk along each dimension of the dataset, each above 0
-  std::optional<std::uint64_t> fill;  ///< value of unwritten rows; if empty, NaN for floats, else 0
+  std::optional<std::uint64_t> fill;  ///< value of unwritten elements; empty: NaN for floats, else 0
 };
 
 class Hdf5Group : public Hdf5Object {
@@ -223,9 +223,9 @@ class Hdf5File : public Hdf5Group {
   /// Writes the remaining data and closes the file. Its datasets and groups must have been destroyed before.
   /// Throws if that fails.
   void close();
-  /// Leaves the file on the disk as it is and never writes to it again, because on a full disk writing the
-  /// remaining data would damage the file. Datasets and groups of the file may still exist; they only waste
-  /// memory.
+  /// Gives up the file without closing it: the file on the disk stays as it is. Call this after a failed
+  /// write, because on a full disk, writing the remaining data would damage the file. Datasets and groups of
+  /// the file may still exist, but must not be used; they only occupy memory.
   void abandon() noexcept;
 
  private:
@@ -237,9 +237,8 @@ class Hdf5File : public Hdf5Group {
 /// error that says so.
 bool has_hdf5();
 
-/// Returns a name as one step of a path in an HDF5 file: "/", "%" and NUL become "%2F", "%25" and "%00"; the
-/// names ".",
-/// ".." and "" become "%2E", "%2E%2E" and "%".
+/// Returns a name as one step of a path in an HDF5 file. The characters "/", "%" and NUL become "%2F", "%25"
+/// and "%00". The names ".", ".." and "" become "%2E", "%2E%2E" and "%".
 std::string hdf5_name(std::string_view name);
 
 }  // namespace troupe::worldio

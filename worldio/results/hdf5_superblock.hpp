@@ -14,7 +14,7 @@ inline constexpr std::string_view k_hdf5_signature = "\x89HDF\r\n\x1a\n";
 /// file was killed (HDF5 File Format Specification 3.0, section II.A, versions 2 and 3). They are read and
 /// written without the HDF5 library.
 struct Hdf5Superblock {
-  std::uint8_t flags = 0;  ///< whether a writer has the file open
+  std::uint8_t flags = 0;  ///< k_writing and k_swmr_writing are set while a writer has the file open
   std::uint64_t end = 0;   ///< size of the file, as the writer recorded it here, bytes
 
   static constexpr std::uint8_t k_writing = 1;
@@ -27,9 +27,10 @@ struct Hdf5Superblock {
 /// versions. HDF5 writes the superblock with the first flush.
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file);
 
-/// Marks a file whose writer was killed as closed, so that ordinary HDF5 tools open it, and makes the size of
-/// the file equal to the recorded size. It changes 48 bytes in a single write, which happens completely or
-/// not at all, and may extend the file. Throws std::runtime_error with the file and the reason.
+/// Marks a file whose writer was killed as closed, so that ordinary HDF5 tools open it. If the file is
+/// shorter than the size in its superblock, the file is extended; if it is longer, the superblock gets the
+/// real size. The superblock is written as a whole (48 bytes) in a single write, so that it is never half
+/// changed. On failure, throws std::runtime_error with the name of the file and the reason.
 void close_superblock(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double k_reach = 1e6;                 // m: ten times the reach of a world
+constexpr double k_reach = 1e6;                 // m: ten times the largest coordinate in a world
 constexpr std::int64_t k_most_beams = 1 << 20;  // beams of a fan: ten times the maximum in a world
 
 [[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {
@@ -41,7 +41,8 @@ double number_of(const Json& json) {
   return x;
 }
 
-/// Reads a text. Texts that are not UTF-8 are stored as {"latin1": ...} and shown so.
+/// Reads a text. A text that is not UTF-8 is stored as {"latin1": ...}, with one character per byte; these
+/// characters are returned.
 std::string text_of(const Json& json) {
   return json.is_object() ? json.at("latin1").get<std::string>() : json.get<std::string>();
 }
@@ -61,7 +62,8 @@ Solid solid_of(const Json& json) {
   return solid;
 }
 
-/// Reads the index of a joint from the member `key`. It must be below `known`, the number of joints.
+/// Reads the index of a joint from the member `key`; k_rigid if there is no such member. Throws Damaged if
+/// the index is not below `known`, the number of joints.
 std::int32_t joint_of(const Json& json, const char* key, std::size_t known) {
   const auto found = json.find(key);
   if (found == json.end()) return engine::k_rigid;

@@ -34,10 +34,10 @@ struct RecordedScene {
   };
   struct Joint {
     std::string
-        component;  ///< group in /state with the displacement of the joint from rest, in its own frame
+        component;  ///< group in /state with the joint's displacement from rest, in the joint's frame at rest
     std::int32_t parent =
-        engine::k_rigid;   ///< index of the joint that carries this joint and comes before it
-    Pose pose_body_joint;  ///< pose at rest
+        engine::k_rigid;   ///< index of the joint that carries this one, below its own index; k_rigid: none
+    Pose pose_body_joint;  ///< pose of the joint at rest, in the frame of the body
   };
   struct Type {
     std::string name;
@@ -45,11 +45,11 @@ struct RecordedScene {
     std::vector<Eye> eyes;
     std::vector<Joint> joints;
     std::vector<std::string>
-        body_devices;  ///< devices of the first part: names of their groups in /sensors/<type>
+        body_devices;  ///< groups in /sensors/<type> of the devices that are mounted on the first part
     /// The component whose field `shown_color` gives each body its colour (engine/shown_color.hpp), such as
     /// "sensors/robot/lamp". Empty if no such field was recorded.
     std::string shown_color;
-    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: index of the joint that moves it
+    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: its joint; k_rigid: none
   };
   struct Body {
     std::string name;
@@ -66,8 +66,9 @@ struct RecordedScene {
 /// Returns the columns of /scene for all bodies of a world, walls included, as the spec describes them.
 RecordingReader::Scene scene_columns(const engine::WorldSpec& spec);
 
-/// Returns the colour of a body in a frame: `parts`, a recorded `shown_color` (red, green, blue, each 0 to
-/// 1). If the body was absent or showed no colour, returns `of_the_world`, its colour in the world file.
+/// Returns the colour of a body in a frame. `parts` is the recorded value of its field `shown_color`: red,
+/// green and blue, each from 0 to 1; the result is opaque. They are NaN if the body was absent or showed no
+/// colour: the result is then `of_the_world`, the colour of the body in the world file.
 Color shown_color(std::span<const double> parts, const Color& of_the_world);
 
 /// Reads the scene of a recording. Throws Hdf5Error with the file's name if the recording is damaged, or so

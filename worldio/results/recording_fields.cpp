@@ -19,9 +19,9 @@ using engine::HashGroup;
 using engine::StateTable;
 using engine::World;
 
-/// Whether a name of --record-fields chooses all fields of a table: "all", the component of the table, or the
-/// part of the component before its "/". The name "pose" also chooses the poses of moving parts, without
-/// which a body cannot be drawn. chosen_fields() handles names of single fields.
+/// Whether a name of --record-fields chooses all fields of a table. It does if it is "all", the component of
+/// the table, or the part of the component before its "/". The name "pose" also chooses the poses of moving
+/// parts, without which a body cannot be drawn. chosen_fields() handles the names of single fields.
 bool chooses(const std::string& name, const StateTable& table) {
   const std::string_view component = table.component();
   return name == "all" || name == component || name == component.substr(0, component.find('/')) ||

@@ -15,20 +15,21 @@ namespace troupe::worldio {
 /// types have comes from several tables of the state, one for each of these types.
 struct RecordedComponent {
   std::vector<std::string> path;  ///< steps from the root: {"state", "pose"}
-  std::string name;               ///< name of the component or of the sensor
+  std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
   std::string frame;              ///< frame of the values: "world", "body", "sensor", "joint" (at rest) or
                                   ///< "carrier"; empty: none
   std::size_t rows = 0;
-  bool everywhere = true;  ///< whether every body of the rows has the component
+  bool everywhere = true;  ///< whether the bodies of all rows have the component
   std::vector<engine::StateField> fields;
-  std::vector<std::size_t> columns;  ///< for each field, its index in the tables
+  std::vector<std::size_t> columns;  ///< for each field, its index in the fields of the tables
+  /// One table of the state from which the component is copied.
   struct Source {
     std::size_t table;                    ///< index into World::tables()
     std::vector<std::uint32_t> recorded;  ///< for each row of the table, its row in the recording
   };
   std::vector<Source> sources;
 
-  /// The size of one field, by its index, in all rows together, bytes.
+  /// Returns the size, bytes, of the field with this index in one frame: in all rows together.
   std::size_t bytes(std::size_t field) const;
 };
 
@@ -39,13 +40,15 @@ std::vector<BodyId> recorded_bodies(const engine::World& world);
 /// have the same name, the second is called "NAME~2".
 std::vector<std::string> recorded_type_names(const engine::World& world);
 
-/// Returns the names that `--record-fields` accepts in this world. They are, in this order: components of
-/// every robot (pose), fields of sensors (ranges), kinds (wander), and single components (ranger/eye).
+/// Returns the names that `--record-fields` accepts in this world, each once: "all", components that every
+/// robot has (pose), fields of sensors (ranges), kinds of controllers and devices (wander), and single
+/// components (ranger/eye).
 std::vector<std::string> recordable_names(const engine::World& world);
 
-/// Returns the components that the names choose, each once, in the order of the tables of the state. The name
-/// "all" chooses every component. Throws std::invalid_argument for an unknown name: `unknown field "posse";
-/// known: pose, velocity, ... (did you mean "pose"?)`.
+/// Returns the components that the names choose, each once: first those in /state, in the order of the tables
+/// of the state, then those in /sensors, by type. The names are those of recordable_names(). Throws
+/// std::invalid_argument for an unknown name, with a message such as `unknown field "posse"; known: pose,
+/// velocity, ... (did you mean "pose"?)`.
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
 
@@ -55,7 +58,7 @@ std::byte absent(const engine::StateField& field);
 
 /// Copies one component of the state of the world into buffers: `fields` has one buffer, in row-major order,
 /// for each field. Rows of bodies that lack the component are not written. Rows of bodies that are not in the
-/// world at present are filled with absent().
+/// world at present are filled with absent(), except in the component `life`, which says so.
 void gather(const engine::World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields);
 

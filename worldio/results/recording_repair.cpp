@@ -114,8 +114,9 @@ Repair repair_recording(const fs::path& file) {
   fs::path copy;
   std::error_code ignored;
   try {
-    // The lock file keeps other repairs out while the copy is changed. The copy itself cannot be the lock
-    // file, because HDF5 locks it. If a killed repair left a copy, it is overwritten.
+    // `turn` reserves a name: a second repair at the same time gets another one and so makes another copy.
+    // The copy itself cannot be the locked file, because HDF5 locks it too. A copy that a killed repair left
+    // is overwritten.
     const PartialFile turn(file);
     copy = fs::path(turn.path()).concat(".copy");
     fs::copy_file(file, copy, fs::copy_options::overwrite_existing);

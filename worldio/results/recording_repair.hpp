@@ -9,7 +9,7 @@ namespace troupe::worldio {
 struct Repair {
   bool needed =
       false;  ///< whether the file had to be repaired: its writer was killed or could not go on writing
-  std::uint64_t frames = 0;  ///< complete frames; all of them are kept
+  std::uint64_t frames = 0;  ///< number of complete frames, all of which are kept
 };
 
 /// Makes a recording that was cut off readable for ordinary HDF5 tools: marks it as closed and cuts every

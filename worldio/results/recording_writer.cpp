@@ -17,9 +17,9 @@ namespace {
 using engine::Element;
 using engine::World;
 
-// The size of a batch. It is large enough that the time of the calls is small compared with that of copying
-// the bytes, and small enough that the batch stays in the caches of the CPU. A chunk of an array holds one
-// batch of it; with many robots, it has at most k_chunk_bytes.
+// The size of a batch. It is large enough that the calls of HDF5 take little time compared with copying the
+// bytes, and small enough that the batch stays in the caches of the CPU. A chunk of an array holds the
+// array's frames of one batch. If a batch has only one frame, a chunk has at most k_chunk_bytes.
 constexpr std::size_t k_batch_bytes = std::size_t{2} << 20;
 constexpr std::size_t k_chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t k_most_batch_frames = 256;
@@ -50,8 +50,9 @@ std::size_t batch_frames(std::size_t frame_bytes) {
                     k_most_batch_frames);
 }
 
-/// Returns the chunks of an array: a chunk holds a batch of whole frames, or part of one frame if frames are
-/// large.
+/// Returns the chunks of an array of the state. `frames` is the number of frames in a batch, and `row` the
+/// extent of the array in one frame. A chunk holds whole frames of a batch or, if a batch has only one frame,
+/// a part of it.
 Hdf5Chunks chunks(std::size_t frames, const std::vector<std::size_t>& row, std::size_t element_bytes) {
   Hdf5Chunks chunks{.extent = {frames}};
   std::size_t inner = element_bytes;
@@ -272,7 +273,7 @@ void RecordingWriter::start(bool in_background) {
   file_.flush();
   file_.start_swmr();
   if (in_background) {
-    written_ = gathered_;  // in both batches, every byte that no frame overwrites is absent()
+    written_ = gathered_;  // so that, in both batches, a byte that no frame overwrites has the value absent()
     written_.reserve(batch_frames_);
     thread_.emplace(1);
   }

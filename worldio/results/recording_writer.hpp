@@ -23,10 +23,10 @@ inline constexpr std::uint64_t k_no_tick = ~std::uint64_t{0};
 /// The header of a recording, in addition to what the world itself provides.
 struct RecordingHead {
   std::vector<std::pair<std::string, std::string>>
-      meta;                ///< attributes of /meta: the keys and values of the header of a hash log
-  std::string world_json;  ///< the content of /world
-  std::uint64_t every_ticks = 1;
-  std::vector<std::string> fields;  ///< as requested
+      meta;                         ///< attributes of /meta, as keys and values: version, world, seed, ...
+  std::string world_json;           ///< the content of /world: the spec of the world as JSON
+  std::uint64_t every_ticks = 1;    ///< number of ticks from one frame to the next
+  std::vector<std::string> fields;  ///< names of fields, as the user gave them
 };
 
 /// Writes a recording (docs/recordings.md) frame by frame, in the SWMR mode of HDF5 (single writer, multiple
@@ -75,9 +75,9 @@ class RecordingWriter {
     Hdf5Dataset dataset;
     std::size_t frame_bytes;
   };
-  struct Batch {                                // of frames
-    std::vector<std::vector<std::byte>> state;  // an array per output, with room for a full batch
-    std::vector<std::uint64_t> ticks;           // a value per frame, as the next two
+  struct Batch {                                // frames that are written together
+    std::vector<std::vector<std::byte>> state;  // one buffer per output, with room for a full batch
+    std::vector<std::uint64_t> ticks;           // one per frame; so have the next two members
     std::vector<double> times_s;
     std::vector<std::uint64_t> hashes;
     void reserve(std::size_t frames);
@@ -93,15 +93,15 @@ class RecordingWriter {
   template <class Work>
   void guarded(Work&& work);
 
-  Hdf5File file_;  // destroyed last: what was opened from it must be gone
+  Hdf5File file_;  // destroyed last: datasets and groups must be destroyed before their file
   std::vector<BodyId> bodies_;
   std::vector<RecordedComponent> components_;
   std::uint64_t every_ticks_ = 1;
   std::size_t batch_frames_ = 1;
-  std::vector<Output> outputs_;             // of the components' fields, in their order, and /state/alive
-  std::vector<Hdf5Dataset> frame_outputs_;  // tick, time_s, hash
-  Batch gathered_;                          // not yet handed to the file
-  Batch written_;                           // by the thread, if there is one
+  std::vector<Output> outputs_;             // one per field of components_, in order; last, /state/alive
+  std::vector<Hdf5Dataset> frame_outputs_;  // /frames/tick, /frames/time_s, /frames/hash
+  Batch gathered_;                          // frames that are not written yet
+  Batch written_;                           // frames that the thread writes, if there is a thread
   std::uint64_t next_tick_ = 0;             // all due frames before it are recorded
   bool open_ = false;
   std::optional<partition::JobThread> thread_;  // destroyed first: uses file_, outputs_ and written_

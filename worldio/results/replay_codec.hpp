@@ -12,15 +12,15 @@ namespace troupe::worldio {
 
 /// The number that stands for "no value": the body is absent, or the number is not finite.
 inline constexpr std::int32_t k_absent = std::numeric_limits<std::int32_t>::min();
-/// The largest absolute value in a series. With this limit, a value predicted by Expected::line still fits in
-/// 31 bits.
+/// The largest absolute value in a series. With this limit, every number that append_series() stores fits in
+/// 31 bits, with both predictions.
 inline constexpr std::int32_t k_most_in_series = 130000000;
 
 /// How a value of a series is predicted from the values before it. Only the difference from the prediction,
 /// which is usually small, is stored.
 enum class Expected : std::uint8_t {
   same,  ///< equals the previous value
-  line,  ///< continues the line through the previous two values
+  line,  ///< continues the line through the previous two values; as `same` where only one is known
 };
 
 /// Appends a series to `out`. Each value is stored as an unsigned number, 7 bits per byte, low bits first.

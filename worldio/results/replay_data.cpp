@@ -20,11 +20,11 @@
 namespace troupe::worldio {
 namespace {
 
-// The number of frames in a block. It is large enough that the first frame, which is stored without
-// prediction, adds little to the size. It is small enough that a browser unpacks a block in the time between
-// two pictures.
+// Limits of the number of frames in a block. A block is large enough that its first frame, which is stored
+// without prediction, adds little to its size. It is small enough that a browser unpacks it in the time
+// between two pictures.
 constexpr std::size_t k_block_poses = 2000000;
-constexpr std::size_t k_block_values = 16000000;  // in a block of the widest array
+constexpr std::size_t k_block_values = 16000000;  // values of the largest field in a block
 constexpr std::size_t k_least_block = 4;
 constexpr std::size_t k_most_block = 256;
 
@@ -69,8 +69,8 @@ class BlockWriter {
  public:
   BlockWriter(const RecordingReader& recording, const ReplayPlan& plan) : plan_(plan), reader_(recording) {}
 
-  /// Returns the stream of the poses: for each robot x, y, heading and, if heights change, z, each over all
-  /// frames of the block.
+  /// Returns the stream of the poses in a block: first x of each robot over all frames of the block, then in
+  /// the same way y, heading and, if heights change, z.
   std::string poses(std::span<const std::size_t> frames) {
     packed_.clear();
     const std::array<double, 4> steps{k_replay_step_m, k_replay_step_m, 2 * k_pi / k_replay_turn,
@@ -87,7 +87,8 @@ class BlockWriter {
     return deflated(packed_);
   }
 
-  /// Returns the stream of one field: for each robot each column of the field, over all frames of the block.
+  /// Returns the stream of one field in a block: for each row of the field and each of its columns, the
+  /// values over all frames of the block.
   std::string field(const ReplayField& field, std::span<const std::size_t> frames) {
     packed_.clear();
     gather(*field.array, field.rows, frames, field.min, field.step);
@@ -97,8 +98,8 @@ class BlockWriter {
   }
 
  private:
-  /// Fills values_[(row * columns + column) * frames + frame] with the values of an array, as multiples of a
-  /// step above `from`.
+  /// Fills values_[(row * columns + column) * frames + frame] with the values of the given rows of an array.
+  /// Each is stored as the number of steps of size `step` above `from`.
   void gather(const RecordingReader::Array& array, std::span<const std::uint32_t> rows,
               std::span<const std::size_t> frames, double from, double step) {
     const std::size_t columns = array.field.columns;
@@ -125,7 +126,8 @@ std::string little_endian(std::uint32_t number) {
   return bytes;
 }
 
-/// The data of a page: the length of the header, the header, and the blocks.
+/// Returns the data of a page: the length of the compressed header (4 bytes, little-endian), this header, and
+/// the streams of all blocks.
 std::string packed(const RecordingReader& recording, const ReplayPlan& plan,
                    std::span<const std::size_t> frames, const ReplayBlocks& blocks,
                    const std::string& streams) {

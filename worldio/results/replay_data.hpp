@@ -26,9 +26,9 @@ struct ReplayData {
   bool at_rest = false;  ///< whether moving parts are drawn at rest, because their poses were not recorded
 };
 
-/// Makes the data of a replay page from a recording. Throws InputError if the recording lacks what a page
-/// needs or a field of `options`, or if not even two frames fit into the page; throws Hdf5Error if the
-/// recording cannot be read.
+/// Makes the data of a replay page from a recording. Throws InputError if the recording has no poses or no
+/// frames, if it lacks a field of `options`, or if not even two frames fit into the page. Throws Hdf5Error if
+/// the recording cannot be read.
 ReplayData replay_data(const RecordingReader& recording, const ReplayOptions& options);
 
 }  // namespace troupe::worldio

@@ -17,8 +17,8 @@ inline constexpr int k_replay_turn =
     2048;  ///< number of steps in a whole turn: a heading has a resolution of 0.18 degrees
 inline constexpr double k_replay_shape_m = 0.0001;  ///< resolution of outlines, m
 
-/// The sizes of the compressed blocks of a page. A block has some consecutive frames: one stream of bytes for
-/// the poses and one for each field.
+/// The sizes of the compressed blocks of a page. A block holds consecutive frames. It consists of one stream
+/// of bytes for the poses and one stream for each field.
 struct ReplayBlocks {
   std::size_t frames = 0;                       ///< number of frames per block; the last block may have fewer
   std::vector<std::vector<std::size_t>> bytes;  ///< for each block, the size of each of its streams
@@ -30,10 +30,10 @@ struct ReplayBlocks {
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 
-/// The data that a page which shows a running world needs at its start.
+/// The data that a page needs before it can show a running world.
 struct LivePage {
   std::string header;                ///< like replay_header(), without the keys that only recordings have
-  std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page: by type, then by id
+  std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page, sorted by type, then by id
   bool has_z = false;                ///< whether heights may change; if not, the header has them
 };
 /// Returns the data for a page that shows this world while it runs.

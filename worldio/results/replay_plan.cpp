@@ -20,7 +20,7 @@ using engine::Element;
 
 constexpr double k_levels = 4095;    // number of steps of a field: enough for a colour or a reading
 constexpr double k_endless = 1e150;  // larger numbers are treated as NaN, so that differences stay finite
-constexpr double k_most_whole = 100000000;  // whole numbers with a larger range than this are rounded
+constexpr double k_most_whole = 100000000;  // most steps; integers with a larger range are rounded
 
 [[noreturn]] void refuse(const RecordingReader& recording, const std::string& message) {
   throw InputError(fmt::format("{}: error: {}", recording.file().string(), message));
@@ -78,7 +78,8 @@ std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
   return arrays;
 }
 
-/// A field of an array, with its rows in the order of the page.
+/// Returns the field of a page that shows an array. Its rows are in the order of the page. The range of its
+/// values is still empty: survey() finds it.
 ReplayField field_of(const RecordingReader& recording, const Array& array,
                      std::span<const std::uint32_t> order) {
   constexpr std::uint32_t k_none = std::numeric_limits<std::uint32_t>::max();

@@ -46,9 +46,9 @@ std::optional<std::uint64_t> number_after(std::string_view head, std::string_vie
 }
 
 struct Content {
-  std::string head;  // the head; the whole file if that is shorter than a head
-  std::uint64_t bytes = 0;
-  std::uint64_t hash = 0;
+  std::string head;         // the head; the whole file if that is shorter than a head
+  std::uint64_t bytes = 0;  // number of bytes after the head
+  std::uint64_t hash = 0;   // XXH3 of these bytes
 };
 
 /// Reads the head of a file and computes the hash of the rest. Throws std::system_error if the file cannot be

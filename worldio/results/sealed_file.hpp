@@ -15,19 +15,21 @@ namespace troupe::worldio {
 ///     bytes 123456
 ///     xxh3 6b0f...
 ///
-/// padded with blanks. After the head come as many bytes as its third line says; their XXH3 hash (64 bits) is
-/// in the fourth line. To HDF5 the head is a user block, so the tools of HDF5 and h5py can open the file.
+/// The head is padded with blanks. Its third line gives the number of bytes that follow the head, and its
+/// fourth line gives their XXH3 hash (64 bits). To HDF5, the head is a user block, so the tools of HDF5 and
+/// h5py can open the file.
 inline constexpr std::size_t k_seal_bytes = 512;
 
-/// Writes `bytes` as a sealed file of this kind. The head replaces the first 512 elements of `bytes`. The
-/// function writes to another name in the same folder (worldio/partial_file.hpp), syncs that file to the disk
-/// and renames it to `file`. If that fails, throws std::runtime_error `run.h5: error: ...`; no partial file
-/// remains, and `file` is unchanged.
+/// Writes `bytes` as a sealed file. `kind` is the word in the first line, and `layout` the number in the
+/// second. The file has the head in place of the first 512 elements of `bytes`. The function writes to
+/// another name in the same folder (worldio/partial_file.hpp), syncs that file to the disk and renames it to
+/// `file`. If that fails, throws std::runtime_error `run.h5: error: ...`; no partial file remains, and `file`
+/// is unchanged.
 void write_sealed(const std::filesystem::path& file, std::string_view kind, unsigned layout,
                   std::span<const std::byte> bytes);
 
-/// Reads the whole file and checks it. Throws InputError if it does not exist, is another kind of file, has
-/// another layout, was cut off or is damaged. The message says which.
+/// Reads the whole file and checks its head and hash. Throws InputError if it does not exist, is another kind
+/// of file, has another layout, was cut off or is damaged. The message says which.
 void check_seal(const std::filesystem::path& file, std::string_view kind, unsigned layout);
 
 /// Whether the first line of a file is that of a sealed file of this kind.

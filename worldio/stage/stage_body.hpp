@@ -15,15 +15,14 @@
 
 namespace troupe::worldio {
 
-/// The solids of a model. `image` is set if all solids come from one image, `blocks` if all come from blocks:
-/// they are these blocks before scaling.
+/// The solids of a Stage model, and their source.
 struct StageBody {
   std::vector<Solid> solids;
-  std::optional<engine::ImageSpec> image;
-  std::vector<Solid> blocks;
+  std::optional<engine::ImageSpec> image;  ///< the image, if all solids come from one image
+  std::vector<Solid> blocks;               ///< the blocks before scaling, if all solids come from blocks
 };
 
-/// Makes the solids of models: default bodies, bitmaps, boundaries and blocks.
+/// Makes the solids of Stage models from their default bodies, bitmaps, boundaries and blocks.
 class StageBodies {
  public:
   StageBodies(const StageDocument& document, std::filesystem::path world_directory, StageValues& values,

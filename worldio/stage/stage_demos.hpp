@@ -28,7 +28,7 @@ engine::ControllerKind lasernoise_controller();
 using StageAddition = void (*)(const engine::Record& params, std::uint64_t seed,
                                const engine::Registry& registry, engine::TypeSpec& type, std::uint32_t part);
 
-/// The function that applies a controller of this kind; null if the kind does not change its model.
+/// Returns the function that applies a controller of this kind; null if the kind does not change its model.
 StageAddition stage_addition(std::string_view controller);
 
 }  // namespace troupe::worldio

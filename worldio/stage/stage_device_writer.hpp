@@ -7,22 +7,23 @@
 #include <string>
 
 /// Functions that write devices, drives and controllers as properties of Stage models, in metres and radians.
-/// They are the inverse of StageKinds. A parameter for which Stage has no property is omitted;
-/// check_stage_round_trip() reports it.
+/// They are the inverse of StageKinds (worldio/stage/stage_kinds.hpp), which reads these properties. A
+/// parameter for which Stage has no property is omitted; check_stage_round_trip() reports it later.
 namespace troupe::worldio {
 
 /// Writes the properties of a device into the model that is open in `text`.
 void write_stage_device(const engine::DeviceSpec& device, const engine::DeviceKind& kind, StageText& text);
 /// Writes the properties of a drive into the position model that is open in `text`.
 void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text);
-/// Writes the drive of a position model that is inside another model. `period_s` is the period of the
-/// controllers of that model, s.
+/// Writes the drive of a position model that is inside another model. In a spec, this drive is a device of
+/// kind "wheels". `period_s` is the period, s, of the controllers of the position model.
 void write_stage_wheels(const engine::DeviceSpec& wheels, double period_s, const engine::Registry& registry,
                         StageText& text);
 /// Returns the value of `ctrl` for a controller, such as `script law=wave`: its name, and the parameters that
 /// differ from their defaults.
 std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind);
-/// Returns the `update_interval`, ms, that is read back as exactly this period, s.
+/// Returns the value of `update_interval`, ms, that is read back as exactly this period, s, or as nearly as
+/// possible.
 double stage_milliseconds(double seconds);
 
 }  // namespace troupe::worldio

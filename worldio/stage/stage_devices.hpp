@@ -14,18 +14,17 @@ enum class StageUnit : std::uint8_t { plain, length, angle, degrees, millisecond
 /// for every other property.
 struct StageParameter {
   std::string_view model;     ///< type of the model: "fiducial"
-  std::string_view property;  ///< as in the file
+  std::string_view property;  ///< name of the property in the file
   std::string_view field;     ///< name of the parameter, in the field table of the device kind
   StageUnit unit = StageUnit::plain;
-  int column =
-      -1;  ///< index into a tuple [a b ...] whose element is the parameter; -1: the whole property is
+  int column = -1;  ///< index of the parameter in a tuple [a b]; -1: the whole property is the parameter
 };
 /// Returns all properties that map directly to one parameter of a device.
 std::span<const StageParameter> stage_parameters();
 
 /// A propagation law of radios, with its name in the `wifi` models of Stage 2.
 struct StageRadioLaw {
-  std::string_view model;  ///< as in the file
+  std::string_view model;  ///< name of the law in the file
   std::string_view law;    ///< parameter `law` of the radio
   std::string_view walls;  ///< parameter `walls` of the radio, unless the file gives it
 };

@@ -11,8 +11,8 @@ namespace troupe::worldio {
 std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path& path,
                                                      std::span<const std::filesystem::path> search_path);
 
-/// Returns a path without "." and ".." if the shorter path names the same file; else the path unchanged. The
-/// shorter path may name another file: if x is a link to a folder, "x/.." is the parent of the linked folder.
+/// Removes "." and ".." from a path. Returns `path` unchanged if the shorter path would name another file: if
+/// x is a link to a folder, "x/.." is the parent of the linked folder, not the folder that contains x.
 std::filesystem::path tidied(const std::filesystem::path& path);
 
 }  // namespace troupe::worldio

@@ -25,8 +25,8 @@ std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
   return names;
 }
 
-/// Checks a number, in SI units, against the limits of a field. The error is a predicate such as "must be
-/// above 0 m".
+/// Checks a number, in SI units, against the limits of a field. The error text continues a sentence about the
+/// number, as in "must be above 0 m".
 Result<> check_limits(const Field& field, double value) {
   const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
   const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
@@ -45,7 +45,7 @@ double within_a_turn(double angle) {
   return angle > k_turn && angle < k_turn * (1 + k_rounding) ? k_turn : angle;
 }
 
-/// Sets a field if the table has it: a kind need not have a field for every property of Stage's models.
+/// Sets a field if the table has it. A kind need not have a field for every property of Stage's models.
 void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
   if (const int at = table.find(name); at >= 0) record[static_cast<std::size_t>(at)] = std::move(value);
 }
@@ -105,7 +105,7 @@ std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor)
   };
 
   Eigen::Vector3d size(0.02, 0.02, 0.02);
-  const bool is_the_ranger = !sensor.alias.empty();  // then pose and size are those of the body
+  const bool is_the_ranger = !sensor.alias.empty();  // a laser or sonar: its pose and size are of the body
   if (sensor.alias == "laser") {                     // defaults of the lasers of older files
     params.range_max = 8;
     params.fov = radians(180);

@@ -12,8 +12,8 @@
 
 namespace troupe::worldio {
 
-/// Turns the properties of Stage models into the parameters of Troupe's kinds of devices, drives and
-/// controllers, by field name.
+/// Converts the properties of Stage models to Troupe's devices, drives and controllers. A property for which
+/// a kind has no parameter is left out.
 class StageKinds {
  public:
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)
@@ -27,7 +27,7 @@ class StageKinds {
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
   /// Reads a model that is a device of this kind. Empty, with errors, if a property is wrong.
   std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
-  /// Like device(), for a gripper whose model has this size, m.
+  /// Like device(), for a gripper. `size` is the size of its model, m.
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
                                             const Eigen::Vector3d& size);
   /// Reads the drive of a position model. Empty, with errors, if a property is wrong.

@@ -20,6 +20,7 @@ class StageLint {
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)
       : document_(document), macros_(macros), values_(values) {}
 
+  /// Checks the properties at the top level of the file.
   void check_world();
   /// Checks an entity, its macros and its children. The body of a macro is checked once.
   void check(const StageEntity& entity) { check(entity, 0); }
@@ -30,10 +31,10 @@ class StageLint {
   /// A group of properties that are reported together in one warning, or with thorough diagnostics one by
   /// one.
   struct Summary {
-    std::string_view all;   ///< text of the common warning, before the names of the properties
-    std::string_view each;  ///< text of the warning about one property, after its name
-    Where first = {};
-    std::vector<std::string> names = {};
+    std::string_view all;                 ///< text of the common warning, before the names of the properties
+    std::string_view each;                ///< text of the warning about one property, after its name
+    Where first = {};                     ///< place of the first property, which the common warning gets
+    std::vector<std::string> names = {};  ///< names of the properties, each once
   };
 
   void check(const StageEntity& entity, std::size_t depth);

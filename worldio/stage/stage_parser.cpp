@@ -21,7 +21,7 @@ constexpr std::size_t k_most_inclusions = 1000;
 constexpr std::size_t k_most_included_bytes = 256 << 20;  // a file counts each time it is included
 constexpr std::size_t k_deepest_nesting = 200;
 
-/// Thrown when parsing cannot usefully continue; caught in parse_stage().
+/// Thrown when it is no longer useful to continue parsing. parse_stage() catches it.
 struct GiveUp {};
 
 class SyntaxErrors {
@@ -52,7 +52,8 @@ bool is_number_part(char c) { return is_digit(c) || c == '+' || c == '-' || c ==
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
-/// The length of a word up to its first unmatched bracket: there, the word ends and a tuple begins or ends.
+/// Returns the length of the text before the first unmatched bracket in `word`. The word ends there, because
+/// the bracket begins or ends a tuple.
 std::size_t matched_length(std::string_view word) {
   std::size_t open = std::string_view::npos;
   for (std::size_t i = 0; i < word.size(); ++i) {

@@ -12,11 +12,11 @@
 
 namespace troupe::worldio {
 
-// The syntax of Stage's world files, without their meaning.
+// The syntax of Stage's world files: tokens, properties, entities and macros. Their meaning is not checked
+// here.
 
 /// A token. The lexer inserts the tokens of an included file in place of the `include`, so each token has its
 /// own file and line.
-
 struct StageToken {
   enum class Kind : std::uint8_t { word, number, string, open, close, tuple_open, tuple_close, end };
   Kind kind = Kind::end;
@@ -40,19 +40,20 @@ struct StageProperty {
 
 /// An entity: `word ( properties and entities )`. Models, blocks, sensors and windows are entities.
 struct StageEntity {
+  /// Consecutive entries of a list: first, ..., first + count - 1.
   struct Run {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
   std::uint32_t word = 0;  ///< the type or the macro's name; index into StageDocument::tokens
-  Run properties;          ///< in StageDocument::all_properties
-  Run children;            ///< in StageDocument::all_children
+  Run properties;          ///< entries of StageDocument::all_properties
+  Run children;            ///< entries of StageDocument::all_children
 };
 
 /// A macro or an entity at the top level of a file: `define word base body`, or `word body`.
 struct StageItem {
   bool is_define = false;
-  std::uint32_t base = 0;  ///< of a define; index into StageDocument::tokens
+  std::uint32_t base = 0;  ///< base of a macro; index into StageDocument::tokens
   StageEntity entity;
 };
 

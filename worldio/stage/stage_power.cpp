@@ -17,8 +17,8 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::Value;
 
-/// Types whose power draw follows from what they do, as in Stage: their `watts` is ignored. (A camera's 100 W
-/// are in Stage's manual, but not in its code.)
+/// Types of models whose power draw follows from their activity, as in Stage. Their property `watts` is
+/// ignored. (A camera's 100 W are in Stage's manual, but not in its code.)
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 
@@ -31,7 +31,7 @@ std::string device_name(const TypeSpec& type, std::uint32_t part, std::string_vi
   return below.empty() ? std::string(last) : fmt::format("{}.{}", below, last);
 }
 
-/// The power pack that supplies a part: that of the part itself, else that of the nearest part on which it is
+/// Returns the power pack that supplies a part: its own pack, or else that of the nearest part on which it is
 /// mounted. Null if there is none.
 DeviceSpec* pack_of(TypeSpec& type, std::uint32_t part) {
   for (;; part = type.parts[part].parent) {
@@ -83,8 +83,8 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   read_contact(model, part, type);
 }
 
-/// Reads the properties of the pack in the order in which Stage reads them, because a later property
-/// overwrites the stored energy.
+/// Adds the power pack of a part if its model stores energy. Reads the properties in the order in which Stage
+/// reads them, because a later property overwrites the stored energy.
 void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec& type) {
   bool has_pack = false;
   bool infinite = false;
@@ -92,8 +92,8 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
   double capacity = 0;
   struct Amount {
     std::string_view key;
-    double joules;  ///< per unit of the property
-    bool capacity_only;
+    double joules;       ///< joules per unit of the property
+    bool capacity_only;  ///< false: the property sets the stored energy too
   };
   constexpr std::array<Amount, 4> amounts{{{"joules", 1, false},
                                            {"joules_capacity", 1, true},

@@ -28,7 +28,7 @@ class StagePower {
   struct Draw {
     std::uint32_t part;
     double watts;
-    bool runs;  ///< the part draws power even if the body has no controller
+    bool runs;  ///< whether the model of the part always runs: it has `alwayson 1` or a controller
   };
 
   void read_pack(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
@@ -41,7 +41,7 @@ class StagePower {
   StageValues& values_;
   std::vector<Draw> draws_;
   double mass_ = 0;
-  bool drives_ = false;  ///< alwayson: the drive runs without a controller
+  bool drives_ = false;  ///< whether the drive always runs: the body has `alwayson 1` or a controller
 };
 
 }  // namespace troupe::worldio

@@ -368,7 +368,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"window", "energy_stored", window_only, ""},
 });
 
-/// Whether an entity is a model: only models share the rows of `model`.
+/// Whether entities of this type are models. Models also have the properties in the rows of "model".
 bool is_model(std::string_view type) {
   return type != "world" && type != "block" && type != "sensor" && type != "window";
 }

@@ -18,7 +18,7 @@ enum class StageSupport {
 
 struct StageRow {
   std::string_view type;  ///< "world", "block", "sensor", "window" or a model type; "model": every model type
-  std::string_view name;  ///< a number in brackets is written [k], as in `point[k]`
+  std::string_view name;  ///< name of the property; a number in brackets is written [k], as in `point[k]`
   StageSupport support;
   std::string_view note;
 };
@@ -27,12 +27,14 @@ struct StageRow {
 /// in docs/stage-worlds.md.
 std::span<const StageRow> stage_rows();
 
-/// Returns the row of a property in an entity of this type: a row of that type or, if there is none, a row of
-/// "model". Null if neither exists. `name` is the name in the file, with its numbers: "point[3]".
+/// Returns the row of a property in an entity of this type: a row of that type or, for a model type without
+/// such a row, a row of "model". `type` may also be an older name of a type: for "laser" and "sonar", rows of
+/// "ranger" and "sensor" count too. Null if there is no row. `name` is the name in the file, with its
+/// numbers: "point[3]".
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
 /// Whether a property of this name has no effect in any entity, so that bodies that differ only in this
-/// property share a type. `name` is the name in the file.
+/// property share a type. False for an unknown property. `name` is the name in the file.
 bool is_without_effect(std::string_view name);
 
 /// Returns the names of the properties that an entity of this type can have, without obsolete ones. They are

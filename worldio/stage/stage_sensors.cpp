@@ -11,8 +11,8 @@
 
 namespace troupe::worldio {
 
-/// Reads the colours that a blob finder reports: the first `colors_count` names of `colors`. Without
-/// `colors_count` it reports every colour.
+/// Reads the colours that a blob finder reports: the first `colors_count` names of `colors`. If one of the
+/// two properties is missing, the blob finder reports every colour.
 bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKind& kind,
                                  engine::DeviceSpec& spec) {
   const StageProperty* names = model.find(document_, "colors");
@@ -85,7 +85,8 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
   return true;
 }
 
-/// Reads the propagation law from `model`, which also sets the defaults of `walls` and `range`.
+/// Reads the propagation law of a radio from the property `model`. The law also determines the defaults of
+/// `walls` and `range`, which are read afterwards.
 bool StageKinds::add_radio_law(const StageModel& model, const engine::DeviceKind& kind,
                                engine::DeviceSpec& spec) {
   const auto index = [&](std::string_view name) { return static_cast<std::size_t>(kind.params.find(name)); };

@@ -12,8 +12,8 @@
 
 namespace troupe::worldio {
 
-/// Returns a number x for which read(x) == value to the last bit. It tries `guess` and the nearest doubles
-/// above and below it. Returns `guess` if none of these fits.
+/// Returns a number x for which read(x) == value to the last bit. The function tries `guess` and the seven
+/// nearest doubles above and below it. If none of them fits, it returns `guess`.
 template <class Read>
 double solved(double value, double guess, Read read) {
   constexpr int k_neighbours = 8;
@@ -29,8 +29,9 @@ double solved(double value, double guess, Read read) {
   return guess;
 }
 
-/// Returns the pose of c in frame b: compose(pose_a_b, result) == pose_a_c. This holds to the last bit if
-/// such numbers are found, else up to rounding.
+/// Returns the pose of c in frame b, for which compose(pose_a_b, result) == pose_a_c. The equation holds to
+/// the last bit if the function finds such numbers near the rounded result; otherwise it holds up to
+/// rounding.
 Pose relative_pose(const Pose& pose_a_b, const Pose& pose_a_c);
 
 /// Builds the text of a world in Stage's syntax. Numbers have the fewest digits that read back as the same
@@ -44,7 +45,7 @@ class StageText {
   void at(Where where) { where_ = where; }
   /// Writes a line `# text`.
   void comment(std::string_view text);
-  /// Writes `word (`, or with define() `define word base (`. close() writes the `)`.
+  /// open() writes `word (`, define() writes `define word base (`, and close() writes the `)` of either.
   void open(std::string_view word);
   void define(std::string_view word, std::string_view base);
   void close();

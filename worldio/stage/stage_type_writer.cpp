@@ -65,8 +65,9 @@ class TypeText {
   const DeviceSpec* own_device(std::uint32_t p) const;
   /// Returns the joint that moves the children of a part.
   std::int32_t joint_of(std::uint32_t p) const;
-  /// The part in whose model a child of `part` must be written so that the child moves with `joint`: `part`
-  /// itself if possible.
+  /// Returns the part in whose model a child of `part` must be written so that the child moves with `joint`.
+  /// This is `part` if the joint moves its children, else the part whose own device has the joint. `part` if
+  /// there is neither.
   std::uint32_t carrier(std::uint32_t part, std::int32_t joint) const;
   bool is_brought(std::uint32_t p) const;
 

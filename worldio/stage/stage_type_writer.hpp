@@ -29,9 +29,9 @@ std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
 
 /// The macro that a type is written as.
 struct StageMacro {
-  std::string word;              ///< its name
+  std::string word;              ///< name of the macro
   Color color;                   ///< colour of the bodies that do not have a colour of their own
-  bool has_many_colors = false;  ///< whether some bodies have another: if so, `color` is not written by name
+  bool has_many_colors = false;  ///< whether some bodies have another: then `color` is written as color_rgba
   std::vector<bool> added;       ///< for each part: whether it is omitted, from added_parts()
 };
 

@@ -21,7 +21,7 @@ using engine::Value;
 enum class Scale {
   one,
   length,   // in unit_length
-  degrees,  // whatever unit_angle says
+  degrees,  // always degrees, not unit_angle
   milliseconds
 };
 
@@ -57,7 +57,8 @@ double factor(Scale scale, double length_unit) {
   return 1;
 }
 
-/// False, with an error, if a number is outside the limits of its field.
+/// Whether a number is within the limits of its field. If not, reports an error. `value` is the number in SI
+/// units, and `written` is the number in the file.
 bool is_within(const Field& field, double value, double written, const StageProperty& property,
                StageValues& values) {
   if (value >= field.min && value <= field.max && !(field.above_min && value == field.min)) return true;

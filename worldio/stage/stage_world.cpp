@@ -36,11 +36,12 @@ using engine::WorldSpec;
 
 constexpr std::size_t k_most_entities = 20000;  // in one top-level model, after its macros are expanded
 constexpr std::size_t k_deepest_nesting = 200;
-// In all distinct top-level models together, because macros multiply the entities of a file.
+// Maximum number of entities in all distinct top-level models together. It is limited because macros can
+// multiply the entities of a file.
 constexpr std::size_t k_most_parts = 1000000;
 
-/// Properties in which bodies of one type may differ. The numbers of `fiducial_return` may differ too, but
-/// either all of them are 0 or none is.
+/// Properties in which bodies of one type may differ. Of `fiducial_return`, only numbers other than 0 may
+/// differ: either it is 0 for all bodies of the type, or for none.
 constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba", "fiducial_return"};
 enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
 using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
@@ -48,6 +49,7 @@ using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
 /// Whether the text of a number is 0.
 bool is_zero(std::string_view text) { return text.find_first_not_of("+-.0") == text.npos; }
 
+/// Makes the spec of a world from a parsed `.world` file.
 class StageWorld {
  public:
   StageWorld(const StageDocument& document, std::filesystem::path file, const engine::Registry& registry,
@@ -82,13 +84,14 @@ class StageWorld {
   }
 
  private:
-  /// What all bodies share whose text is equal, apart from the properties in k_own_keys.
+  /// The result of reading a top-level model. Models share it if their texts are equal, apart from the
+  /// properties in k_own_keys.
   struct Prototype {
-    bool usable = false;
-    const engine::ModelKind* kind = nullptr;
+    bool usable = false;                      ///< whether the model was read without errors
+    const engine::ModelKind* kind = nullptr;  ///< null: the text is not a model
     TypeId type;
-    OwnProperties inherited{};
-    std::vector<std::string> global_parts;
+    OwnProperties inherited{};              ///< the properties of k_own_keys in the macros of the model
+    std::vector<std::string> global_parts;  ///< names of parts that have global names
   };
 
   /// A type that is being built.
@@ -198,7 +201,7 @@ void StageWorld::read_world() {
     }
   if (const StageProperty* property = document_.world_property("resolution")) {
     spec_->resolution_where = values_.where(*property);
-    if (const auto metres = values_.number(*property)) {  // whatever unit_length says
+    if (const auto metres = values_.number(*property)) {  // always in metres, not in unit_length
       if (engine::k_min_resolution_m <= *metres && *metres <= engine::k_max_resolution_m)
         spec_->resolution_m = *metres;
       else
@@ -506,7 +509,8 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   add_children(model, below, height, holds->children, draft);
 }
 
-/// Reports a size of 0, which only a model without a body, such as most sensors, may have.
+/// Checks the size of a model that has a body. Reports an error if the size is 0 along x or y, and a warning
+/// if only the height is 0; for a gripper, a height of 0 is also an error.
 void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
   const bool is_gripper =
       model.type == "gripper";  // the body of a gripper is added together with its paddles
@@ -527,7 +531,8 @@ bool StageWorld::is_without_body(const StageModel& model) {
   return property && values_.flag(*property).value_or(false);
 }
 
-/// Reads the `..._return` properties: how sensors of other bodies perceive the model.
+/// Reads the `..._return` properties and `fiducial_key`, which say how other bodies collide with the model
+/// and sense it.
 engine::Returns StageWorld::returns(const StageModel& model) {
   engine::Returns returns;
   const auto read = [&](std::string_view key, auto& member, auto value) {
@@ -650,8 +655,8 @@ Color StageWorld::color(const StageProperty* name, const StageProperty* rgba, co
   return fallback;
 }
 
-/// Applies --set. A `.world` file has no JSON keys, so the values are set in the document that `troupe
-/// convert` would write.
+/// Returns the world with the changes of --set. A `.world` file has no JSON keys, so the values are set in
+/// the JSON document that `troupe convert` would write for the world.
 WorldSpec changed(const WorldSpec& spec, const std::filesystem::path& file, const engine::Registry& registry,
                   const LoadOptions& options, Diagnostics& diagnostics) {
   std::optional<JsonNode> document = write_json_world(spec, file, registry, diagnostics);

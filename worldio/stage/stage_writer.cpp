@@ -32,7 +32,7 @@ std::string word_of(const std::string& name) {
   return word.empty() ? "type" : word;
 }
 
-/// Whether a record, or a record inside it, has a heading beyond half a turn: Stage would wrap it.
+/// Whether a record, or a record inside it, has a heading outside [-pi, pi], which Stage would wrap.
 bool has_wide_heading(const engine::Record& record, const engine::FieldTable& table) {
   for (std::size_t i = 0; i < table.fields.size() && i < record.size(); ++i) {
     const engine::Field& field = table.fields[i];
@@ -78,7 +78,8 @@ class WorldText {
 
  private:
   bool says(std::string_view key) const { return document_ && document_->says(key); }
-  /// The place of a key, which is given without its unit; the file as a whole if it does not have the key.
+  /// Returns the place of a key of the JSON document. `key` has no unit. If the document does not have the
+  /// key, returns the file as a whole.
   Where where_of(std::string_view key) const {
     return says(key) ? document_->where_of(key) : Where{spec_.resolution_where.file, 0};
   }

@@ -11,9 +11,9 @@ namespace troupe::worldio {
 
 /// Returns a world as the text of a `.world` file, with a macro per type and a model per body. The text is
 /// read again and compared with `spec`. Everything that Stage's syntax cannot express is an error, at its
-/// place in `spec`. Outlines that differ in their last bits, because Stage centres bodies, are warnings. file
-/// where the text will be stored: the paths of images are relative to its folder document  the JSON document
-/// that the world was read from, for the lines of its keys in errors; may be null
+/// place in `spec`. Outlines that differ in their last bits, because Stage centres bodies, are warnings.
+/// file      where the text will be stored: the paths of images are relative to its folder
+/// document  the JSON document that the world was read from, for the lines of its keys in errors; may be null
 std::string write_stage_world(const engine::WorldSpec& spec, const std::filesystem::path& file,
                               const WorldDocument* document, const engine::Registry& registry,
                               Diagnostics& diagnostics);
