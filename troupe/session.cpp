@@ -22,9 +22,9 @@ namespace troupe {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int k_most_sessions = 100000;  // files of one world in a folder; more is an error
+constexpr int k_most_sessions = 100000;  // largest number of session files of one world in a folder
 
-/// Options that do not change results.
+/// Options that change no result, and that a replay may therefore change.
 constexpr std::array<std::string_view, 5> k_free{"world", "threads", "tile_m", "simd", "resumed_at_tick"};
 
 std::string_view program_of(std::string_view line) { return line.substr(0, line.find(" (")); }
