@@ -119,9 +119,10 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
 }
 
 /// Whether the compiler contracts a product and a sum to one fused multiply-add, which changes bits of
-/// results. The exact product of x and y cannot be represented as a double. Rounded, it equals z, so that x *
-/// y - z is 0; a fused operation returns the remainder of 2^-54. The operands are volatile so that the
-/// expression is computed at run time, as the arithmetic of a controller is, and not folded by the compiler.
+/// results. The exact product of x and y cannot be represented as a double. Rounded, it equals z, so that
+/// their difference is 0; a fused operation returns the remainder, 2^-54. The operands are volatile so that
+/// the expression is computed at run time, as the arithmetic of a controller is, and not folded by the
+/// compiler.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;
   const volatile double rounded_square = 0x1.0000004p0;
