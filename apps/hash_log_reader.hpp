@@ -32,7 +32,7 @@ class HashLogReader {
   struct Line {
     std::size_t number;                                       ///< line number in the file, from 1
     std::string text;                                         ///< the whole line, without its line break
-    std::uint64_t tick;                                       ///< tick
+    std::uint64_t tick;                                       ///< number of the tick
     std::uint64_t state;                                      ///< hash of the whole state
     std::array<std::uint64_t, engine::k_hash_groups> groups;  ///< hashes of the groups of components
   };

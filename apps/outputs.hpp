@@ -16,8 +16,8 @@
 
 namespace troupe::apps {
 
-/// Thrown if an output file cannot be written. It is thrown before the run, when no output has been written
-/// yet.
+/// Thrown if an output file cannot be written or must not be replaced. Commands that run a world throw it
+/// before the first tick.
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

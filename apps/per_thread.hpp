@@ -24,7 +24,7 @@ class PerThread {
   PerThread(const PerThread&) = delete;
   PerThread& operator=(const PerThread&) = delete;
 
-  /// The object of the calling thread, created at the thread's first call.
+  /// Returns the object of the calling thread, which is created at the first call of this thread.
   T& own() {
     // Number of the set that this thread used last, and the thread's object in it.
     thread_local std::pair<std::uint64_t, T*> known{0, nullptr};
@@ -48,7 +48,7 @@ class PerThread {
   }
 
   std::uint64_t number_;  // identifies the set within the process
-  std::mutex mutex_;      // guards the two below
+  std::mutex mutex_;      // guards owners_ and all_
   std::vector<std::thread::id> owners_;
   std::deque<T> all_;
 };

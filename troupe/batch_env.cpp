@@ -701,7 +701,7 @@ double BatchEnv::Impl::value(const TeamData& team, const Column& column, std::si
 }
 
 /// Computes the rewards of copy c, and which of its robots are finished, from the observed columns.
-/// has_stepped: false at the begin of an episode; the rewards are then 0 and no end is tested.
+/// has_stepped: false at the beginning of an episode; the rewards are then 0 and no end is tested.
 void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
   Copy& copy = *copies[c];
   const bool has_stopped = has_stepped && copy.simulation.stopped().has_value();

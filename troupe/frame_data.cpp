@@ -34,7 +34,7 @@ std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
   return places;
 }
 
-/// The kind in the name of a component: `ranger` for `ranger/ir`.
+/// Returns the kind in the name of a component: `ranger` for `ranger/ir`.
 std::string_view kind_of(std::string_view component) { return component.substr(0, component.find('/')); }
 
 /// Whether `name` is the name of the component that a table stores, or of its kind.
@@ -82,14 +82,15 @@ void for_each_device(const World& world, const Frame& frame, Visit&& visit) {
   }
 }
 
-/// The DeviceSpec from which a device was made.
+/// Returns the DeviceSpec from which a device of a body was made.
 const engine::DeviceSpec& spec_of(const World& world, BodyId body, const BodyType::Device& device) {
   const std::uint32_t type = world.spec().bodies[body.index()].type.value;
   const auto d = static_cast<std::size_t>(&device - world.types()[type].devices.data());
   return world.spec().types[type].devices[d];
 }
 
-/// The transducers of a device, in the order of its readings; empty if it has none.
+/// Returns the transducers of a device, in the order of its readings; empty if it has none. spec: the
+/// DeviceSpec of the device.
 std::vector<FrameTransducer> transducers_of(const engine::DeviceSpec& spec, const BodyType::Device& device) {
   std::vector<FrameTransducer> transducers;
   for (const engine::Transducer& t : device.prepared.transducers)
@@ -106,7 +107,7 @@ struct Ranger {
   std::size_t readings = 0;
 };
 
-/// All rangers, by type, then by device.
+/// Returns all rangers, ordered by type and then by device.
 std::vector<Ranger> rangers_of(const World& world) {
   std::vector<Ranger> rangers;
   for (std::size_t t = 0; t < world.types().size(); ++t) {

@@ -12,7 +12,8 @@ namespace troupe {
 
 /// Finds a value of the state by name: COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, such as `velocity.x` or
 /// `ranger/ir.ranges.3`. Instead of a component (`wander/0`) the name may have its kind
-/// (`wander.turn_left_s`). The error states which part of the name is unknown, and lists the known ones.
+/// (`wander.turn_left_s`). If there is no such value, the error lists the known ones; if only the column does
+/// not exist, it states the columns of the field.
 Result<ChosenValue> find_value(const engine::World& world, const std::string& name);
 /// Returns one number per body of Frame::mobile: the chosen value of the body, or NaN if the body does not
 /// have it.

@@ -43,7 +43,8 @@ class Covered {
   static constexpr double k_square_m = 1;  ///< edge length of the squares, m
 
   void see(const engine::FrameScene& scene, const engine::Frame& frame);
-  /// Fills Frame::covered, sorted by column and row.
+  /// Fills Frame::covered with the visited squares and the times of their last visits, sorted by x and then
+  /// by y.
   void add_to(engine::Frame& frame) const;
 
  private:

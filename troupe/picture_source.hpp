@@ -51,8 +51,9 @@ class PictureSource {
   /// The id of the body of this name; empty if there is no such body.
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 
-  /// Finds the value of this name (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN), for FrameWishes. The error
-  /// states which part of the name is unknown, and lists the known ones.
+  /// Finds the value of this name (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN), for FrameWishes. If there is
+  /// no such value, the error lists the known ones; if only the column does not exist, it states the columns
+  /// of the field.
   virtual Result<ChosenValue> find_value(const std::string& name) const = 0;
   /// Returns success if this source has the data of all requested members, else an error that states which
   /// data are missing and why.

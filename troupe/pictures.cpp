@@ -112,9 +112,9 @@ Result<> check_background(const std::string& background) {
 namespace {
 
 constexpr double k_default_pitch = 40 * k_pi / 180;
-constexpr double k_follow_widths = 24;  // width of the picture in radii of the followed model
+constexpr double k_follow_widths = 24;  // width of the picture, as a multiple of the followed model's radius
 constexpr double k_least_followed_m = 0.05;
-constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical
+constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical angle of view of Stage's camera
 
 bool* switch_of(render::Layers& layers, std::string_view name) {
   const std::array<std::pair<std::string_view, bool*>, k_layers.size()> all = {

@@ -118,8 +118,8 @@ struct Plugins::Loaded : Library {
   };
   Kinds<engine::ControllerKind> controllers{"controller"};
   Kinds<engine::DeviceKind> devices{"sensor or device"};
-  /// Names the kinds that the library has instead, for the error if it has no controllers, or no sensors and
-  /// devices.
+  /// Returns, for the error if the library has no controllers, or no sensors and devices, the kinds that it
+  /// has instead.
   std::string has_else() const {
     return controllers.names.empty()
                ? fmt::format("no controller, but {}", comma_list(devices.known()))
@@ -208,7 +208,8 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   return library;
 }
 
-/// Loads a library and stores its kinds. The error states why the library cannot be used.
+/// Loads the file of a library and stores its kinds in `library`. The error states why the library cannot be
+/// used.
 Result<> Plugins::open(Loaded& library) {
   const std::optional<std::string> bytes = worldio::read_file(library.file);
   if (!bytes) return Error{"cannot be read"};

@@ -89,7 +89,8 @@ struct RecordedRun::Impl {
   std::vector<const Array*> readings;
   std::vector<std::uint32_t> rows;         // per body id: its row in the recording, or k_none
   std::vector<const Array*> shown_colors;  // per type; null if not recorded
-  /// States of the joints of each type, four arrays per joint; empty if not recorded.
+  /// Displacements of the joints of each type: per joint four arrays (x, y, z, heading). Empty for a type
+  /// whose joints were not recorded.
   std::vector<std::vector<std::array<const Array*, 4>>> joints;
   std::size_t frame = 0;
 
@@ -106,7 +107,8 @@ struct RecordedRun::Impl {
       refuse("the recording has no poses: record the run with pose in --record-fields");
     stalled = find("stall", "stalled");
     for (const RecordedScene::Type& type : world.types) {
-      // Recordings append "~2" to the second type of a name, so use `type_name`, the name in /bodies/type.
+      // If two types have the same name, recordings append "~2" to the second one. Hence type_name(), the
+      // name in /bodies/type, is used.
       for (const RecordedScene::Eye& eye : type.eyes) {
         const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), eye.name), "ranges");
         std::size_t beams = 0;
@@ -128,7 +130,8 @@ struct RecordedRun::Impl {
     throw InputError(fmt::format("{}: error: {}", reader.file().string(), message));
   }
 
-  /// The name of a type in /bodies/type; empty if no recorded body has the type.
+  /// Returns the name of a type as the dataset /bodies/type states it; empty if no recorded body has the
+  /// type.
   std::string type_name(const RecordedScene::Type& type) const {
     for (std::size_t row = 0; row < reader.ids().size(); ++row)
       if (&world.types[world.bodies[reader.ids()[row]].type] == &type) return reader.types()[row];
@@ -154,7 +157,8 @@ struct RecordedRun::Impl {
     return values;
   }
 
-  /// The poses that a component stores in the current frame, one per recorded row.
+  /// The poses that a component stores in the current frame, one per recorded row. of() returns the pose of a
+  /// row, with the given z if z was not recorded.
   class Poses {
    public:
     Poses(const Impl& run, const std::array<const Array*, 4>& arrays) {
@@ -306,7 +310,7 @@ struct RecordedRun::Impl {
 
 namespace {
 
-/// Calls a function, and converts errors of HDF5 in a damaged file to InputError.
+/// Returns the result of work(). Converts errors of HDF5, which occur in damaged files, to InputError.
 template <class Work>
 auto checked(Work&& work) {
   try {

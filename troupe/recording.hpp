@@ -20,11 +20,11 @@ struct RecordingOptions {
   double every_s = 0;
   /// Whether an existing file is replaced; if not, an existing file is an error.
   bool replace = false;
-  /// Whether the recording writes the file on a thread of its own while the simulation continues. If the
-  /// process is then killed, up to two batches of frames are lost instead of one. Troupe never calls HDF5
-  /// from two threads at once. Other code in the process that uses the same HDF5 library, such as h5py, must
-  /// wait until the recording is closed, unless the library was built with thread safety
-  /// (H5is_library_threadsafe).
+  /// Whether the recording writes the file on a thread of its own while the simulation continues. Frames are
+  /// collected in memory and written in batches. If the process is killed, up to two batches are lost instead
+  /// of one. Troupe never calls HDF5 from two threads at once. Other code in the process that uses the same
+  /// HDF5 library, such as h5py, must wait until the recording is closed, unless the library was built with
+  /// thread safety (H5is_library_threadsafe).
   bool in_background = false;
 };
 

@@ -35,7 +35,7 @@ std::string value_of(const std::vector<std::pair<std::string, std::string>>& opt
   return "not given";
 }
 
-/// The options in which session and simulation differ, as text; empty if there are none.
+/// Returns, as text, the options in which session and simulation differ; empty if there are none.
 std::string difference(const worldio::SessionHeader& header, const Simulation& simulation) {
   const std::vector<std::pair<std::string, std::string>> here = simulation.effective_options();
   std::string text;

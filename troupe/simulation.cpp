@@ -172,7 +172,7 @@ struct Simulation::Impl {
       throw std::logic_error(fmt::format("{} is not allowed in a callback of on_tick()", what));
   }
 
-  /// Makes the world of a valid spec.
+  /// Makes the world of a valid spec. Adds warnings, also about plug-ins, to `warnings`.
   void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics) {
     tile_size_m = options.tile_size_m;
     spec.mortal = spec.mortal || options.mortal;
@@ -203,8 +203,8 @@ struct Model::Place {
   std::size_t part;
   std::string name;
 
-  /// The row of the body in the state tables. Throws std::logic_error if it has none or if the state is
-  /// incomplete.
+  /// Returns the row of the body in the state tables. Throws std::logic_error for static geometry, which has
+  /// no row, and if the state is incomplete after a failed step.
   Row row() const {
     world->require_whole();
     const Row row = world->row(body);
@@ -212,7 +212,7 @@ struct Model::Place {
       throw std::logic_error(fmt::format("\"{}\" is static: it has no drive and no sensor", name));
     return row;
   }
-  /// The row of the body in the state tables, for functions that do not apply to parts. Throws
+  /// Returns the row of the body in the state tables, for functions that do not apply to parts. Throws
   /// std::logic_error for a part and for static geometry.
   Row whole() const {
     if (part > 0)
@@ -241,7 +241,7 @@ struct Model::Place {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
     return part == 0 || device.name == parts[part].name;
   }
-  /// The first device of this model that satisfies `wanted`; null if there is none.
+  /// Returns the first device of this model that satisfies `wanted`; null if there is none.
   template <class Wanted>
   const engine::BodyType::Device* find(Wanted&& wanted) const {
     for (const engine::BodyType::Device& device : type().devices)

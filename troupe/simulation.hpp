@@ -129,7 +129,8 @@ struct RecordingOptions;
 /// steps.
 class Model {
  public:
-  const std::string& name() const;  ///< from the world file, or else as Stage names it ("position:0")
+  const std::string& name()
+      const;  ///< name in the world file, or else the name that Stage gives it ("position:0")
   /// Id of the body. Fiducial finders, bumpers, radios and Simulation::cast() report this id, and
   /// Simulation::model() takes it.
   BodyId id() const;
@@ -469,8 +470,9 @@ class Simulation {
   ///            std::logic_error if `without` is a model of another simulation
   /// threads    several threads may cast rays at once, between two steps; nothing is changed
   RayHit cast(const Pose& from, double range_max, const Model* without = nullptr) const;
-  /// A group of robots in the order of their ids (troupe/swarm.hpp). `of` names a type, a population or one
-  /// robot; empty: all robots. Throws std::out_of_range, with the known names, for an unknown name.
+  /// Returns a group of robots, in the order of their ids (troupe/swarm.hpp). of: name of a type, of a
+  /// population or of one robot; empty: all robots. Throws std::out_of_range, with the known names, for an
+  /// unknown name.
   Swarm swarm(std::string_view of = {});
   /// Places many models, each as Model::set_pose() does. This costs little more than placing one model,
   /// because the spatial index of the bodies is rebuilt only once. If one pose is invalid, set_poses() throws
@@ -512,8 +514,7 @@ class Simulation {
   /// every recording interval, until stop_recording(), reset() or the destruction of the simulation. Throws
   /// as the constructor of Recording does, and std::logic_error if a recording is already running.
   void record(const std::filesystem::path& file);
-  void record(const std::filesystem::path& file,
-              const RecordingOptions& options);  ///< with options
+  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< with options
   /// Closes the recording that record() started; other HDF5 tools can then read the file. Throws
   /// std::runtime_error if the file cannot be written. Does nothing if no recording is running.
   void stop_recording();
@@ -537,7 +538,7 @@ class Simulation {
   /// with hashes as 16 hexadecimal digits.
   std::string hash_log_line() const;
 
-  Statistics statistics() const;  ///< counters since tick 0; visits every robot
+  Statistics statistics() const;  ///< numbers that describe the run; visits every robot
   /// The sums of the energies of all power packs, J. `infinite` and `charging` are true if they are true for
   /// at least one pack.
   Model::Energy energy() const;

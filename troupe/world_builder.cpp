@@ -86,7 +86,7 @@ class Layout {
     text_ += list ? ']' : '}';
   }
 
-  /// Sets the line numbers of all members of a value to that of the value.
+  /// Gives all members of a value, at any depth, the line number of the value.
   static void place(JsonNode& node) {
     if (auto* list = std::get_if<JsonNode::List>(&node.value))
       for (JsonNode& item : *list) {

@@ -1,5 +1,5 @@
-// A minimal program that drives a robot: it loads a world, finds a robot, sets its speed, and reads its
-// ranges. It follows Figure 3 of Vaughan, Massively multi-robot simulation in Stage, 2008.
+// The smallest program that drives a robot: load a world, find a robot, set its speed, and read its ranges.
+// After Figure 3 of Vaughan, Massively multi-robot simulation in Stage, 2008.
 #include <troupe/troupe.hpp>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   troupe::Simulation world(argc > 1 ? argv[1] : "worlds/minimal.world");
-  world.subscribe("r0");  // makes its sensors run
+  world.subscribe("r0");  // runs its sensors
   troupe::Model robot = world.find("r0");
   robot.set_speed(0.2, 0.05);  // m/s forward, rad/s to the left
 

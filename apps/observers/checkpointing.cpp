@@ -83,8 +83,8 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
   std::vector<fs::path> files(const RunOptions& options) const override {
     const fs::path resumed_from = options.is_checkpoint ? options.world : "";
     check_checkpoint(options.checkpoint, resumed_from, options.force);
-    if (same_file(options.checkpoint, resumed_from))
-      return {};  // check_outputs() refuses an output that is also an input
+    // The checkpoint is then also an input, and check_outputs() would refuse it.
+    if (same_file(options.checkpoint, resumed_from)) return {};
     return {options.checkpoint};
   }
   OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {

@@ -70,7 +70,7 @@ class Filming : public Observer {
 
   void observe(const Simulation& simulation) override;
   /// Adds the frames of the film up to the current time of `source`; frames between this time and that of the
-  /// previous call are interpolated. next_s: simulated time of the next call, s; infinity for the last call.
+  /// previous call are interpolated. next_s: simulated time of the next call, s; infinity if there is none.
   void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
   /// Waits until the film is complete. Throws if drawing or writing failed.

@@ -14,8 +14,8 @@ class TickWatcher {
   virtual ~TickWatcher() = default;
   /// A phase begins, or, with std::nullopt, the tick ends.
   virtual void phase(std::optional<Phase> phase) = 0;
-  /// A task of a parallel loop begins (`begins` is true) or ends, on the calling thread, which may be any
-  /// worker thread. index: index of the task in its loop.
+  /// A task of a parallel loop begins (`begins` is true) or ends (false). It is called on the thread that
+  /// runs the task, so several threads may call it at once. index: index of the task in its loop.
   virtual void task(std::size_t index, bool begins) = 0;
 };
 

@@ -44,10 +44,11 @@ struct Report {
   std::uint64_t ticks_here() const { return statistics.ticks - first_tick; }
 };
 
-/// The summary as aligned lines; ends with a line break.
+/// Returns the summary as lines of names and values in two columns; ends with a line break.
 std::string summary_text(const Report& report);
 
-/// The summary as one flat JSON object with keys in a fixed order; ends with a line break.
+/// Returns the summary as one JSON object without nested objects, with keys in a fixed order; ends with a
+/// line break.
 std::string summary_json(const Report& report);
 
 }  // namespace troupe::apps

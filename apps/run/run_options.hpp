@@ -18,9 +18,9 @@ struct RunOptions : WorldOptions {
   /// which `world` is the world to run.
   std::vector<std::filesystem::path> worlds;
   RunOutputs outputs;                ///< all outputs with their own options
-  std::filesystem::path checkpoint;  ///< empty: none
-  std::optional<double>
-      checkpoint_every_s;              ///< simulated time between checkpoints, s; not given: only at the end
+  std::filesystem::path checkpoint;  ///< file of the checkpoint; empty: none
+  /// Simulated time between checkpoints, s; not given: only at the end.
+  std::optional<double> checkpoint_every_s;
   std::optional<double> wall_limit_s;  ///< wall time after which the run stops, s; not given: no limit
   std::filesystem::path record;        ///< empty: the one named in the world, if any
   RecordingOptions recording;

@@ -22,7 +22,8 @@ struct SweepOutcome {
 };
 
 /// A file with the results of the finished runs of one process, one line of JSON per run. Each line is on the
-/// disk before the process starts the next run, so that a killed sweep loses only its unfinished runs.
+/// disk before the thread that made the run starts another one, so that a killed sweep loses only its
+/// unfinished runs.
 class SweepJournal {
  public:
   /// Opens or creates a journal, and removes an incomplete last line. study: a text that identifies the

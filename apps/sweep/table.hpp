@@ -39,8 +39,8 @@ std::filesystem::path series_file(const std::filesystem::path& folder, std::size
 /// Appends the row of one sample of a run, as in write_series(), to `rows`.
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
 
-/// Writes the columns of write_csv() as datasets of the group /table, and their order as /columns
-/// (docs/sweeps.md). Throws OutputError.
+/// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md): each column as a dataset of the group
+/// /table, and the names of the columns, in their order, as the dataset /columns. Throws OutputError.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace troupe::apps

@@ -30,12 +30,11 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using beast::error_code;
 
-constexpr std::size_t k_most_connections =
-    128;                                       // connections without a token; another one replaces the oldest
-constexpr std::size_t k_most_clients = 16;     // connections with a token
-constexpr std::size_t k_most_header = 8192;    // bytes of a request
-constexpr std::size_t k_most_message = 65536;  // bytes of a text from a client
-constexpr std::size_t k_most_waiting = 256;    // texts queued for a client
+constexpr std::size_t k_most_connections = 128;  // without a token; another connection replaces the oldest
+constexpr std::size_t k_most_clients = 16;       // connections with a token
+constexpr std::size_t k_most_header = 8192;      // bytes of a request
+constexpr std::size_t k_most_message = 65536;    // bytes of a text from a client
+constexpr std::size_t k_most_waiting = 256;      // texts queued for a client
 constexpr int k_most_in_flight = 2;  // pictures that were sent to a client and that it has not drawn yet
 constexpr std::chrono::seconds k_handshake{5};  // time from the connection until the token must arrive
 constexpr std::chrono::seconds k_idle{
@@ -210,8 +209,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     socket_ws_.emplace(std::move(socket_));
     socket_ws_->set_option(websocket::stream_base::timeout{k_handshake, k_idle, true});
     socket_ws_->read_message_max(k_most_message);
-    socket_ws_->auto_fragment(
-        false);  // one frame per message, so that programs that read messages are simple
+    // Each message is one frame, so that programs that read messages are simple.
+    socket_ws_->auto_fragment(false);
     socket_ws_->async_accept(request, [self = shared_from_this()](error_code error) {
       if (error) return self->close();
       self->read();

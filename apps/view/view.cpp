@@ -184,8 +184,8 @@ std::optional<ViewFrames> View::picture(std::uint64_t client) {
       fmt::format(R"({{"type":"state","picture":{},{}{}{}}})", newest->number, newest->state,
                   own == newest->own.end() ? "" : ",", own == newest->own.end() ? "" : own->second),
       encode(*newest, order_.size(), known.poses, known.colors)};
-  const std::scoped_lock lock(
-      mutex_);  // held while the pointer is released, because publish() reads its use count
+  // The pointer is released under the lock, because publish() reads its use count.
+  const std::scoped_lock lock(mutex_);
   newest.reset();
   return frames;
 }

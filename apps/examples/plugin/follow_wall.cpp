@@ -22,19 +22,17 @@ struct FollowWall {
   Params params;
 
   static constexpr std::string_view text = "keep a wall at the left";
-  static constexpr std::array k_uses{
-      std::string_view("ranger")};  // whose beams must cover the directions ahead to left
+  static constexpr std::array k_uses{std::string_view("ranger")};  // must face ahead and to the left
 
   struct Memory {
-    std::uint32_t corners = 0;  // number of times that a wall ahead made the robot turn
+    std::uint32_t corners = 0;  // number of times that a wall ahead made it turn
     bool turning = false;
     TROUPE_FIELDS(corners, turning)
   };
 
   void operator()(Memory& memory, const troupe::Percept& percept, troupe::Random&,
                   troupe::Actions& actions) const {
-    const std::span<const float> ranges =
-        percept.ranges(0);  // m; the first beam points ahead, the last to the left
+    const std::span<const float> ranges = percept.ranges(0);  // m, from ahead to the left
     if (ranges.empty()) return;
     const float ahead = *std::ranges::min_element(ranges.first(ranges.size() / 2 + 1));
     const bool is_blocked = ahead < 1.2 * params.distance;

@@ -11,8 +11,7 @@
 namespace {
 
 struct BeamRanger {
-  /// Parameters of Troupe's ranger, and of the noise: fractions of beams that unmapped objects cut short,
-  /// that return no echo, or that read random values.
+  /// Fractions of beams that unmapped objects cut short, that return no echo, or that read random values.
   struct Params {
     troupe::Ranger::Params ranger;
     double short_share = 0.05;
@@ -22,7 +21,7 @@ struct BeamRanger {
 
     static constexpr void describe(troupe::Description<Params>& d) {
       using namespace troupe::facts;
-      d.part<&Params::ranger>();  // first the parameters of Troupe's ranger, then those of the noise
+      d.part<&Params::ranger>();  // first the parameters of Troupe's ranger, then these
       d.member<&Params::short_share>("short_share", within(0, 1), "fraction of beams that are cut short");
       d.member<&Params::short_rate>(
           "short_rate", above(0),
@@ -52,8 +51,7 @@ struct BeamRanger {
     return troupe::Error{"has short_share, max_share and random_share that add up to more than 1"};
   }
 
-  /// Called in the sense phase, on several threads at once, so it may write only the rows of `batch`. Returns
-  /// the number of rays that were cast.
+  /// Called in the sense phase, on several threads at once: it may write only the given rows.
   std::uint64_t sense(const troupe::DeviceBatch& batch) const {
     const std::uint64_t rays = ranger.sense(batch);
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
