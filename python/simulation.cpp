@@ -76,7 +76,8 @@ SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed&
           std::move(plugin_path)};
 }
 
-/// Calls make() without the interpreter's lock, because worlds may take long to load.
+/// Returns the simulation that make() makes. make() runs without the interpreter's lock, because worlds may
+/// take long to load.
 template <class Make>
 Holder hold(Make&& make) {
   const Unlocked unlocked;

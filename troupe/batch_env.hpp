@@ -58,8 +58,8 @@ struct BatchPart {
 struct BatchArraySpec {
   std::string name;              ///< unique among the arrays of its team
   std::vector<BatchPart> parts;  ///< the columns of a robot: its parts, one after the other, in float32
-  /// Whether the array has the element type of the field instead of float32, without `scale`; useful for
-  /// images. Such an array must have exactly one part, of the source `reading`.
+  /// If true, the elements have the type of the field instead of float32, and `scale` is not applied; use
+  /// this for images. Such an array must have exactly one part, of the source `reading`.
   bool raw = false;
 };
 
@@ -173,11 +173,11 @@ class BatchEnv {
     std::size_t columns = 0;                         ///< number of elements per robot
     std::span<std::byte> bytes;                      ///< copies x robots x columns elements
   };
-  /// The array of this name. Throws std::out_of_range, with the names of the arrays of the team, if there is
-  /// no such array.
+  /// Returns the array of this name. Throws std::out_of_range, with the names of the arrays of the team, if
+  /// there is no such array.
   Array array(std::size_t team, std::string_view name) const;
-  /// The array of this name as float32. Throws as array() does, and std::invalid_argument if it has another
-  /// element type.
+  /// Returns the elements of the array of this name, which must be float32. Throws as array() does, and
+  /// std::invalid_argument for another element type.
   std::span<const float> floats(std::size_t team, std::string_view name) const;
   std::span<double> actions(std::size_t team);  ///< copies x robots x actions; the caller writes them
   std::span<double> rewards(std::size_t team);  ///< copies x robots: reward of the last step

@@ -39,8 +39,8 @@ class Measures {
   void see();
   /// Names of the values, with their units appended: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const;
-  /// Returns one number per column for the current state; NaN if a measure has no value. Call see() after the
-  /// last step first.
+  /// Returns one number per column for the current state; NaN if a measure has no value. see() must have been
+  /// called after the last step.
   std::vector<double> values();
   /// Returns the value of one column for the current state, as values() does. The name may omit the unit.
   /// Throws std::out_of_range, with the known columns, if there is no such column.

@@ -172,7 +172,7 @@ struct Simulation::Impl {
       throw std::logic_error(fmt::format("{} is not allowed in a callback of on_tick()", what));
   }
 
-  /// Makes the world of a valid spec. Adds warnings, also about plug-ins, to `warnings`.
+  /// Makes the world of a valid spec, and collects warnings about it and about plug-ins in `warnings`.
   void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics) {
     tile_size_m = options.tile_size_m;
     spec.mortal = spec.mortal || options.mortal;

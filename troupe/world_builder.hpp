@@ -54,7 +54,8 @@ class Setting {
   std::shared_ptr<const worldio::JsonNode> node_;
 };
 
-/// Named values. The names are keys of the world file (docs/world-format.md), which contain the unit:
+/// Named values. The names are keys of the world file (docs/world-format.md). A key contains the unit of its
+/// value:
 ///
 ///     troupe::Settings{{"range_max_m", 2}, {"fov_deg", 90}, {"samples", 9}}
 class Settings {

@@ -16,7 +16,8 @@ namespace troupe::apps {
 /// name and the tick. A camera that has no reading yet is skipped.
 class CameraPictures : public Observer {
  public:
-  /// Creates the folder if it does not exist. Throws OutputError if that fails.
+  /// Creates the folder if it does not exist. every_ticks: interval of the images, ticks. Throws OutputError
+  /// if creating the folder fails.
   CameraPictures(std::filesystem::path folder, std::uint64_t every_ticks);
 
   void observe(const Simulation& simulation) override;

@@ -8,7 +8,8 @@
 
 namespace troupe::apps {
 
-/// Is notified of phases and tasks during a tick, through Simulation::on_phase() and Simulation::on_task().
+/// Base class of objects that are notified of the phases and tasks of each tick. A run calls phase() from its
+/// callback of Simulation::on_phase(), and task() from that of Simulation::on_task().
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;

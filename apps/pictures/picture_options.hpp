@@ -38,9 +38,10 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures);
 
 // Parts of add_picture_options() for other commands that draw, in which options may have other names.
 
-/// Adds the options that set how pictures look: --size, --camera, --layers, ...
+/// Adds the options that set how pictures look: --size, --camera, --layers, ... Parsing fills `look`, which
+/// must outlive `app`.
 void add_look_options(CLI::App& app, PictureOptions& look);
-/// Adds --film, --fps and --film-speed.
+/// Adds --film, --fps and --film-speed. Parsing fills `pictures`, which must outlive `app`.
 void add_film_options(CLI::App& app, PictureFiles& pictures);
 /// Convert `text`, the value of the option `option`, to the name or to the times of the snapshots. Throw
 /// CLI::ParseError for invalid values.

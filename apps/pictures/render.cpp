@@ -158,8 +158,8 @@ void film_recording(const RenderOptions& options, RecordedRun& run) {
   fmt::print("{}\n", film.result());
 }
 
-/// Throws InputError if an option other than `allowed` was given, because the checkpoint or recording already
-/// determines its value.
+/// Throws InputError if one of the options `given` is not in `allowed`, because the input, a checkpoint or a
+/// recording, already determines its value. what: the kind of input, for the error.
 void refuse_given(const RenderOptions& options, std::span<const std::string_view> allowed,
                   std::string_view what) {
   for (const std::string& option : options.given)

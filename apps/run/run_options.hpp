@@ -22,13 +22,13 @@ struct RunOptions : WorldOptions {
   /// Simulated time between checkpoints, s; not given: only at the end.
   std::optional<double> checkpoint_every_s;
   std::optional<double> wall_limit_s;  ///< wall time after which the run stops, s; not given: no limit
-  std::filesystem::path record;        ///< empty: the one named in the world, if any
+  std::filesystem::path record;        ///< recording; empty: the one that the world file names, if any
   RecordingOptions recording;
   std::filesystem::path session;  ///< session to repeat; empty: none
   bool force = false;             ///< replace existing outputs
   bool clock = false;             ///< print the time even if the world does not ask for it
   double rate = 0;                ///< limit of the speed, times real time; 0: as fast as possible
-  bool world_rate = false;        ///< use the world's rate instead
+  bool world_rate = false;        ///< use the speed that the world file states instead of `rate`
   // For `troupe resume`. `world` is then a checkpoint, and of `simulation` only the number of threads, the
   // tile size, `set` and the plug-in path are used.
   bool across_versions = false;  ///< as ResumeOptions::across_versions
@@ -48,7 +48,8 @@ std::string with_world(std::string name, const std::filesystem::path& world);
 /// Adds the options of `run`; parsing fills `options`, which must outlive `command`.
 /// Parsing throws CLI::ValidationError with the allowed values for an invalid value.
 void add_run_options(CLI::App& command, RunOptions& options);
-/// Adds the options of `resume`, with the outputs of `run`.
+/// Adds the options of `resume`, among them the outputs that `run` has. Parsing fills `options`, which must
+/// outlive `command`.
 void add_resume_options(CLI::App& command, RunOptions& options);
 
 }  // namespace troupe::apps

@@ -18,7 +18,7 @@ std::vector<std::string> measure_columns(const std::vector<std::string>& measure
 
 /// The results of all runs of a study, from which the tables are written.
 struct SweepTable {
-  const worldio::Study& study;                   ///< the study
+  const worldio::Study& study;                   ///< study to which the runs belong
   std::vector<std::string> measures;             ///< names of the columns of measures (measure_columns())
   std::map<std::size_t, SweepOutcome> outcomes;  ///< results of finished runs, by index of the run
   std::map<std::size_t, std::string> failed;     ///< errors of failed runs, which have no outcome
