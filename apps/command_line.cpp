@@ -69,7 +69,7 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}: error: {}; see {} --help\n", name, message, name);
 }
 
-/// The text that --version prints.
+/// Returns the text that --version prints.
 std::string version_text() {
   std::string usable;
   for (const std::string& name : partition::simd_targets().usable)
@@ -99,7 +99,8 @@ ExitCode run_command(const CLI::App& app, std::vector<ProgramCommand>& commands,
   return k_bad_input;
 }
 
-/// The exit code of a command. Throws std::runtime_error if its output was lost (full disk, closed stream).
+/// Flushes standard output and returns `code`, the exit code of a command. Throws std::runtime_error if
+/// output was lost (full disk, closed stream), unless `code` already reports bad input.
 int told(int code) {
   const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush().good();
   if (!flushed && code != k_bad_input) throw std::runtime_error("standard output cannot be written");

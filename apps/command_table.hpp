@@ -9,8 +9,8 @@ class App;
 
 namespace troupe::apps {
 
-/// An option or positional argument of a command, read from the parser, for the manual page and the
-/// completion of shells.
+/// An option or positional argument of a command, as the command-line parser describes it. The manual page
+/// and the completion scripts of shells are made from it.
 struct CommandOption {
   std::vector<std::string> names;  ///< as typed: "--for"; for a positional argument only its name: "WORLD"
   std::string value;  ///< placeholder of its value: "S", "FILE.h5", "exact|grid"; empty: no value
@@ -25,7 +25,8 @@ struct Command {
   std::string footer;                  ///< text below the options in --help
 };
 
-/// Returns the program itself with its own options as the first element, and then all commands.
+/// Returns all commands of the parser `app`. The first element is the program itself with its own options
+/// (--help, --version).
 std::vector<Command> command_table(const CLI::App& app);
 
 }  // namespace troupe::apps

@@ -19,7 +19,7 @@ struct ProgramCommand {
   std::string help;
   std::function<void(CLI::App& command)> add_options;  ///< declares the options; parsing fills them
   std::function<ExitCode()> run;                       ///< runs the command with its options
-  std::any options;  ///< a std::shared_ptr to the options, of the type declared in the command's file
+  std::any options;  ///< a std::shared_ptr to the options that parsing fills, such as RunOptions
 };
 
 /// All commands, in the order of --help. Each call creates new options.

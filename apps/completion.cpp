@@ -17,8 +17,8 @@ namespace {
 
 using Arguments = std::map<std::string, std::vector<std::string>>;
 
-/// The values that a shell can offer for an option: a list of words, or file names. If it has neither,
-/// nothing is offered.
+/// The values that a shell offers for an option: the list `words`, or, if `file` is true, file names. If the
+/// list is empty and `file` is false, it offers nothing.
 struct ValueHint {
   std::vector<std::string> words;
   bool file = false;

@@ -17,9 +17,10 @@ namespace troupe::apps {
 
 inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"};
 
-/// Returns the script with which a shell completes commands, options, and values that the help lists
-/// ("exact|grid"). For all other arguments the script offers file names. shell: one of k_shells; arguments:
-/// maps the name of a command to the allowed values of its positional argument.
+/// Returns a script for a shell, which completes commands, options, and those values of options that the help
+/// lists ("exact|grid"). For all other values and arguments the script offers file names. shell: one of
+/// k_shells; commands: the result of command_table(); arguments: maps the name of a command to the allowed
+/// values of its positional argument.
 std::string completion(std::string_view shell, const std::vector<Command>& commands,
                        const std::map<std::string, std::vector<std::string>>& arguments);
 

@@ -15,18 +15,19 @@ namespace troupe::apps {
 
 /// Options of `troupe convert`.
 struct ConvertOptions {
-  std::filesystem::path in;
-  std::filesystem::path out;
-  bool force = false;  ///< replace an existing output file
-  std::vector<std::pair<std::string, std::string>> set;
-  std::vector<std::filesystem::path> plugin_path;
+  std::filesystem::path in;   ///< world file to read
+  std::filesystem::path out;  ///< world file to write; its ending selects the format
+  bool force = false;         ///< replace an existing output file
+  std::vector<std::pair<std::string, std::string>> set;  ///< values to replace, as SimulationOptions::set
+  std::vector<std::filesystem::path> plugin_path;        ///< folders to search for plug-ins
 };
 
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.
 void add_convert_options(CLI::App& command, ConvertOptions& options);
 
-/// `troupe convert`: writes a world in another format, or in the normal form of its own format, and prints
-/// one line. Throws InputError if the world cannot be loaded or cannot be expressed in the other format.
+/// `troupe convert`: writes a world in the other format, or in the normal form of its own format, and prints
+/// one line with the numbers of models and types. Throws InputError if the world cannot be loaded or cannot
+/// be expressed in the other format.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

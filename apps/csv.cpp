@@ -17,7 +17,8 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-/// Number of bytes of a table before its first line whose tick is at least `keep_before`.
+/// Returns the number of bytes of a table before its first line whose tick is at least `keep_before`. Throws
+/// OutputError if the file is not a table with this header.
 std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std::uint64_t keep_before) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuse_output(file, std::strerror(errno));

@@ -9,16 +9,17 @@
 namespace troupe::apps {
 
 /// A table that is written during a run, as comma-separated values that pandas reads without options. The
-/// first line has the column names, and the first column is the tick. Only whole lines are written to the
-/// file.
+/// first line has the column names, and the first column is the tick. Lines stay in memory until flush(), so
+/// that the file contains only whole lines.
 class CsvFile {
  public:
   /// Creates or overwrites the file and writes `header`, the line of column names. Throws OutputError if that
   /// fails.
   CsvFile(const std::filesystem::path& file, std::string_view header);
-  /// Continues the table of an earlier run: keeps the lines whose tick is below `keep_before`, and removes
-  /// all later lines and an incomplete last line. Creates the file if it does not exist. Throws OutputError,
-  /// and does not change the file, if it is not a table with this header.
+  /// Continues the table of an earlier run: keeps the lines up to the first one whose tick is at least
+  /// `keep_before`, and removes that line, all later lines and an incomplete last line. Creates the file if
+  /// it does not exist. Throws OutputError, and does not change the file, if it is not a table with this
+  /// header.
   CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
 
   /// Appends a cell to the current line: the shortest text that reads back as the same number, or `nan`.
@@ -28,8 +29,8 @@ class CsvFile {
   CsvFile& add(std::string_view text);
   void end_line();
 
-  /// Writes the finished lines to the file. Throws std::runtime_error, whose text names the file and `tick`,
-  /// if that fails.
+  /// Writes the finished lines to the file. Call it only after end_line(). Throws std::runtime_error, whose
+  /// text names the file and the tick `tick` of the run, if that fails.
   void flush(std::uint64_t tick);
 
  private:
@@ -41,7 +42,7 @@ class CsvFile {
   bool line_begun_ = false;
 };
 
-/// A text as a cell of a table: in quotes if it holds a comma, a quote or a line break (RFC 4180).
+/// Returns a text as a cell of a table: in quotes if it contains a comma, a quote or a line break (RFC 4180).
 std::string csv_cell(std::string_view text);
 
 }  // namespace troupe::apps

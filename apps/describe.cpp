@@ -58,7 +58,7 @@ std::string value_text(const Value& value) {
   return std::visit(Visitor{}, value.v);
 }
 
-/// The allowed values: "0 .. 1 m", "> 0 s", "car, diff, omni".
+/// Returns the allowed values of a parameter as text: "0 .. 1 m", "> 0 s", "car, diff, omni".
 std::string range_text(const Field& field) {
   const std::string unit{engine::unit_suffixes(field.unit).front().symbol};
   const bool low = std::isfinite(field.min);
@@ -88,7 +88,8 @@ std::string range_text(const Field& field) {
   return unit.empty() ? range : range + " " + unit;
 }
 
-/// The key of the field in JSON, with the suffixes of its other units: "fov_rad (_deg)".
+/// Returns the JSON key of a parameter, with the suffixes of the other units that the key may have: "fov_rad
+/// (_deg)".
 std::string key_text(const Field& field) {
   const auto units = engine::unit_suffixes(field.unit);
   std::string others;
@@ -134,8 +135,8 @@ std::string fields_text(const FieldTable& table) {
   return text;
 }
 
-/// Returns typical parameters of a kind: the defaults, and a list with one block for each required list of
-/// blocks. Returns nothing if another required parameter has no default.
+/// Returns typical parameters of a kind, from which its readings can be determined: the defaults, and one
+/// block in each required list of blocks. Returns nothing if another required parameter has no default.
 std::optional<engine::Record> usual(const FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
@@ -151,7 +152,8 @@ std::optional<engine::Record> usual(const FieldTable& table) {
   return record;
 }
 
-/// The readings or state of a device that controllers and programs read, and its command.
+/// Returns, as text, the fields of a device that controllers and programs can read, and the fields of its
+/// command. Empty if usual() returns nothing.
 std::string state_text(const engine::DeviceKind& kind) {
   const std::optional<engine::Record> params = usual(kind.params);
   if (!params) return {};
@@ -186,7 +188,8 @@ std::string kind_text(std::string_view group, const Kind& kind) {
   return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
 }
 
-/// The properties of entities of this type in a Stage world file, without those that have no effect.
+/// Returns, as text, the properties that entities of this type can have in a Stage world file, without those
+/// that have no effect in Troupe.
 std::string properties_text(std::string_view heading, std::string_view type) {
   std::string text;
   for (const worldio::StageRow& row : worldio::stage_rows()) {
@@ -234,7 +237,8 @@ std::string measure_text(const engine::MeasureKind& kind) {
                      wrapped(kind.definition), fields_text(kind.params));
 }
 
-/// The parameters of a preset: those of its kind with other defaults.
+/// Returns the description of a preset: its parameters are those of its kind of controller, with other
+/// defaults.
 std::string preset_text(const Registry& registry, const Registry::Preset& preset) {
   FieldTable table = registry.controller(preset.kind)->params;
   for (const auto& [name, value] : preset.params)
@@ -271,7 +275,7 @@ std::string list_kinds(const Registry& registry) {
 }
 
 std::string describe_kind(const Registry& registry, std::string_view name) {
-  std::string text;  // parameters in JSON, then properties in Stage's files
+  std::string text;  // parameters in JSON, then properties in Stage world files
   if (const auto* kind = registry.device(name))
     text += kind_text(kind->is_sensor() ? "sensor" : "device", *kind) + state_text(*kind);
   if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);

@@ -16,8 +16,8 @@ namespace troupe::apps {
 
 /// Options of `troupe describe`.
 struct DescribeOptions {
-  std::string kind;  ///< empty: all
-  bool schema = false;
+  std::string kind;     ///< name of the kind to describe; empty: list all kinds
+  bool schema = false;  ///< print the JSON Schema of worlds instead
   std::vector<std::filesystem::path> plugin_path;
 };
 /// Adds the options of `describe`; parsing fills `options`, which must outlive `command`.
@@ -30,12 +30,12 @@ ExitCode describe(const DescribeOptions& options);
 /// measure, fault and event.
 std::string list_kinds(const engine::Registry& registry);
 
-/// The names of all kinds, sorted, without duplicates.
+/// Returns the names of all kinds that list_kinds() lists, sorted, without duplicates.
 std::vector<std::string_view> kind_names(const engine::Registry& registry);
 
-/// Returns the parameters of every kind of this name (a model and a sensor may have the same name): JSON key
-/// with its units, default, range and meaning. Also finds the kinds of plug-ins that the registry can load.
-/// Throws InputError, with similar names, if there is no such kind.
+/// Returns, as text, the parameters of every kind of this name (a model and a sensor may have the same name):
+/// for each parameter its JSON key, units, default, range and meaning. Also finds the kinds of plug-ins that
+/// the registry can load. Throws InputError, with similar names, if there is no such kind.
 std::string describe_kind(const engine::Registry& registry, std::string_view name);
 
 }  // namespace troupe::apps

@@ -18,7 +18,7 @@ constexpr std::string_view k_form =
     "TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex digits each";
 constexpr std::size_t k_shown = 120;  // largest number of bytes of a line that an error quotes
 
-/// 16 lower-case hex digits, and nothing else.
+/// Reads a hash. Returns nothing if the text is not exactly 16 lower-case hexadecimal digits.
 std::optional<std::uint64_t> hash_of(std::string_view text) {
   if (text.size() != 16 || text.find_first_not_of("0123456789abcdef") != text.npos) return std::nullopt;
   std::uint64_t hash = 0;

@@ -17,8 +17,8 @@ namespace troupe::apps {
 /// The first line of every hash log.
 inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 
-/// Reads a hash log line by line, because the log of a run of two days has gigabytes. Throws InputError,
-/// `run.log:31: error: ...`, for every error in the file.
+/// Reads a hash log line by line, because logs may be large: that of a run of two days has gigabytes. Throws
+/// InputError, `run.log:31: error: ...`, for every error in the file.
 class HashLogReader {
  public:
   /// Opens the file and reads its header.
@@ -28,14 +28,15 @@ class HashLogReader {
   /// The header lines `# key: value`, with their line numbers.
   const RunHeader& header() const { return header_; }
 
+  /// The hashes of one tick.
   struct Line {
-    std::size_t number;  ///< in the file, from 1
-    std::string text;
-    std::uint64_t tick;
-    std::uint64_t state;
-    std::array<std::uint64_t, engine::k_hash_groups> groups;
+    std::size_t number;                                       ///< line number in the file, from 1
+    std::string text;                                         ///< the whole line, without its line break
+    std::uint64_t tick;                                       ///< number of the tick
+    std::uint64_t state;                                      ///< hash of the whole state
+    std::array<std::uint64_t, engine::k_hash_groups> groups;  ///< hashes of the groups of components
   };
-  /// Returns the line of the next tick, or nothing at the end of the log. Throws InputError if a tick is
+  /// Returns the next line after the header, or nothing at the end of the log. Throws InputError if a tick is
   /// missing, if the line is incomplete, or if its state hash is not the sum of its group hashes.
   std::optional<Line> next();
 

@@ -14,7 +14,7 @@ namespace {
 std::atomic<bool> requested = false;
 std::atomic<bool> has_doomed = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
-std::array<char, 4096> doomed{};  // written while has_doomed is false
+std::array<char, 4096> doomed{};  // name of the file to remove; written only while has_doomed is false
 
 void handle(int signal) {
   if (!requested.exchange(true)) return;

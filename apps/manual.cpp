@@ -33,8 +33,8 @@ std::string option_text(const CommandOption& option) {
   return fmt::format(".TP\n{}\n{}\n", text, escaped(option.help));
 }
 
-/// Converts the text below the options to roff: paragraphs are filled, and indented lines are kept as they
-/// are.
+/// Converts the text below the options of a command (Command::footer) to roff. The lines of paragraphs are
+/// filled, and indented lines are kept as they are.
 std::string footer_text(const std::string& footer) {
   std::istringstream lines(footer);
   std::string text;

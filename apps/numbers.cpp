@@ -16,8 +16,9 @@ std::string grouped(std::uint64_t n) {
 }
 
 std::string four_digits(double x) {
-  constexpr double k_first_exponent = 1e4;  // from here on {:.4g} writes an exponent
-  constexpr double k_largest = 1e15;        // doubles are exact integers up to here; longer is hard to read
+  constexpr double k_first_exponent = 1e4;  // from this value on {:.4g} writes an exponent
+  // Doubles represent all integers up to this value. Longer numbers are hard to read.
+  constexpr double k_largest = 1e15;
   const double size = std::abs(x);
   if (!(size >= k_first_exponent && size < k_largest)) return fmt::format("{:.4g}", x);
   const double rounded = std::strtod(fmt::format("{:.3e}", size).c_str(), nullptr);

@@ -18,7 +18,7 @@
 namespace troupe::apps {
 namespace {
 
-// 32,000 years; counted in microseconds it still fits into 64 bits.
+// Largest time that an option accepts, 32,000 years. Counted in microseconds it still fits into 64 bits.
 constexpr double k_max_seconds = 1e12;
 
 std::pair<std::string, std::size_t> population_size(const std::string& text) {

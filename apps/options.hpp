@@ -27,53 +27,59 @@ std::optional<T> number(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
+/// Converts a text to a finite number; nothing if the text as a whole is not one.
 std::optional<double> finite(std::string_view text);
 
-/// Throws CLI::ValidationError. With `expected` = "a number of threads, ..." its text is `--threads: "many"
-/// is not a number of threads, ...`.
+/// Throws CLI::ValidationError for the value `text` of the option `option`. With `expected` = "a number of
+/// threads, ..." the error reads `--threads: "many" is not a number of threads, ...`.
 [[noreturn]] void refuse(const char* option, std::string_view text, std::string_view expected);
 /// Returns the name of a file to write. Throws as refuse() if the name is empty or begins with `-`.
 std::filesystem::path file_name(const char* option, const std::string& text);
-/// Converts a text to a time in seconds, from 0 to engine::k_most_seconds. Throws as refuse() for other
-/// texts.
+/// Converts a text to a time in seconds, from 0 to engine::k_most_seconds (10^9). Throws as refuse() for
+/// other texts.
 double seconds_from_zero(const char* option, const std::string& text);
-/// Converts a text to a time in seconds, above 0 and at most engine::k_most_seconds. Throws as refuse() for
-/// other texts. what: names the time in the error: "a real time".
+/// Converts a text to a time in seconds, above 0 and at most engine::k_most_seconds (10^9). Throws as
+/// refuse() for other texts. what: name of the time in the error, such as "a real time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
-/// Convert the values of --threads and --tile-size, in every command. Throw as refuse() for invalid values.
+/// Convert the values of --threads and --tile-size, which have the same form in every command. Throw as
+/// refuse() for invalid values.
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);
 
-/// Adds an option with one value; `set` is called with its text and converts it. CLI11's own conversions are
-/// not used, because they would accept hexadecimal numbers and nan.
+/// Adds an option with one value. name: as typed, `--for`; value: placeholder of the value in the help; help:
+/// its line in the help; set: is called with the text of the value, which it converts. CLI11's own
+/// conversions are not used, because they would accept hexadecimal numbers and nan.
 CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
                        const std::function<void(const std::string&)>& set);
-/// Adds an option that may be repeated; `add` is called with the text of each value.
+/// Adds an option as add_value() does, which may be repeated. `add` is called with the text of each value.
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
 /// Options that determine a run: the world, everything that changes its results, and its end.
 struct WorldOptions {
-  std::filesystem::path world;
-  bool is_checkpoint = false;  ///< `world` is a checkpoint
+  std::filesystem::path world;  ///< file of the world or checkpoint
+  bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
 };
-/// Adds the positional argument WORLD and the options of add_run_settings(); `options` must outlive `app`.
+/// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
+/// must outlive `app`.
 void add_world_options(CLI::App& app, WorldOptions& options);
-/// Adds --for, --seed, --raytracer, --robots, --spare, --set, --plugin-path and --simd.
+/// Adds --for, --seed, --raytracer, --robots, --spare, --set, --plugin-path and --simd. Parsing fills
+/// `options`, which must outlive `app`.
 void add_run_settings(CLI::App& app, WorldOptions& options);
-/// Add --for and --set, which `troupe resume` also has.
+/// Add --for or --set. `troupe resume` has these two options of add_run_settings() as well.
 void add_end_option(CLI::App& app, WorldOptions& options);
 void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
 
-/// End of the run in world time, s: --for, else the world's quit_time. Throws InputError if neither is given.
+/// Returns the end of the run in world time, s: the value of --for, or else the quit time of the world file.
+/// Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
 /// Adds --simd, which takes effect in the whole process as soon as it is parsed.
 void add_simd_option(CLI::App& app);
 /// Selects the instruction set that the environment variable TROUPE_SIMD names, if it is set. Throws
-/// InputError.
+/// InputError if this computer cannot run it or if the name is unknown.
 void obey_simd_variable();
 /// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);

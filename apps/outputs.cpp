@@ -25,7 +25,7 @@ void check_output(const fs::path& file) {
   if (access(written.c_str(), W_OK) != 0) refuse_output(file, std::strerror(errno));
 }
 
-/// Number of bytes in the first `lines` lines of a file.
+/// Returns the number of bytes in the first `lines` lines of a file, with their line breaks.
 std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
   std::ifstream stream(file, std::ios::binary);
   std::uintmax_t bytes = 0;
@@ -34,8 +34,9 @@ std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
   return bytes;
 }
 
-/// Throws OutputError if the log belongs to another run. Two runs may have equal states for a while, so the
-/// headers are compared too. Options that may change on resuming are not compared.
+/// Throws OutputError if the log belongs to another run, that is, if the options in its header differ.
+/// Options that change no result, or that a resumed run may change, are not compared. Comparing states is not
+/// enough, because the states of two runs may be equal for a while.
 void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   const auto is_free = [](std::string_view key) {
     return key == "threads" || key == "tile_m" || key == "simd" || key == "resumed_at_tick" ||
@@ -53,8 +54,9 @@ void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   }
 }
 
-/// Removes the lines after the current tick of the simulation. They belong to the part of the earlier run
-/// after the checkpoint, which the resumed run computes again.
+/// Removes the lines after the current tick of the simulation from a hash log. The resumed run computes these
+/// ticks again. Throws OutputError, and removes nothing, if the log does not contain this tick or belongs to
+/// another run.
 void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
   HashLogReader log(file);
   check_same_run(log, simulation);
@@ -82,7 +84,8 @@ void refuse_output(const fs::path& file, std::string_view reason) {
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
-  // Made absolute first: weakly_canonical does not change a relative name that does not exist yet.
+  // The paths are made absolute first, because weakly_canonical() does not change a relative name that does
+  // not exist yet.
   return !a.empty() && !b.empty() &&
          fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
              fs::weakly_canonical(fs::absolute(b, ignored), ignored);
@@ -150,7 +153,7 @@ class HashLogOutput : public ClonedOutput<HashLogOutput> {
   }
 
  private:
-  fs::path file_;  // empty: option not given, as in all outputs
+  fs::path file_;  // empty: the option was not given
 };
 
 }  // namespace

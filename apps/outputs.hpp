@@ -16,7 +16,8 @@
 
 namespace troupe::apps {
 
-/// Thrown if an output file cannot be written, before anything is written.
+/// Thrown if an output file cannot be written or must not be replaced. Commands that run a world throw it
+/// before the first tick.
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -25,7 +26,7 @@ class OutputError : public std::runtime_error {
 /// Throws OutputError: `file: error: cannot be written: reason`.
 [[noreturn]] void refuse_output(const std::filesystem::path& file, std::string_view reason);
 
-/// A file that a run reads.
+/// A file that a run reads, which no output may replace.
 struct Input {
   std::filesystem::path file;
   std::string_view what;  ///< what the file is, for messages: "the world"
@@ -34,8 +35,8 @@ struct Input {
 /// it is not a folder itself, and it is neither an input nor another output. Creates nothing, so that an
 /// invalid world leaves no files. Throws OutputError.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
-/// Checks that files can be written into a folder, which may not exist yet. Ignores an empty path. Creates
-/// nothing. Throws OutputError.
+/// Checks that files can be written into a folder. If the folder does not exist yet, checks that it can be
+/// created. Ignores an empty path. Creates nothing. Throws OutputError.
 void check_folder(const std::filesystem::path& folder);
 /// Whether two paths name the same file, which need not exist yet.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
@@ -58,7 +59,7 @@ class HashLog : public Observer {
   std::optional<std::uint64_t> written_;  // the last tick of a continued log
 };
 
-/// The output of --hash-log.
+/// Returns the output that --hash-log adds to a run.
 std::unique_ptr<RunOutput> hash_log_output();
 
 }  // namespace troupe::apps

@@ -12,8 +12,8 @@
 
 namespace troupe::apps {
 
-/// A set with one object of type T for each thread that calls own(). all() may be called only while no thread
-/// calls own() or uses its object.
+/// A set of objects of type T, one for each thread that calls own(), so that threads write without locks.
+/// all() may be called only while no thread calls own() or writes its object.
 template <class T>
 class PerThread {
  public:
@@ -24,7 +24,7 @@ class PerThread {
   PerThread(const PerThread&) = delete;
   PerThread& operator=(const PerThread&) = delete;
 
-  /// The object of the calling thread, created at the thread's first call.
+  /// Returns the object of the calling thread, which is created at the first call of this thread.
   T& own() {
     // Number of the set that this thread used last, and the thread's object in it.
     thread_local std::pair<std::uint64_t, T*> known{0, nullptr};
@@ -38,8 +38,8 @@ class PerThread {
   const std::deque<T>& all() const { return all_; }  ///< all objects, ordered by first call of own()
 
  private:
-  /// Searches before creating: a thread that uses two sets in turn, as in a run of two worlds, must get the
-  /// same object again.
+  /// Returns the object of a thread; creates it if there is none. A thread that uses two sets in turn, as in
+  /// a run of two worlds, must get the same object again.
   T& find_or_make(std::thread::id thread) {
     const auto found = std::ranges::find(owners_, thread);
     if (found != owners_.end()) return all_[static_cast<std::size_t>(found - owners_.begin())];
@@ -48,7 +48,7 @@ class PerThread {
   }
 
   std::uint64_t number_;  // identifies the set within the process
-  std::mutex mutex_;      // guards the two below
+  std::mutex mutex_;      // guards owners_ and all_
   std::vector<std::thread::id> owners_;
   std::deque<T> all_;
 };

@@ -5,8 +5,9 @@
 
 namespace troupe::apps {
 
-/// The text of a progress bar, without control characters, for a run from world time `begin_s` to `end_s`
-/// that has reached `now_s` > `begin_s`, s. elapsed_s: wall time since the start, s.
+/// Returns the text of a progress bar, without control characters. The run goes from world time `begin_s` to
+/// `end_s` and has reached `now_s`, which must exceed `begin_s`; all in s. elapsed_s: wall time since the run
+/// began, s.
 std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s);
 
 /// A progress bar on standard error, which is redrawn up to five times per second and erased at the end.
@@ -14,12 +15,13 @@ std::string progress_text(double begin_s, double now_s, double end_s, double ela
 /// run is expected to take less than two seconds.
 class Progress {
  public:
+  /// begin_s, end_s: world times at which the run begins and ends, s. wanted: false: nothing is drawn.
   Progress(double begin_s, double end_s, bool wanted);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void update(double now_s);
+  void update(double now_s);  ///< now_s: world time that the run has reached, s
 
  private:
   using Clock = std::chrono::steady_clock;

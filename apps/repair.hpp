@@ -13,7 +13,8 @@ namespace troupe::apps {
 /// Adds the options of `repair`; parsing fills `recording`, which must outlive `command`.
 void add_repair_options(CLI::App& command, std::filesystem::path& recording);
 
-/// `troupe repair`: makes a truncated recording readable for standard HDF5 tools, and prints what it kept.
+/// `troupe repair`: makes the recording of a killed run readable for standard HDF5 tools, and prints how many
+/// frames it contains.
 ExitCode repair(const std::filesystem::path& recording);
 
 }  // namespace troupe::apps

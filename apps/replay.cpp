@@ -43,7 +43,7 @@ Examples:
 
 constexpr std::string_view k_mark = "@RECORDING@";
 constexpr double k_bytes_mb = 1e6;
-constexpr double k_most_mb = 500;  // browsers limit the length of a text
+constexpr double k_most_mb = 500;  // because browsers limit the length of a text
 
 std::vector<std::string> names_of(const std::string& text) {
   std::vector<std::string> names;
@@ -55,7 +55,7 @@ std::vector<std::string> names_of(const std::string& text) {
   return names;
 }
 
-/// An ordinal number as text: "2nd", "3rd", "11th".
+/// Returns an ordinal number as text: "2nd", "3rd", "11th".
 std::string ordinal(std::size_t n) {
   const bool teen = n % 100 >= 11 && n % 100 <= 13;
   const char* const ending = teen          ? "th"
@@ -70,8 +70,8 @@ std::string number_of(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
-/// Number of bytes of recording data that fit into a page of at most `max_mb` megabytes. Base64 encodes 3
-/// bytes as 4.
+/// Returns how many bytes of recording data fit into a page of at most `max_mb` megabytes. The page contains
+/// them as Base64, which encodes 3 bytes as 4.
 std::size_t room(double max_mb) {
   const double left = max_mb * k_bytes_mb - static_cast<double>(k_replay_page.size());
   return left > 0 ? static_cast<std::size_t>(left / 4 * 3) : 0;

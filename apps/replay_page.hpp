@@ -4,8 +4,8 @@
 
 namespace troupe::apps {
 
-/// The page into which `troupe replay` inserts a recording: apps/replay_page/replay.html, built by
-/// scripts/replay-page.
+/// The HTML page into which `troupe replay` inserts a recording: the content of apps/replay_page/replay.html,
+/// which scripts/replay-page builds.
 extern const std::string_view k_replay_page;
 
 }  // namespace troupe::apps

@@ -12,12 +12,13 @@
 namespace troupe::apps {
 namespace {
 
-// Entries that change no result and are not compared. The version is compared part by part.
+// Entries that are not compared, because they change no result. "version" is one of them because
+// compare_domains() compares it part by part.
 constexpr std::array k_free = {
     "version",       "threads",        "tile_m", "simd", "kind", "layout", "record_every_ticks",
     "record_fields", "resumed_at_tick"};
 
-/// A part of the line that --version prints, on which results may depend.
+/// A part of a version line, such as the compiler, on which results may depend.
 struct DomainPart {
   std::string_view name;
   std::string value;
@@ -42,8 +43,8 @@ std::vector<DomainPart> domain_of(const std::string& version_line) {
   return parts;
 }
 
-/// Collects the differences between two headers as error lines, which begin with the place in the second
-/// file.
+/// Collects the differences between two headers as lines of an error, each of which begins with the place in
+/// the second file.
 class Unlike {
  public:
   Unlike(const RunHeader& first, const RunHeader& second) : first_(first), second_(second) {}
@@ -87,7 +88,8 @@ class Unlike {
     return entry == header.entries.end() ? "" : entry->second.value;
   }
 
-  /// The name of the second file with the line number of `key`, or of line 1 if it has no such entry.
+  /// Returns the place of an entry in the second file: its name and, if it is a text file, the line number of
+  /// `key`, or line 1 if it has no such entry.
   std::string place(const std::string& key) const {
     const auto entry = second_.entries.find(key);
     const bool in_lines = !second_.entries.empty() && second_.entries.begin()->second.line > 0;

@@ -10,18 +10,19 @@ namespace troupe::apps {
 /// The description of a run that its results contain: the header of a hash log, or the group /meta of a
 /// recording.
 struct RunHeader {
+  /// The value of a key.
   struct Entry {
-    std::string value;
+    std::string value;     ///< value as text
     std::size_t line = 0;  ///< line number in the file; 0: not a text file
   };
-  std::filesystem::path file;
-  std::map<std::string, Entry> entries;
+  std::filesystem::path file;            ///< file that contains the header
+  std::map<std::string, Entry> entries;  ///< by key: version, world, seed, ...
 };
 
 /// Throws InputError if the two headers differ, with one line per difference that begins with the place in
-/// the second file. Compares versions, compilers, flags and instruction sets unless `across_domains`; worlds,
-/// seeds and options unless `across_runs`. Threads, tile size, recorded fields and recording interval are not
-/// compared, because they change no result.
+/// the second file. With `across_domains`, versions, compilers, flags and instruction sets may differ. With
+/// `across_runs`, worlds, seeds and options may differ. Threads, tile size, recorded fields and recording
+/// interval are not compared, because they change no result.
 void refuse_unlike(const RunHeader& first, const RunHeader& second, bool across_domains, bool across_runs);
 
 }  // namespace troupe::apps

@@ -4,7 +4,8 @@
 
 namespace troupe::apps {
 
-/// The page of `troupe view`: apps/replay_page/live.html, built by scripts/replay-page.
+/// The HTML page of `troupe view`: the content of apps/replay_page/live.html, which scripts/replay-page
+/// builds.
 extern const std::string_view k_view_page;
 
 }  // namespace troupe::apps

@@ -14,7 +14,7 @@ namespace troupe::python {
 namespace {
 
 /// A batch owned by Python. Arrays that refer to its memory keep it alive. It steps without the interpreter's
-/// lock; meanwhile, calls of other threads throw.
+/// lock, so that other Python threads can run; if they call it meanwhile, use() throws.
 class HeldBatch {
  public:
   explicit HeldBatch(BatchEnv&& batch) : batch_(std::move(batch)) {}
@@ -41,11 +41,12 @@ class HeldBatch {
 
  private:
   BatchEnv batch_;
-  bool is_busy_ = false;  // under the interpreter's lock
+  bool is_busy_ = false;  // read and written only with the interpreter's lock
 };
 using BatchHolder = std::shared_ptr<HeldBatch>;
 
-/// Reads the members of a dict. finish() throws for a member that no call of read() named.
+/// Reads the members of a dict. Members that the dict does not have keep their values. finish() throws for
+/// members that no call of read() named.
 class Members {
  public:
   Members(std::string what, const py::handle& given) : what_(std::move(what)) {

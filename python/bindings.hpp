@@ -16,8 +16,9 @@ namespace troupe::python {
 
 namespace py = pybind11;
 
-/// Releases the interpreter's lock (GIL) during the lifetime of the object. After the interpreter has exited,
-/// a daemon thread blocks in the constructor or the destructor until the process ends.
+/// Releases the interpreter's lock (GIL) while an object of this class exists. After the interpreter has
+/// begun to exit, other threads, which are daemon threads then, block in the constructor or the destructor
+/// until the process ends.
 ///
 /// Python 3.13 and earlier call pthread_exit() in a daemon thread that requests the lock after the exit. This
 /// unwinds the stack of the thread: the destructor of pybind11's gil_scoped_release then aborts the process,
@@ -47,15 +48,16 @@ class Held {
  public:
   explicit Held(Simulation&& simulation) : simulation_(std::move(simulation)) {}
 
-  /// The simulation, for a call that holds the interpreter's lock. Throws std::logic_error while it steps.
+  /// Returns the simulation, for a call that holds the interpreter's lock. Throws std::logic_error while
+  /// another thread steps it.
   Simulation& use();
   /// Makes `ticks` ticks. Checks for signals regularly, so that Ctrl-C interrupts it between two ticks.
   /// to_its_end: stops early if a stop condition ends the run.
   void step(std::uint64_t ticks, bool to_its_end = false);
-  /// The simulation, for functions that a callback of on_tick() must not call. Throws std::logic_error in
-  /// such a callback. what: name of the function, for the error text.
+  /// Returns the simulation as use() does, for functions that a callback of on_tick() must not call. Throws
+  /// std::logic_error in such a callback. what: name of the function, for the error text.
   Simulation& use_outside(std::string_view what);
-  /// Marks that callbacks of on_tick() are running.
+  /// While an object of this class exists, callbacks of on_tick() are running, and use_outside() throws.
   class Calling {
    public:
     explicit Calling(Held& held) : calling_(held.calling_) { calling_ = true; }
@@ -70,23 +72,25 @@ class Held {
  private:
   Simulation simulation_;
   bool calling_ = false;
-  bool stepping_ = false;  // under the interpreter's lock
+  bool stepping_ = false;  // read and written only with the interpreter's lock
 };
 using Holder = std::shared_ptr<Held>;
 using SimulationClass = py::class_<Held, Holder>;
 
-/// A model, with its simulation.
+/// A model owned by Python, which keeps its simulation alive.
 struct HeldModel {
   Holder held;
   Model model;
 
+  /// Returns the model. Throws as Held::use() does.
   Model& use() {
     static_cast<void>(held->use());
     return model;
   }
 };
 
-/// A read-only array that refers to memory of the simulation and keeps it alive.
+/// Returns a read-only NumPy array that refers to the memory of a simulation, which it keeps alive. first:
+/// address of the first element. strides: distance of neighbouring elements along each axis, bytes.
 py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                const void* first, const Holder& owner);
 
@@ -96,19 +100,23 @@ py::array view(std::span<const T> values, const Holder& owner) {
               owner);
 }
 
-/// The elements of a contiguous array as a writable span.
+/// Returns the memory of a contiguous array as a writable span of T, such as Pose for four numbers.
 template <class T, class Element>
 std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
 
-/// The NumPy type of an element type.
+/// Returns the NumPy type of an element type of state tables.
 py::dtype dtype_of(engine::Element element);
 
-/// Makes the exit of the interpreter wait for other threads: see Unlocked.
+/// Makes the exit of the interpreter wait for threads that have released its lock; Unlocked explains why.
 void bind_exit();
+/// Adds the exceptions of the module and maps C++ exceptions to Python exceptions.
 void bind_errors(py::module_& module);
+/// Returns an energy as a dict whose keys are the names of its members.
 py::dict dict_of(const Model::Energy& energy);
+
+// Each of the following functions adds classes and functions to the module.
 void bind_models(py::module_& module);
 SimulationClass bind_simulation(py::module_& module);
 void bind_swarm(py::module_& module, SimulationClass& simulation);

@@ -50,7 +50,8 @@ def metadata():
 
 
 def pack(folder, wheel):
-    """Packs a folder and its RECORD, sorted by name and without dates, so that equal builds give equal wheels."""
+    """Packs the files of a folder, the metadata and a RECORD (the list of all files) into a wheel. Files are sorted
+    by name and have no dates, so that equal builds give equal wheels."""
     info = f"troupe-{version()}.dist-info"
     (folder / info).mkdir()
     (folder / info / "METADATA").write_text(metadata())

@@ -25,8 +25,8 @@ py::tuple sincos_of(const Numbers& angles) {
   return py::make_tuple(sines, cosines);
 }
 
-/// Sums of rows of equal length. Eight rows are summed at a time, because within one row each addition must
-/// wait for the previous one.
+/// Writes the sum of each row of a row-major array to `sums`. Eight rows are summed at a time, because within
+/// one row each addition must wait for the previous one.
 void sum_rows(const double* first, std::size_t rows, std::size_t columns, double* sums) {
   constexpr std::size_t k_some = 8;
   std::size_t row = 0;

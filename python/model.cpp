@@ -39,7 +39,8 @@ py::array elements_of(const engine::StateField& field, const py::handle& value) 
   return made;
 }
 
-/// Sets `values` in the command of the device. Returns the whole command.
+/// Sets fields of the command of a device; values: names of fields and their new values. Returns all fields
+/// of the command as a dict. Changes nothing if a name or a value is invalid.
 py::dict command(HeldModel& m, const std::string& device, const py::kwargs& values) {
   const Model::Asked asked = m.use().asked(device);
   std::vector<std::pair<const engine::StateField*, py::array>> set;

@@ -18,7 +18,8 @@
 namespace troupe::python {
 namespace {
 
-/// Makes a class of exceptions. It is never released, because objects of it may outlive the module.
+/// Makes a Python class of exceptions in the module. The class is never released, because objects of it may
+/// outlive the module.
 py::handle new_exception(py::module_& module, const char* name, PyObject* base) {
   const py::exception<void> exception(module, name, base);
   return py::object(exception).release();
@@ -45,7 +46,7 @@ void obey_simd_variable() {
   }
 }
 
-// Used by Unlocked.
+// State of Unlocked and of the exit of the interpreter.
 std::atomic<int> at_work = 0;  // threads that have released the lock and not taken it back
 std::atomic<bool> is_ending = false;
 pthread_t ending_thread;  // the thread that ends the interpreter
@@ -63,7 +64,7 @@ Unlocked::Unlocked() {
     PyEval_SaveThread();
     stop_for_good();
   }
-  ++at_work;  // while the lock is held, so that the exit sees it
+  ++at_work;  // the lock is still held, so the exit cannot miss this thread
   state_ = PyEval_SaveThread();
 }
 
@@ -85,7 +86,7 @@ Unlocked::~Unlocked() {
 py::object call(py::handle function, py::handle argument) {
   PyObject* result = nullptr;
 #ifdef __GLIBCXX__
-  try {  // only around this call: no frame of ours may be unwound in between
+  try {  // contains only this call, because no frame of this module may be unwound
     result = PyObject_CallFunctionObjArgs(function.ptr(), argument.ptr(), nullptr);
   } catch (const abi::__forced_unwind&) {
     stop_for_good();
@@ -98,7 +99,7 @@ py::object call(py::handle function, py::handle argument) {
 }
 
 void bind_exit() {
-  // A forked child has one thread, which holds the lock.
+  // After fork() the child has only the thread that called it, which holds the lock: no thread is at work.
   pthread_atfork(nullptr, nullptr, [] { at_work = 0; });
   const auto begin_exit = [] {
     ending_thread = pthread_self();
@@ -171,7 +172,8 @@ void bind_errors(py::module_& module) {
       raise_input_error(error);
     } catch (const engine::StepError& error) {
       PyErr_SetString(step_error.ptr(), error.what());
-    } catch (const std::out_of_range& error) {  // an unknown name, which IndexError would not express
+    } catch (const std::out_of_range&
+                 error) {  // for unknown names, for which IndexError, pybind11's choice, would mislead
       PyErr_SetString(PyExc_LookupError, error.what());
     } catch (const std::filesystem::filesystem_error& error) {
       PyErr_SetString(PyExc_OSError, error.what());

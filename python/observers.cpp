@@ -24,7 +24,8 @@ struct HeldMeasures {
   }
 };
 
-/// Converts wanted measures for the constructor of Measures: dicts become JSON text, names are not changed.
+/// Converts the measures that a program requests to the texts that the constructor of Measures takes: dicts
+/// become JSON, names are not changed.
 std::vector<std::string> texts_of(const std::vector<std::variant<std::string, py::dict>>& wanted) {
   const py::object dumps = py::module_::import("json").attr("dumps");
   std::vector<std::string> texts;

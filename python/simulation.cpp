@@ -76,7 +76,8 @@ SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed&
           std::move(plugin_path)};
 }
 
-/// Calls make() without the interpreter's lock, because worlds may take long to load.
+/// Returns the simulation that make() makes. make() runs without the interpreter's lock, because worlds may
+/// take long to load.
 template <class Make>
 Holder hold(Make&& make) {
   const Unlocked unlocked;
@@ -111,8 +112,9 @@ Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set,
 
 // ---- the run
 
-/// Attribute with the callbacks of on_tick(). They are kept in the object's __dict__, where Python's garbage
-/// collector sees them, because a callback often refers to the simulation that calls it.
+/// Name of the attribute of a Simulation that contains the list of callbacks of on_tick(). Because it is in
+/// the object's __dict__, Python's garbage collector sees the callbacks, which often refer to the simulation
+/// that calls them.
 constexpr const char* k_callbacks = "_on_tick";
 
 py::list callbacks_of(const py::object& self) {
@@ -126,8 +128,8 @@ void step_and_call(const py::object& self, const Holder& held, const py::list& c
   for (const py::handle callback : callbacks) call(callback, self);
 }
 
-/// Makes ticks. After each tick, calls the callbacks of on_tick() and then `after`. to_its_end: stops early
-/// if a stop condition ends the run.
+/// Makes `ticks` ticks. After each tick, calls the callbacks of on_tick() and then `after`. to_its_end: if
+/// true, it stops early when a stop condition ends the run.
 void advance(const py::object& self, std::uint64_t ticks, bool to_its_end,
              const std::optional<py::function>& after = {}) {
   const Holder held = self.cast<Holder>();
@@ -187,7 +189,8 @@ Hit cast_one(const Holder& held, const Pose& start, double range_max, HeldModel*
   return {hit.range_m, hit.met() ? std::optional(hit.body.value) : std::nullopt, hit.part};
 }
 
-/// Casts many rays. Returns the distance of each, and the id of the body that it meets, or -1.
+/// Casts many rays. starts: one row (x, y, z, heading) per ray, m and rad. Returns two arrays: the distance
+/// at which each ray meets a surface, m, and the id of the body, or -1 if it meets nothing.
 py::tuple cast_many(const Holder& held,
                     const py::array_t<double, py::array::c_style | py::array::forcecast>& starts,
                     double range_max, HeldModel* without) {
@@ -208,7 +211,7 @@ py::tuple cast_many(const Holder& held,
   return py::make_tuple(ranges, bodies);
 }
 
-// ---- looking on
+// ---- hashes, counters and pictures
 
 py::dict hashes_of(const Holder& held) {
   const Simulation::Hashes hashes = held->use().hashes();

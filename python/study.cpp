@@ -1,4 +1,4 @@
-// Reads studies for troupe.sweep(), as `troupe sweep` does.
+// This file reads studies for troupe.sweep(), as the program `troupe sweep` does.
 
 #include "worldio/json/study.hpp"
 #include "base/diagnostics.hpp"

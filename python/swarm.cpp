@@ -32,7 +32,8 @@ struct HeldSwarm {
                                     std::string(py::str(given.attr("shape"))), robots, wanted));
 }
 
-/// An argument of a command: one number for all robots, or one number per robot.
+/// An argument of a command for a swarm, which is one number for all robots or one number per robot. Element
+/// i is the number of robot i.
 class Column {
  public:
   Column(std::string_view name, const Numbers& numbers, std::size_t robots)
@@ -47,7 +48,8 @@ class Column {
   std::size_t step_;
 };
 
-/// The robots that a command applies to, one byte per robot (0: skip); empty: all robots.
+/// Converts the argument `where` of a command to the form of Swarm: one byte per robot, 0 skips the robot;
+/// empty: all robots.
 std::vector<std::uint8_t> mask_of(const std::optional<py::array>& where, std::size_t robots) {
   if (!where) return {};
   if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)

@@ -18,11 +18,12 @@ using engine::Element;
 using engine::StateField;
 using engine::StateTable;
 
-/// A state table. It refers to a table of the world, whose address does not change while the world lives.
+/// A state table of a simulation, which it keeps alive. It stores a pointer, because the address of a table
+/// does not change while the simulation lives.
 struct Table {
   Holder held;
   const StateTable* table;
-  std::string type;  ///< type of its bodies; empty if they have several
+  std::string type;  ///< name of the type of its bodies; empty if they are of several types
 
   py::array field(const std::string& name) const {
     held->use().world().require_whole();

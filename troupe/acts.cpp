@@ -52,7 +52,8 @@ void store(std::byte* to, double x) {
   std::memcpy(to, &value, sizeof value);
 }
 
-/// Whether an element type can represent a number: integers exactly, floating-point numbers after rounding.
+/// Whether an element of this type can store a number. An integer type stores only integers in its range
+/// (64-bit types: below 2^53 in magnitude, where doubles are exact); f32 rounds.
 bool holds(Element element, double x) {
   const auto within = [&](double least, double end) { return x >= least && x < end && std::trunc(x) == x; };
   switch (element) {

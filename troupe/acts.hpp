@@ -26,8 +26,8 @@ class ActRefused : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The robots that are currently held: an act sets their speeds before every tick, until another act releases
-/// them.
+/// The robots that are currently held. A held robot is commanded the same speed before every tick: from the
+/// act that holds it until another act releases it.
 class Holds {
  public:
   /// Holds a robot from the next tick on. speed: forward and left in m/s, turn in rad/s. The body must exist
@@ -51,8 +51,8 @@ class Holds {
   std::map<std::uint32_t, std::array<double, 3>> speeds_;  // by BodyId
 };
 
-/// Applies one act to a simulation. holds: the held robots of this simulation. Throws ActRefused if the act
-/// is impossible.
+/// Applies one act to a simulation. holds: the held robots of this simulation, which acts that hold or
+/// release a robot change. Throws ActRefused, and changes nothing, if the act is impossible.
 void carry_out(Simulation& simulation, const Act& act, Holds& holds);
 
 }  // namespace troupe

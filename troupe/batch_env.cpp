@@ -53,7 +53,8 @@ double number_at(const std::byte* at, engine::Element element) {
   return read(std::uint8_t());
 }
 
-/// Rounds to the nearest integer, clamped to the range of the element type.
+/// Stores a number as an element at the address `at`. For integer elements it is rounded to the nearest
+/// integer and clamped to the range of the element type.
 void put_number(std::byte* at, engine::Element element, double value) {
   const auto write = [&]<class T>(T) {
     T own;
@@ -119,7 +120,7 @@ struct BatchEnv::Impl {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
     engine::Element element = engine::Element::f32;  // of a reading
-    std::size_t of_kind = 0;  // index in the readings, the groups or the targets of TeamCopy
+    std::size_t of_kind = 0;  // index among the readings, the groups or the targets of TeamCopy
   };
   struct ArrayData {
     std::string name;
@@ -163,9 +164,9 @@ struct BatchEnv::Impl {
     std::vector<std::vector<Row>> groups;      // the possible neighbours, for each part `nearest`
     std::vector<std::vector<BodyId>> targets;  // for each part `target`: one for all robots, or one per robot
     std::vector<std::byte*> commands;          // commands of devices x robots
-    std::vector<double> before;                // rewards x robots: their columns one step ago
-    std::vector<std::uint8_t> was_terminated;  // per robot, before the step, as is was_alive
-    std::vector<std::uint8_t> was_alive;
+    std::vector<double> before;                // rewards x robots: the rewarded numbers of the previous step
+    std::vector<std::uint8_t> was_terminated;  // per robot: `terminated` before the step
+    std::vector<std::uint8_t> was_alive;       // per robot: `alive` after the previous step
   };
   struct Copy {
     explicit Copy(Simulation&& s) : simulation(std::move(s)) {}
@@ -322,8 +323,9 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
   });
 }
 
-/// Determines the columns, actions and rewards of a team from its first robot. The other robots may have
-/// other types if their observed fields and commands are the same; bind() checks this.
+/// Determines the columns, actions, rewards and ends of a team from its first robot. `first` is the first
+/// copy. The other robots may have other types if their observed fields and commands are the same; bind()
+/// checks this.
 void BatchEnv::Impl::plan(TeamData& team, Copy& first) {
   const BatchTeam& own = *team.spec;
   Simulation& simulation = first.simulation;
@@ -495,8 +497,9 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
 
 // ---- steps
 
-/// Runs work(c) for each copy. A task is a block of copies: each copy runs on one thread, so that its state
-/// stays in the caches of that thread. If some throw, the others still run; the first exception is rethrown.
+/// Calls work(c) for each copy c, in parallel. A task is a block of copies, and each copy runs on one thread,
+/// so that its state stays in the caches of that thread. If work() throws for some copies, it is still called
+/// for all others; for_copies() then rethrows the exception of the first of these copies.
 template <class Work>
 void BatchEnv::Impl::for_copies(Work&& work) {
   constexpr std::size_t k_most = 32;           // copies per task
@@ -697,7 +700,8 @@ double BatchEnv::Impl::value(const TeamData& team, const Column& column, std::si
   return number_at(row + column.column * engine::element_size(array.element), array.element);
 }
 
-/// Computes rewards and ends from the observed columns.
+/// Computes the rewards of copy c, and which of its robots are finished, from the observed columns.
+/// has_stepped: false at the beginning of an episode; the rewards are then 0 and no end is tested.
 void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
   Copy& copy = *copies[c];
   const bool has_stopped = has_stepped && copy.simulation.stopped().has_value();

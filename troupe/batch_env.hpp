@@ -25,7 +25,7 @@ struct BatchPart {
     pose,       ///< x, y (m), cosine and sine of the heading, in the world frame
     estimate,   ///< estimated pose: x, y (m), cosine and sine of the heading (Model::estimate)
     speed,      ///< forward, left (m/s), turn (rad/s) of the last tick
-    stalled,    ///< 1 if the motion of the last tick was blocked, else 0
+    stalled,    ///< 1 if the motion of the last tick was blocked or out of bounds, else 0
     nearest,    ///< the `count` nearest robots, nearest first: see `name`
     target,     ///< x, y (m, in the robot's frame) and distance (m) of a body: see `name`
     time_left,  ///< remaining fraction of the episode, from 1 to 0
@@ -35,28 +35,31 @@ struct BatchPart {
   Of of = Of::reading;  ///< source of the columns
   std::string device;   ///< reading: name of the device; empty: the first device that has this field
   std::string field;    ///< reading: name of the field
-  /// With `nearest`: the robots among which the nearest ones are searched, by the name of a type, of a
-  /// population or of one robot; empty: all robots. Each robot that is found has k_neighbour columns: x, y
-  /// (m, in the observing robot's frame), cosine and sine of its heading relative to the observing robot's
-  /// heading, and 1. If fewer than `count` robots are found, the remaining columns are 0. Of two robots at
-  /// the same distance, the one with the lower id comes first.
-  /// With `target`: the name of a model, which is then the target of all robots, or of a population. With a
-  /// population, the target of each robot is the body with the number of the robot: for the robot "r3" and
-  /// the population "goal" the body "goal3". The columns are 0 while the target is not in the world.
+  /// With `nearest`: the robots among which the nearest ones are searched, given as the name of a type, of a
+  /// population or of one robot; empty: all robots. The observing robot itself and robots that are not in the
+  /// world are skipped. Distances are between the origins of the robots, in the plane. Each robot that is
+  /// found has k_neighbour columns: x, y (m, in the observing robot's frame), cosine and sine of its heading
+  /// relative to the observing robot's heading, and 1. If fewer than `count` robots are found, the remaining
+  /// columns are 0. Of two robots at the same distance, the one with the lower id comes first.
+  /// With `target`: the name of a model or of a population. A model is the target of all robots. With a
+  /// population, the target of each robot is the body whose number is that of the robot: for the robot "r3"
+  /// and the population "goal" it is the body "goal3". The columns are 0 while the target is not in the
+  /// world.
   std::string name;
   std::size_t count = 1;                                     ///< nearest: number of robots
   double range_m = std::numeric_limits<double>::infinity();  ///< nearest: largest distance, m
-  /// Factor by which lengths, speeds and readings are multiplied; cosines, sines and columns that are 0 or 1
-  /// are not scaled.
+  /// Factor by which lengths, speeds and readings are multiplied. Cosines, sines, `time_left` and columns
+  /// that are 0 or 1 are not scaled.
   double scale = 1;
 };
 
-/// An array of observations: copies x robots x columns, row-major.
+/// An array of observations: copies x robots x columns, row-major. The columns of a robot that is not in the
+/// world are 0.
 struct BatchArraySpec {
   std::string name;              ///< unique among the arrays of its team
   std::vector<BatchPart> parts;  ///< the columns of a robot: its parts, one after the other, in float32
-  /// Whether the array has the element type of the field instead of float32, without `scale`; useful for
-  /// images. Such an array must have exactly one part, of the source `reading`.
+  /// If true, the elements have the type of the field instead of float32, and `scale` is not applied; use
+  /// this for images. Such an array must have exactly one part, of the source `reading`.
   bool raw = false;
 };
 
@@ -72,29 +75,31 @@ struct BatchAction {
   double high = 1;  ///< value for 1, in the unit of the command
 };
 
-/// A number that a reward or an end uses: a column of an array, which each robot has, or a measure, which
-/// each copy of the world has.
+/// A number that a reward or an end uses: either a column of an array, with one value per robot, or a
+/// measure, with one value per copy of the world.
 struct BatchColumn {
   std::string array;       ///< name of an array of the team; empty: `measure` is used
   std::size_t column = 0;  ///< index of the column in the array
   std::string measure;     ///< name of a column of Measures, with or without its unit
 };
 
-/// A term of the reward. The reward of a robot in a step is the sum of all terms; it is 0 for finished
-/// robots.
+/// A term of the reward. The reward of a robot in a step is the sum of all terms, and of BatchEnd::reward if
+/// the step finishes the robot. It is 0 for robots that were finished before the step or are not in the
+/// world.
 struct BatchReward {
-  BatchColumn of;       ///< the number that is rewarded
-  double weight = 1;    ///< factor by which the number is multiplied
-  bool change = false;  ///< whether the change of the number in this step is rewarded instead of the number
+  BatchColumn of;     ///< the number that is rewarded
+  double weight = 1;  ///< factor by which the number is multiplied
+  /// Whether the change of the number since the previous step is rewarded instead of the number.
+  bool change = false;
 };
 
-/// A condition that ends the episode of a robot: the robot is then finished. If the condition tests a
-/// measure, it finishes all robots of the copy.
+/// A condition that finishes a robot, that is, ends its episode. A condition on a measure finishes all robots
+/// of the team in the copy.
 struct BatchEnd {
   BatchColumn of;         ///< the number that is tested
   double below = 0;       ///< threshold; the condition holds if the number is less than this
   bool is_above = false;  ///< whether the condition holds instead if the number is more than `below`
-  double reward = 0;      ///< added to the reward of the step in which the condition holds
+  double reward = 0;      ///< added to the robot's reward of the step in which the condition holds
 };
 
 /// A group of robots that learn one policy. They have the same observations, actions and rewards.
@@ -111,7 +116,7 @@ struct BatchTeam {
 struct BatchSpec {
   std::size_t copies = 1;             ///< number of copies of the world
   unsigned threads = 0;               ///< number of threads, as in SimulationOptions; changes no result
-  std::size_t ticks = 1;              ///< ticks of the world per step
+  std::size_t ticks = 1;              ///< ticks of the world that a step makes
   double seconds = 60;                ///< longest episode, world time, s; longer episodes are truncated
   std::vector<BatchTeam> teams;       ///< no robot may be in two teams
   std::vector<std::string> measures;  ///< computed for each copy; names as for the constructor of Measures
@@ -149,7 +154,7 @@ class BatchEnv {
   /// options.threads is ignored.
   BatchEnv(const std::filesystem::path& world, const BatchSpec& spec, const SimulationOptions& options = {});
   /// Makes copies of a loaded world, as Simulation::another() does. Several batches may be made from one
-  /// simulation.
+  /// simulation. Throws as the other constructor and as Simulation::another().
   BatchEnv(const Simulation& world, const BatchSpec& spec);
   ~BatchEnv();
   BatchEnv(BatchEnv&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
@@ -168,24 +173,26 @@ class BatchEnv {
     std::size_t columns = 0;                         ///< number of elements per robot
     std::span<std::byte> bytes;                      ///< copies x robots x columns elements
   };
-  /// The array of this name. Throws std::out_of_range, with the names of the arrays of the team, if there is
-  /// no such array.
+  /// Returns the array of this name. Throws std::out_of_range, with the names of the arrays of the team, if
+  /// there is no such array.
   Array array(std::size_t team, std::string_view name) const;
-  /// The array of this name as float32. Throws as array() does, and std::invalid_argument if it has another
-  /// element type.
+  /// Returns the elements of the array of this name, which must be float32. Throws as array() does, and
+  /// std::invalid_argument for another element type.
   std::span<const float> floats(std::size_t team, std::string_view name) const;
   std::span<double> actions(std::size_t team);  ///< copies x robots x actions; the caller writes them
   std::span<double> rewards(std::size_t team);  ///< copies x robots: reward of the last step
   std::span<std::uint8_t> terminated(std::size_t team);  ///< copies x robots: 1 if the robot is finished
-  std::span<const std::uint8_t> alive(
-      std::size_t team) const;                      ///< copies x robots: 1 if the robot is in the world
-  std::span<const std::uint8_t> truncated() const;  ///< one per copy: 1 if the episode reached `seconds`
-  /// One per copy: 1 if the copy is over. It is over if it is truncated, or if at least one robot is finished
-  /// and no robot in the world is unfinished. Takes into account what the caller has written to terminated().
+  /// Copies x robots: 1 if the robot is in the world.
+  std::span<const std::uint8_t> alive(std::size_t team) const;
+  /// One per copy: 1 if the episode has reached BatchSpec::seconds.
+  std::span<const std::uint8_t> truncated() const;
+  /// One per copy: 1 if the copy is over. A copy is over if it is truncated, or if at least one robot of its
+  /// teams is finished and all others that are in the world are finished as well. Each call takes into
+  /// account what the caller has written to terminated().
   std::span<const std::uint8_t> over();
   /// Names of the columns of measures(), as in Measures::columns().
   std::vector<std::string> measure_columns() const;
-  std::span<const double> measures() const;      ///< copies x columns
+  std::span<const double> measures() const;      ///< copies x measure_columns(), after the last step
   std::span<const std::uint64_t> seeds() const;  ///< one per copy: seed of its current episode
 
   /// Begins an episode in all or some copies.

@@ -25,7 +25,8 @@ using engine::StateField;
 using engine::StateTable;
 using engine::World;
 
-/// The index of each body in Frame::mobile, by body id.
+/// Returns for each body id the index of the body in Frame::mobile; the largest integer if the frame does not
+/// contain the body.
 std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
   std::vector<std::uint32_t> places(world.spec().bodies.size(), std::numeric_limits<std::uint32_t>::max());
   for (std::size_t i = 0; i < frame.mobile.size(); ++i)
@@ -33,10 +34,10 @@ std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
   return places;
 }
 
-/// The kind in the name of a component: `ranger` for `ranger/ir`.
+/// Returns the kind in the name of a component: `ranger` for `ranger/ir`.
 std::string_view kind_of(std::string_view component) { return component.substr(0, component.find('/')); }
 
-/// Whether the component of a table has this name, or is of the kind with this name.
+/// Whether `name` is the name of the component that a table stores, or of its kind.
 bool has_name(const StateTable& table, std::string_view name) {
   return table.component() == name || kind_of(table.component()) == name;
 }
@@ -81,14 +82,15 @@ void for_each_device(const World& world, const Frame& frame, Visit&& visit) {
   }
 }
 
-/// The DeviceSpec from which a device was made.
+/// Returns the DeviceSpec from which a device of a body was made.
 const engine::DeviceSpec& spec_of(const World& world, BodyId body, const BodyType::Device& device) {
   const std::uint32_t type = world.spec().bodies[body.index()].type.value;
   const auto d = static_cast<std::size_t>(&device - world.types()[type].devices.data());
   return world.spec().types[type].devices[d];
 }
 
-/// The transducers of a device, in the order of its readings; empty if it has none.
+/// Returns the transducers of a device, in the order of its readings; empty if it has none. spec: the
+/// DeviceSpec of the device.
 std::vector<FrameTransducer> transducers_of(const engine::DeviceSpec& spec, const BodyType::Device& device) {
   std::vector<FrameTransducer> transducers;
   for (const engine::Transducer& t : device.prepared.transducers)
@@ -97,14 +99,15 @@ std::vector<FrameTransducer> transducers_of(const engine::DeviceSpec& spec, cons
   return transducers;
 }
 
-/// A device with transducers: a ranger.
+/// A device with transducers, that is, a ranger: the indices of its type and of the device in the type, and
+/// the number of its readings.
 struct Ranger {
   std::uint32_t type = 0;
   std::size_t device = 0;
   std::size_t readings = 0;
 };
 
-/// All rangers, by type, then by device.
+/// Returns all rangers, ordered by type and then by device.
 std::vector<Ranger> rangers_of(const World& world) {
   std::vector<Ranger> rangers;
   for (std::size_t t = 0; t < world.types().size(); ++t) {
@@ -119,7 +122,8 @@ std::vector<Ranger> rangers_of(const World& world) {
   return rangers;
 }
 
-/// The motion by which a joint has moved a device from its rest pose, in the body frame.
+/// Returns the motion, in the body frame, that takes a device from its pose with joints at rest to its
+/// present pose.
 Pose moved_by_joints(const World& world, Row row, const BodyType::Device& device) {
   if (device.joint == engine::k_rigid) return {};
   return compose(inverse(engine::Mount(world.poses()[row.index()])), world.mount(row, device.joint)).pose();

@@ -11,25 +11,30 @@
 namespace troupe {
 
 /// Finds a value of the state by name: COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, such as `velocity.x` or
-/// `ranger/ir.ranges.3`. A kind may stand for the component: `wander.turn_left_s`. The error states which
-/// part of the name is unknown, and lists the known ones.
+/// `ranger/ir.ranges.3`. Instead of a component (`wander/0`) the name may have its kind
+/// (`wander.turn_left_s`). If there is no such value, the error lists the known ones; if only the column does
+/// not exist, it states the columns of the field.
 Result<ChosenValue> find_value(const engine::World& world, const std::string& name);
-/// One value per body of the frame; NaN for bodies that do not have this value.
+/// Returns one number per body of Frame::mobile: the chosen value of the body, or NaN if the body does not
+/// have it.
 std::vector<double> values_of(const engine::World& world, const ChosenValue& value,
                               const engine::Frame& frame);
 
-/// All rangers of all types of bodies in the world.
+/// Describes all rangers of all body types, by type and then by device, for FrameScene::rangers. add_scans()
+/// refers to this order.
 std::vector<engine::FrameRanger> frame_rangers(const engine::World& world);
-/// Fills Frame::scans and ranges with the readings of all running rangers.
+/// Fills Frame::scans and Frame::ranges with the readings of all running rangers. At tick 0 there are none
+/// yet.
 void add_scans(const engine::World& world, engine::Frame& frame);
-/// Fills Frame::sights, blobs or grips, depending on `layer`, with what the devices report for this layer
-/// (DeviceKind::show).
+/// Fills Frame::sights, Frame::blobs or Frame::grips, depending on `layer`: calls DeviceKind::draw for each
+/// device of this layer, except sensors that do not run.
 void add_layer(const engine::World& world, engine::FrameLayer layer, engine::Frame& frame);
-/// Fills Frame::links: which body carries which.
+/// Fills Frame::links with a line from each carrier to each body that it carries.
 void add_links(const engine::World& world, engine::Frame& frame);
-/// Fills Frame::charges with the charges of all devices that store energy.
+/// Fills Frame::charges: for each body of Frame::mobile the charge of its first power pack, as a fraction of
+/// the capacity; NaN for bodies without one.
 void add_charges(const engine::World& world, engine::Frame& frame);
-/// Fills Frame::names.
+/// Fills Frame::names with the names of the bodies of Frame::mobile.
 void add_names(const engine::World& world, engine::Frame& frame);
 
 }  // namespace troupe

@@ -15,7 +15,7 @@ using engine::FrameBody;
 using engine::FrameSquare;
 
 constexpr double k_trail_points = 50;
-constexpr double k_most_squares = 2e9;  // largest distance from the origin in squares: indices have 32 bits
+constexpr double k_most_squares = 2e9;  // largest index of a square: indices are stored in 32 bits
 
 std::uint64_t key_of(std::int32_t x, std::int32_t y) {
   return std::uint64_t{static_cast<std::uint32_t>(x)} << 32 | static_cast<std::uint32_t>(y);

@@ -14,14 +14,15 @@ namespace troupe {
 /// order of their ticks; a frame with an earlier tick than the last one clears the history.
 class Trails {
  public:
-  static constexpr double k_seconds = 20;
+  static constexpr double k_seconds = 20;  ///< length of the trails, s
 
+  /// tick_s: length of a tick, s.
   explicit Trails(double tick_s);
-  /// Whether see() keeps a frame of this tick. It ignores frames of other ticks, to limit the number of
-  /// points.
+  /// Whether see() would store a frame of this tick. It ignores the frames of most ticks, to limit the number
+  /// of points of a trail.
   bool wants(std::uint64_t tick) const;
-  void see(const engine::Frame& frame);
-  /// Fills Frame::trails.
+  void see(const engine::Frame& frame);  ///< stores the positions of the bodies of a frame
+  /// Fills Frame::trails with one trail per body of Frame::mobile, which ends at its pose in `frame`.
   void add_to(engine::Frame& frame) const;
 
  private:
@@ -39,10 +40,11 @@ class Trails {
 /// `coverage`.
 class Covered {
  public:
-  static constexpr double k_square_m = 1;
+  static constexpr double k_square_m = 1;  ///< edge length of the squares, m
 
   void see(const engine::FrameScene& scene, const engine::Frame& frame);
-  /// Fills Frame::covered, sorted by column and row.
+  /// Fills Frame::covered with the visited squares and the times of their last visits, sorted by x and then
+  /// by y.
   void add_to(engine::Frame& frame) const;
 
  private:

@@ -28,7 +28,8 @@ ZInterval united(const ZInterval& a, const ZInterval& b) {
   return {std::min(a.min, b.min), std::max(a.max, b.max)};
 }
 
-/// Counts solids by height.
+/// Counts the solids at each height: at(z) returns the number of solids whose z interval, including both
+/// ends, contains z.
 class Heights {
  public:
   void add(const ZInterval& z, std::size_t count) {
@@ -71,7 +72,8 @@ bool is_in(const ConvexPrism& piece, const Vec2& point) {
   return true;
 }
 
-/// Whether no beam leaves the body. Such beams detect nothing but bodies that overlap it.
+/// Whether all beams of a ranger end inside `body`, the outline of the ranger's own robot. Such beams detect
+/// only bodies that overlap the robot.
 bool stays_inside(const sensors::RangerBeams& ranger, const partition::ObstacleShape& body) {
   const auto stays = [&](const sensors::BeamGroup& group, std::size_t beam) {
     const Vec2 from = ranger.reference + Vec2(group.ox[beam], group.oy[beam]);
@@ -140,14 +142,14 @@ void Lint::check_sensors() {
     }
 }
 
-/// "0.5 m", "0 to 1 m".
+/// Returns heights as text: "0.5 m", "0 to 1 m".
 std::string heights_text(const ZInterval& z) {
   return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
 }
 
-/// Returns the reason why a sensor at the heights `looks` detects none of the solids whose heights are in
-/// `there`. nothing, what: names of the solids for the sentence, "no other visible body" and "visible
-/// bodies".
+/// Returns the second half of a warning, which states why a sensor that looks at the heights `looks` detects
+/// none of the solids at the heights `there`. nothing, what: how the text names these solids, such as "no
+/// other visible body" and "visible bodies".
 std::string missed_text(const Heights& there, const ZInterval& looks, std::string_view nothing,
                         std::string_view what) {
   if (there.empty() || there.extent().contains(looks.min))
@@ -156,14 +158,15 @@ std::string missed_text(const Heights& there, const ZInterval& looks, std::strin
                      heights_text(there.extent()));
 }
 
-/// Begins a message about a sensor with its name. In Stage worlds a model may be only a sensor, which then
-/// has the name of its type.
+/// Returns the first half of a warning: that this sensor of this type sees nothing. In a Stage world a model
+/// may be only a sensor, whose own name is then empty.
 std::string called_text(std::string_view sensor, std::string_view type) {
   return sensor.empty() ? fmt::format("sensor \"{}\" sees nothing: ", type)
                         : fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor, type);
 }
 
-/// Warns if no other body has a fiducial mark with the finder's key at its height.
+/// Warns if no other body has a fiducial mark with the finder's key, or if all such marks are at other
+/// heights than the finder.
 void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
                         const engine::SoughtMarks& sought) {
   const std::string called = called_text(sensor.name, spec_.types[type].name);
@@ -235,7 +238,8 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
                        called + missed_text(visible, looks, "no other visible body", "visible bodies"));
 }
 
-/// Whether a floor plan can block a robot; the error states why not.
+/// Returns success if a floor plan can block a robot, else an error that states why it cannot. body: the
+/// floor plan; plan: its part with the walls.
 Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const {
   if (!plan.returns.obstacle) return Error{"it is not an obstacle"};
   const double height = body.pose_world_body.z;
@@ -277,7 +281,8 @@ void Lint::check_floor_plans() {
   if (!open.empty()) check_who_stands_in(open);
 }
 
-/// Warns of robots in floor plans that are not obstacles; engine::World warns of those in obstacles.
+/// Warns of robots that start inside the walls of floor plans that are not obstacles (`plans`). For obstacles
+/// engine::World gives this warning.
 void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
   std::vector<partition::FixedSolid> solids;
   for (const BodyId plan : plans) {

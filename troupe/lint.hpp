@@ -12,9 +12,10 @@ namespace troupe {
 ///   - bodies that overlap at the start, robots that start in walls;
 ///   - sensors that can never detect anything, floor plans that block no robot;
 ///   - unused definitions, properties without effect.
-/// Returns one line per finding, `file:line: warning: ...`, in the order of files and lines; an empty list if
-/// nothing was found. At most 100 overlaps are listed, and one more line counts the remaining ones. Throws
-/// InputError if the world cannot be loaded.
+/// Returns one line per finding, `file:line: warning: ...`, in the order of files and lines, and then the
+/// warnings about plug-ins. The list is empty if nothing was found. At most 100 overlaps of bodies are
+/// listed, and at most 100 robots in walls of floor plans that block no robot; one more line counts the
+/// remaining ones. Throws InputError if the world cannot be loaded.
 std::vector<std::string> lint(const std::filesystem::path& world, const SimulationOptions& options = {});
 
 }  // namespace troupe

@@ -39,13 +39,14 @@ class Measures {
   void see();
   /// Names of the values, with their units appended: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const;
-  /// One number per column, for the current state; NaN if a measure has no value. Call see() first.
+  /// Returns one number per column for the current state; NaN if a measure has no value. see() must have been
+  /// called after the last step.
   std::vector<double> values();
-  /// The value of one column, whose name may omit the unit. Throws std::out_of_range, with the known columns,
-  /// if there is no such column.
+  /// Returns the value of one column for the current state, as values() does. The name may omit the unit.
+  /// Throws std::out_of_range, with the known columns, if there is no such column.
   double value(std::string_view name);
 
-  /// The data from earlier ticks that the measures keep, as bytes, for a checkpoint.
+  /// Returns the data from earlier ticks that the measures store, as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
   /// Restores the bytes of memory(). The measures must be the same as those that returned the bytes, and the
   /// simulation must be in the state of that time. Returns false, and changes nothing, if the number of bytes

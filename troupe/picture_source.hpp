@@ -12,8 +12,8 @@
 
 namespace troupe {
 
-/// A number that bodies have in their state: one column of a field of a component (troupe's state is stored
-/// in components, each with named fields of one or more columns).
+/// A number that bodies have in their state: one column of a field of a component. Troupe stores the state in
+/// components, each with named fields of one or more columns.
 struct ChosenValue {
   std::string component;   ///< as StateTable::component(): "velocity", "wander/0"
   std::string field;       ///< field of the component
@@ -21,7 +21,8 @@ struct ChosenValue {
   std::string text;        ///< label with unit: "velocity.x (m/s)"
 };
 
-/// The members of engine::Frame that a caller requests, in addition to the poses of bodies.
+/// The members of engine::Frame that a caller requests from a PictureSource, in addition to the poses of
+/// bodies.
 struct FrameWishes {
   bool scans = false;                ///< scans of rangers: Frame::scans and ranges
   bool sights = false;               ///< lines to detected fiducials: Frame::sights
@@ -30,7 +31,7 @@ struct FrameWishes {
   bool links = false;                ///< which body carries which: Frame::links
   bool charges = false;              ///< charges of power packs: Frame::charges
   bool names = false;                ///< names of bodies: Frame::names
-  std::optional<ChosenValue> value;  ///< a number per body: Frame::values; not given: none
+  std::optional<ChosenValue> value;  ///< this value of each body: Frame::values; not given: none
 };
 
 /// A state to draw: the current state of a simulation, or a frame of a recording.
@@ -50,18 +51,19 @@ class PictureSource {
   /// The id of the body of this name; empty if there is no such body.
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 
-  /// Finds the value of this name (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN), for FrameWishes. The error
-  /// states which part of the name is unknown, and lists the known ones.
+  /// Finds the value of this name (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN), for FrameWishes. If there is
+  /// no such value, the error lists the known ones; if only the column does not exist, it states the columns
+  /// of the field.
   virtual Result<ChosenValue> find_value(const std::string& name) const = 0;
-  /// Success if this source has everything that is requested; else an error that states what is missing, and
-  /// why.
+  /// Returns success if this source has the data of all requested members, else an error that states which
+  /// data are missing and why.
   virtual Result<> check(const FrameWishes& wishes) const = 0;
 
   // The current state.
   virtual double time_s() const = 0;             ///< world time, s
   virtual std::uint64_t state_hash() const = 0;  ///< hash of the whole state (docs/determinism.md)
-  /// The mobile bodies, and what `wishes` request. Bodies that do not have a requested item have no entry for
-  /// it.
+  /// Returns the mobile bodies and the members that `wishes` request. For a body that lacks a requested item,
+  /// lists with one number per body contain NaN, and other lists have no entry.
   virtual engine::Frame frame(const FrameWishes& wishes) const = 0;
 };
 

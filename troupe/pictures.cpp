@@ -112,9 +112,9 @@ Result<> check_background(const std::string& background) {
 namespace {
 
 constexpr double k_default_pitch = 40 * k_pi / 180;
-constexpr double k_follow_widths = 24;  // width of the picture in radii of the followed model
+constexpr double k_follow_widths = 24;  // width of the picture, as a multiple of the followed model's radius
 constexpr double k_least_followed_m = 0.05;
-constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical
+constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical angle of view of Stage's camera
 
 bool* switch_of(render::Layers& layers, std::string_view name) {
   const std::array<std::pair<std::string_view, bool*>, k_layers.size()> all = {
@@ -178,7 +178,7 @@ void look_through(const Window& window, render::View& view) {
   layers.grips = shows_data && window.on("show_gripper_data");
 }
 
-/// Returns the body with this id in a list sorted by id; null if there is no such body.
+/// Returns the body with this id from a list that is sorted by id; null if there is no such body.
 const engine::FrameBody* find_body(const std::vector<engine::FrameBody>& bodies, std::uint32_t id) {
   const auto found = std::ranges::lower_bound(bodies, id, {}, &engine::FrameBody::id);
   return found == bodies.end() || found->id != id ? nullptr : &*found;
@@ -191,7 +191,8 @@ namespace {
 namespace fs = std::filesystem;
 using Texts = std::vector<std::pair<std::string, std::string>>;
 
-/// The format of a file with vector graphics; empty for a PNG.
+/// Returns the vector format that the ending of a file name selects; empty for all other endings, which
+/// select PNG.
 std::optional<render::VectorFormat> vector_format(const fs::path& file) {
   if (file.extension() == ".svg") return render::VectorFormat::svg;
   if (file.extension() == ".pdf") return render::VectorFormat::pdf;
@@ -211,7 +212,7 @@ struct Pictures::ShotData {
 struct Pictures::Impl {
   PictureOptions options;
   render::View view;
-  std::string file;                     // of the source, for errors
+  std::string file;                     // name of the source's file, for errors
   std::optional<std::uint32_t> follow;  // BodyId
   std::optional<Eigen::Vector3d> last_center;
   std::optional<double> last_across_m;
@@ -309,8 +310,8 @@ struct Pictures::Impl {
     return body.type < known ? scene.types[body.type] : frame.types[body.type - known];
   }
 
-  /// Shows the region that contains the robots, with a margin; if the world has no robots any more, the last
-  /// such region.
+  /// Sets the region of the picture: the robots with a margin, or, if no robot is left in the world, the
+  /// region of the last picture that had robots.
   void show_robots_in(ShotData& shot) {
     constexpr double k_margin = 0.06;     // fraction of the larger side
     constexpr double k_least_side_m = 1;  // a single robot does not fill the picture
@@ -360,7 +361,8 @@ struct Pictures::Impl {
     return ready_painter().draw(shot.frame, view_of(shot)).rgba;
   }
 
-  /// name: the name that the temporary file `to` will get, for error messages.
+  /// Draws a frame from a view into the file `to`, with `texts` as metadata. name: the name of the file for
+  /// error messages, which differs from `to` if that is a trial file.
   void write(const engine::Frame& frame, const render::View& from, const Texts& texts, const fs::path& to,
              const fs::path& name) {
     if (const auto format = vector_format(to)) {

@@ -58,14 +58,15 @@ struct PictureLayer {
 };
 /// All layers that pictures can have.
 std::span<const PictureLayer> picture_layers();
-/// Success if all names in a list of layers are known; else the error `unknown layer "scan"; known: ...`.
+/// Returns success if all names in a list of layers (PictureOptions::layers) are known, else the error
+/// `unknown layer "scan"; known: ...`.
 Result<> check_layers(const std::string& layers);
 /// The names of all backgrounds.
 std::span<const std::string_view> picture_backgrounds();
-/// Success if there is a background of this name; else an error that lists the known names.
+/// Returns success if there is a background of this name, else an error that lists the known names.
 Result<> check_background(const std::string& background);
-/// Success if this is the name of a camera; else an error that lists the known names. Does not check that a
-/// world has the model or the window that the name refers to.
+/// Returns success if this is the name of a camera, else an error that lists the known names. Does not check
+/// that a world has the model or the window that the name refers to.
 Result<> check_camera(const std::string& camera);
 
 /// Draws pictures of one simulation:
@@ -99,18 +100,20 @@ class Pictures {
   /// Discards the data that see() collected: trails, coverage, and the last poses of robots that have left
   /// the world.
   void forget();
-  /// How long before a picture see() must have been called after every step, in simulated time, s. 0: no
-  /// layer needs see(); infinity: from the start of the run.
+  /// The simulated time before a picture, s, during which see() must be called after every step, because
+  /// layers show this history. 0: no layer needs see(); infinity: see() must be called from the start of the
+  /// run.
   double history_s() const;
 
   struct ShotData;
-  using Shot = std::shared_ptr<const ShotData>;  ///< a copy of a tick's state, to be drawn
+  using Shot = std::shared_ptr<const ShotData>;  ///< copy of the state of a tick, which draw() draws
   /// Copies the state of the current tick. times_real_time: the speed that the layer `speed` shows, simulated
   /// time divided by real time; 0: no speed is shown.
   Shot take(const Simulation& simulation, double times_real_time = 0);
   Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of another source
-  /// Interpolates the poses of bodies between two ticks; everything else is copied from `earlier`. share:
-  /// position between the two ticks, from 0 (`earlier`) to 1 (`later`).
+  /// Interpolates between two ticks: the time, the poses of bodies, and what the camera shows. Everything
+  /// else is copied from `earlier`, but the metadata have no state hash. share: position between the two
+  /// ticks, from 0 (`earlier`) to 1 (`later`).
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
   /// Checks that write() can write a file of this name, by writing a small picture next to it and removing

@@ -73,7 +73,8 @@ namespace facts = engine::facts;
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// An element of a linked list of the controllers (or devices, depending on `Kind`) of this library.
+/// An element of the linked list of all controllers of this library, or of all its devices, depending on
+/// `Kind`.
 template <class Kind>
 struct Entry {
   using Make = Kind (*)(std::string_view name);  ///< returns the kind
@@ -118,9 +119,10 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
 }
 
 /// Whether the compiler contracts a product and a sum to one fused multiply-add, which changes bits of
-/// results. The exact product of x and y is not representable: rounded, it equals z; in a fused operation a
-/// remainder of 2^-54 is left. The operands are volatile so that the expression is computed at run time, as
-/// the arithmetic of a controller is, and not folded by the compiler.
+/// results. The exact product of x and y cannot be represented as a double. Rounded, it equals z, so that
+/// their difference is 0; a fused operation returns the remainder, 2^-54. The operands are volatile so that
+/// the expression is computed at run time, as the arithmetic of a controller is, and not folded by the
+/// compiler.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;
   const volatile double rounded_square = 0x1.0000004p0;
@@ -135,7 +137,7 @@ inline constexpr Library library{k_interface, k_version, k_build, layout(), cont
 #pragma GCC visibility pop
 }  // namespace troupe
 
-/// The exported function (k_symbol) that the program calls after loading the plug-in.
+/// The exported function, named by plugin::k_symbol, that the program calls after loading the plug-in.
 extern "C" __attribute__((used, visibility("default"))) inline const troupe::plugin::Library*
 troupe_plugin() {
   return &troupe::plugin::library;

@@ -41,8 +41,8 @@ inline constexpr std::uint32_t k_interface = 5;
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
     ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
 
-/// A hash of the sizes of all types that plug-in and program exchange. It detects headers of another revision
-/// of Troupe that has the same version number.
+/// Returns a hash of the sizes of all types that plug-in and program exchange. It differs if the plug-in was
+/// compiled with headers of another revision of Troupe that has the same version number.
 constexpr std::uint64_t layout() {
   using namespace engine;
   constexpr std::array k_sizes{sizeof(ControllerKind), sizeof(ControllerKind::Prepared),
@@ -69,7 +69,8 @@ struct Library {
   std::uint64_t layout;     ///< layout()
   /// Whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
   bool (*contracts)();
-  /// Appends the controllers and the devices of the library, each under its own name.
+  /// Appends the controllers and the devices of the library to the two lists, each under the name that its
+  /// macro states.
   void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices);
   /// Hash of the bytes of the library file, which the loader writes; 0 before the first load. It is stored in
   /// the library because a process loads a library only once, even if several simulations request it.

@@ -51,8 +51,8 @@ bool is_whole(std::string_view bytes) {
   return true;
 }
 
-/// Whether a file looks like a plug-in. This is checked before loading, because loading runs code of the
-/// file.
+/// Returns success if the bytes of a file look like a plug-in, else an error that continues a sentence about
+/// the file. This is checked before loading, because loading runs code of the file.
 Result<> check_contents(std::string_view bytes) {
   if (!bytes.starts_with("\177ELF")) return Error{"is not a shared library"};
   if (!is_whole(bytes)) return Error{"is truncated"};
@@ -67,8 +67,9 @@ Result<> check_contents(std::string_view bytes) {
       plugin::k_symbol)};
 }
 
-/// Whether a loaded library was built for this program. First only the members `interface` and `version` are
-/// read, because only their offsets are the same in every version.
+/// Returns success if a loaded library was built for this program. Reads the other members only after
+/// `interface` and `version` have been compared, because only these two have the same offsets in every
+/// version.
 Result<> check_build(const plugin::Library& library) {
   if (library.interface != plugin::k_interface || std::string_view(library.version) != k_version)
     return Error{fmt::format(
@@ -88,8 +89,8 @@ Result<> check_build(const plugin::Library& library) {
   return {};
 }
 
-/// The error of dlerror(), `cannot be loaded: undefined symbol: ...`, without the file name, which callers
-/// add.
+/// Returns the error of dlerror() for the library `file`, `cannot be loaded: undefined symbol: ...`, without
+/// the file name, which callers add.
 Error load_error(const fs::path& file) {
   const char* said = dlerror();
   std::string_view reason = said ? said : "the system gives no reason";
@@ -103,8 +104,8 @@ Error load_error(const fs::path& file) {
 }  // namespace
 
 struct Plugins::Loaded : Library {
-  Result<> found;   ///< the error lists the searched folders
-  Result<> opened;  ///< whether the found library can be used
+  Result<> found;   ///< success if the file exists; the error lists the searched folders
+  Result<> opened;  ///< success if the found library can be used; the error states why it cannot
   bool is_usable() const { return found && opened; }
 
   template <class K>
@@ -117,8 +118,8 @@ struct Plugins::Loaded : Library {
   };
   Kinds<engine::ControllerKind> controllers{"controller"};
   Kinds<engine::DeviceKind> devices{"sensor or device"};
-  /// Names the kinds that the library has instead, for the error if it has no controllers, or no sensors and
-  /// devices.
+  /// Returns, for the error if the library has no controllers, or no sensors and devices, the kinds that it
+  /// has instead.
   std::string has_else() const {
     return controllers.names.empty()
                ? fmt::format("no controller, but {}", comma_list(devices.known()))
@@ -178,7 +179,7 @@ std::vector<Plugins::Library> Plugins::libraries() const {
   return in_use;
 }
 
-/// The library of this name. The first call with this name searches the folders and opens the file.
+/// Returns the library of this name. The first call with a name searches the folders and opens the file.
 Plugins::Loaded& Plugins::loaded(std::string_view name) {
   for (const auto& library : loaded_)
     if (library->name == name) return *library;
@@ -207,7 +208,8 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   return library;
 }
 
-/// Loads a library and stores its kinds. The error states why the library cannot be used.
+/// Loads the file of a library and stores its kinds in `library`. The error states why the library cannot be
+/// used.
 Result<> Plugins::open(Loaded& library) {
   const std::optional<std::string> bytes = worldio::read_file(library.file);
   if (!bytes) return Error{"cannot be read"};

@@ -36,18 +36,18 @@ class Plugins {
   Plugins(const Plugins&) = delete;
   Plugins& operator=(const Plugins&) = delete;
 
-  /// Finds the controller of this name, for Registry::plugged_controllers. unknown: the error text if no
-  /// plug-in has it.
+  /// Returns the controller of this name; Registry::plugged_controllers calls this. unknown: the error text
+  /// if there is no such plug-in.
   Result<const engine::ControllerKind*> controller(std::string_view name, std::string unknown);
-  /// Finds the device of this name, for Registry::plugged_devices. unknown: the error text if no plug-in has
-  /// it.
+  /// Returns the sensor or other device of this name; Registry::plugged_devices calls this. unknown: the
+  /// error text if there is no such plug-in.
   Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
   /// Loads the library of this name. The pointer is never null. The error states why the library cannot be
   /// used: `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0,
   /// ...`.
   Result<const Library*> load(std::string_view name);
 
-  /// The loaded libraries, in the order of their names.
+  /// The loaded libraries that this program can use, in the order of their names.
   std::vector<Library> libraries() const;
   /// Warnings about side effects that loading a library had, `dancer.so: warning: ...`.
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -69,6 +69,7 @@ class Plugins {
 };
 
 /// Allows a registry, and copies of it, to load controllers and devices from plug-ins in these folders.
+/// Returns the object that loads them, which the registry also owns.
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path);
 
 }  // namespace troupe

@@ -56,8 +56,8 @@ void convert(Element element, std::span<const std::byte> bytes, std::span<double
   }
 }
 
-/// Whether an array of a recording belongs to the component of this name. Recordings use other names: the
-/// component `ranger/eye` of the type minibot is `sensors/minibot/eye` in a recording.
+/// Whether an array of a recording belongs to the component or the kind of this name. Recordings name the
+/// components of sensors differently: `ranger/eye` of the type minibot is `sensors/minibot/eye`.
 bool has_name(const Array& array, std::string_view name) {
   const std::string_view component = array.component;
   if (component == name || component.substr(0, component.find('/')) == name) return true;
@@ -84,11 +84,13 @@ struct RecordedRun::Impl {
   std::optional<engine::Record> window;
   std::array<const Array*, 4> pose{};  // x, y, z, heading; z may be null
   const Array* stalled = nullptr;
-  /// Readings of each ranger of the scene; null if not recorded.
+  /// Per ranger, in the order of FrameScene::rangers: the array of its readings; null if they were not
+  /// recorded.
   std::vector<const Array*> readings;
-  std::vector<std::uint32_t> rows;         // per body: its row of the recording, or k_none
+  std::vector<std::uint32_t> rows;         // per body id: its row in the recording, or k_none
   std::vector<const Array*> shown_colors;  // per type; null if not recorded
-  /// States of the joints of each type, four arrays per joint; empty if not recorded.
+  /// Displacements of the joints of each type: per joint four arrays (x, y, z, heading). Empty for a type
+  /// whose joints were not recorded.
   std::vector<std::vector<std::array<const Array*, 4>>> joints;
   std::size_t frame = 0;
 
@@ -105,7 +107,8 @@ struct RecordedRun::Impl {
       refuse("the recording has no poses: record the run with pose in --record-fields");
     stalled = find("stall", "stalled");
     for (const RecordedScene::Type& type : world.types) {
-      // Recordings append "~2" to the second type of a name, so use `type_name`, the name in /bodies/type.
+      // If two types have the same name, recordings append "~2" to the second one. Hence type_name(), the
+      // name in /bodies/type, is used.
       for (const RecordedScene::Eye& eye : type.eyes) {
         const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), eye.name), "ranges");
         std::size_t beams = 0;
@@ -127,7 +130,8 @@ struct RecordedRun::Impl {
     throw InputError(fmt::format("{}: error: {}", reader.file().string(), message));
   }
 
-  /// The name of a type in /bodies/type; empty if no recorded body has the type.
+  /// Returns the name of a type as the dataset /bodies/type states it; empty if no recorded body has the
+  /// type.
   std::string type_name(const RecordedScene::Type& type) const {
     for (std::size_t row = 0; row < reader.ids().size(); ++row)
       if (&world.types[world.bodies[reader.ids()[row]].type] == &type) return reader.types()[row];
@@ -144,7 +148,7 @@ struct RecordedRun::Impl {
     return {find(component, "x"), find(component, "y"), find(component, "z"), find(component, "heading")};
   }
 
-  /// Reads the values of an array in the current frame, row-major, one row per body.
+  /// Returns the values of an array in the current frame, row-major, with one row per body of the array.
   std::vector<double> read(const Array& array) const {
     std::vector<std::byte> bytes(array.bodies.size() * array.row_bytes());
     std::vector<double> values(array.bodies.size() * array.field.columns);
@@ -153,7 +157,8 @@ struct RecordedRun::Impl {
     return values;
   }
 
-  /// The poses that a component stores in the current frame, one per recorded row.
+  /// The poses that a component stores in the current frame, one per recorded row. of() returns the pose of a
+  /// row, with the given z if z was not recorded.
   class Poses {
    public:
     Poses(const Impl& run, const std::array<const Array*, 4>& arrays) {
@@ -200,8 +205,9 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// The motions by which the joints of a type have moved the parts on them, in the body frame: a list per
-  /// recorded row; empty if joints were not recorded.
+  /// Returns, for each recorded row and each joint of a type, the motion in the body frame that takes a part
+  /// on this joint from its rest pose to its pose in the current frame. Empty if the joints were not
+  /// recorded.
   std::vector<std::vector<engine::Mount>> mounts(std::size_t type) const {
     std::vector<std::vector<engine::Mount>> mounts;
     if (joints[type].empty()) return mounts;
@@ -247,7 +253,8 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// The index of each recorded row in Frame::mobile, or k_none.
+  /// Returns for each recorded row the index of its body in Frame::mobile; k_none if the frame does not
+  /// contain the body.
   std::vector<std::uint32_t> places_in(const Frame& shown) const {
     std::vector<std::uint32_t> places(reader.ids().size(), k_none);
     for (std::size_t row = 0, i = 0; row < places.size() && i < shown.mobile.size(); ++row)
@@ -283,7 +290,8 @@ struct RecordedRun::Impl {
     std::ranges::stable_sort(shown.scans, {}, &engine::FrameScan::body);
   }
 
-  /// One number per body of the frame, from all arrays that have this component and field.
+  /// Returns one number per body of Frame::mobile, from all arrays of this component (or kind) and field. NaN
+  /// for bodies that no such array has.
   std::vector<double> values(const Frame& shown, std::string_view component, std::string_view field,
                              std::size_t column) const {
     const std::vector<std::uint32_t> places = places_in(shown);
@@ -302,7 +310,7 @@ struct RecordedRun::Impl {
 
 namespace {
 
-/// Calls a function, and converts errors of HDF5 in a damaged file to InputError.
+/// Returns the result of work(). Converts errors of HDF5, which occur in damaged files, to InputError.
 template <class Work>
 auto checked(Work&& work) {
   try {

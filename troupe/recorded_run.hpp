@@ -34,7 +34,7 @@ class RecordedRun : public PictureSource {
   /// Index of the current frame; after construction, the last frame.
   std::size_t frame_index() const;
   void go_to_frame(std::size_t frame);  ///< makes this frame (at most: the last one) the current frame
-  /// Index of the first frame whose time is at most `history_s` seconds before the current frame.
+  /// Index of the earliest frame that is at most `history_s` seconds before the current frame.
   std::size_t first_within(double history_s) const;
 
   // PictureSource, for the current frame.

@@ -21,7 +21,8 @@ namespace {
 constexpr double k_every_s = 0.1;
 constexpr const char* k_fields = "pose";
 
-/// The recording interval and the fields: those of the options, or else of the world, or else the defaults.
+/// Returns the head of a recording. Interval and fields are those of the options, or else those of the world
+/// file, or else the defaults.
 worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
   const engine::WorldSpec& spec = simulation.world().spec();
   const engine::RecordSpec record = spec.record.value_or(engine::RecordSpec{});
@@ -35,8 +36,8 @@ worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOpti
   return head;
 }
 
-/// The components that these fields belong to. The InputError for an unknown field states where the field was
-/// requested: in the world file, or in the options.
+/// Returns the components that these fields select. Throws InputError for an unknown field: if the world file
+/// requested it, with the line there, else with the name of the recording (`file`).
 std::vector<worldio::RecordedComponent> components_of(const std::filesystem::path& file,
                                                       const Simulation& simulation,
                                                       const std::vector<std::string>& fields,
@@ -53,9 +54,9 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
-/// Throws if the recording belongs to another run than the simulation. It compares the options of the two
-/// runs, because runs with equal bodies may differ. Options that change no result, or that a resumed run may
-/// change for later ticks, are not compared.
+/// Throws std::runtime_error if the recording belongs to another run than the simulation. It compares the
+/// options of the two runs, because runs with equal bodies may differ. Options that change no result, or that
+/// a resumed run may change for later ticks, are not compared.
 void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {
   const worldio::RecordingReader recording(file);
   const auto is_free = [](std::string_view key) {
@@ -79,8 +80,8 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
         file.string(), simulation.tick()));
 }
 
-/// Throws if the options state another interval or other fields than those of the recording, which cannot be
-/// changed.
+/// Throws std::runtime_error if the options state another interval or other fields than the recording has,
+/// because these cannot change within a recording.
 void check_same_options(const std::filesystem::path& file, const Simulation& simulation,
                         const RecordingOptions& options) {
   const worldio::RecordingReader recording(file);

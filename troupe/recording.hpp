@@ -10,8 +10,8 @@
 
 namespace troupe {
 
-/// Content of a recording. Options that are not given are taken from `record` in the world file; if it is
-/// absent too, poses are recorded every 0.1 s.
+/// What a recording contains, and how it is written. Fields and interval that are not given are taken from
+/// `record` in the world file; if it is absent too, poses are recorded every 0.1 s.
 struct RecordingOptions {
   /// Names of components of the state or of fields of sensors: "pose", "velocity", "stall", "ranges", ...;
   /// "all" for all of them. Empty: not given.
@@ -20,11 +20,11 @@ struct RecordingOptions {
   double every_s = 0;
   /// Whether an existing file is replaced; if not, an existing file is an error.
   bool replace = false;
-  /// Whether the recording writes the file on a thread of its own while the simulation continues. If the
-  /// process is then killed, up to two batches of frames are lost instead of one. Troupe never calls HDF5
-  /// from two threads at once. Other code in the process that uses the same HDF5 library, such as h5py, must
-  /// wait until the recording is closed, unless the library was built with thread safety
-  /// (H5is_library_threadsafe).
+  /// Whether the recording writes the file on a thread of its own while the simulation continues. Frames are
+  /// collected in memory and written in batches. If the process is killed, up to two batches are lost instead
+  /// of one. Troupe never calls HDF5 from two threads at once. Other code in the process that uses the same
+  /// HDF5 library, such as h5py, must wait until the recording is closed, unless the library was built with
+  /// thread safety (H5is_library_threadsafe).
   bool in_background = false;
 };
 
@@ -64,8 +64,8 @@ class Recording {
   /// not lost if this process dies. This happens regularly without a call. Call it if the recording interval
   /// is long, or before saving a checkpoint.
   void flush();
-  /// Starts a flush(). With `in_background` it returns before the frames are written; otherwise it is
-  /// flush().
+  /// Starts a flush(). With the option `in_background` it returns before the frames are written. Without the
+  /// option it is the same as flush().
   void start_flush();
   /// Flushes and closes the file: other HDF5 tools can then read it.
   void close();

@@ -4,7 +4,8 @@
 
 namespace troupe {
 
-/// Returns a registry with all kinds of models, sensors, drives, controllers and measures that Troupe ships.
+/// Returns a registry with everything that Troupe ships: all kinds of models, sensors, other devices, drives,
+/// controllers, measures and faults, and the presets.
 engine::Registry make_registry();
 
 }  // namespace troupe

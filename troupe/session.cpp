@@ -22,9 +22,9 @@ namespace troupe {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int k_most_sessions = 100000;  // files of one world in a folder; more is an error
+constexpr int k_most_sessions = 100000;  // largest number of session files of one world in a folder
 
-/// Options that do not change results.
+/// Options that change no result, and that a replay may therefore change.
 constexpr std::array<std::string_view, 5> k_free{"world", "threads", "tile_m", "simd", "resumed_at_tick"};
 
 std::string_view program_of(std::string_view line) { return line.substr(0, line.find(" (")); }
@@ -35,7 +35,7 @@ std::string value_of(const std::vector<std::pair<std::string, std::string>>& opt
   return "not given";
 }
 
-/// The options in which session and simulation differ, as text; empty if there are none.
+/// Returns, as text, the options in which session and simulation differ; empty if there are none.
 std::string difference(const worldio::SessionHeader& header, const Simulation& simulation) {
   const std::vector<std::pair<std::string, std::string>> here = simulation.effective_options();
   std::string text;

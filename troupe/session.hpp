@@ -27,11 +27,12 @@ class SessionLog {
   SessionLog(const SessionLog&) = delete;
   SessionLog& operator=(const SessionLog&) = delete;
 
-  const std::filesystem::path& file() const;  ///< path of the session
+  const std::filesystem::path& file() const;  ///< path of the session file
   /// Appends an act that was applied at the current tick of the simulation. Throws std::runtime_error if it
   /// cannot be written.
   void add(const Simulation& simulation, const engine::Act& act);
-  /// Appends the entry that the session ended at the current tick of the simulation.
+  /// Appends an entry which states that the session ended at the current tick of the simulation. Throws as
+  /// add().
   void end(const Simulation& simulation);
 
  private:
@@ -60,7 +61,8 @@ class SessionReplay {
   /// Applies the acts of the current tick of the simulation. Throws InputError, with file and line, if an act
   /// is impossible.
   void act(Simulation& simulation);
-  /// The tick at which the session ended; empty if the file has no such entry because the process died.
+  /// The tick at which the session ended. Empty if the file does not state it, because the process died
+  /// before SessionLog::end().
   std::optional<std::uint64_t> end_tick() const;
   /// Number of acts that have not been applied yet.
   std::size_t left() const;

@@ -35,7 +35,7 @@ constexpr double k_longest_run_s =
     1e12;  // longer than the age of the universe; its ticks still fit in 64 bits
 constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest world
 
-/// Returns the part "troupe 0.2.0" of a line of version_line().
+/// Returns the first part of a line of version_line(), "troupe 0.2.0".
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
 /// Throws InputError for a checkpoint of another version unless `across_versions`. Returns a warning if
@@ -61,8 +61,8 @@ constexpr const char* k_spare = "spare";          // key in a header
 constexpr const char* k_holds = "holds";          // key in the memories of a checkpoint
 constexpr std::string_view k_plugin = "plugin ";  // prefix of keys in a header: plugin NAME
 
-/// Loads the plug-ins that a checkpoint was written with. If a plug-in is another build, throws InputError,
-/// or, with `across_plugins`, returns a warning for it.
+/// Loads the plug-ins that a checkpoint was written with. Throws InputError if a plug-in is missing or is
+/// another build. With `across_plugins` another build is accepted, and the result contains a warning for it.
 std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plugins& plugins,
                                       bool across_plugins) {
   std::vector<std::string> warnings;
@@ -92,7 +92,8 @@ void append(std::vector<std::string>& lines, const std::vector<std::string>& mor
   lines.insert(lines.end(), more.begin(), more.end());
 }
 
-/// The first device on this part itself whose kind declares the capability; null if there is none.
+/// Returns the first device on the part with this index, not on its subparts, whose kind defines the function
+/// `declared`; null if there is none.
 template <class Capability>
 const engine::BodyType::Device* device_on(const engine::BodyType& type, std::size_t part,
                                           Capability engine::DeviceKind::*declared) {
@@ -128,27 +129,28 @@ thread_local const Model* visited_robot = nullptr;
 
 struct Simulation::Impl {
   std::shared_ptr<engine::Registry> registry;  ///< shared with simulations from another()
-  std::shared_ptr<Plugins> plugins;            ///< those of the registry
+  std::shared_ptr<Plugins> plugins;            ///< loads plug-ins for `registry`
   std::unique_ptr<engine::World> world;
   std::vector<std::string> warnings;
   std::filesystem::path file;       ///< world file
   double tile_size_m = 0;           ///< from SimulationOptions
-  worldio::PlaceAgain place_again;  ///< empty if no place depends on the seed
+  worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no place depends on it
   /// Changes to the world, as pairs of key and value for effective_options(): those of the option `set` (if a
   /// run was resumed with them, the key contains the tick), and `spare`.
   std::vector<std::pair<std::string, std::string>> changes;
   /// Tick of the checkpoint that the run was resumed from.
   std::optional<std::uint64_t> resumed_at;
-  /// Data of observers that the checkpoint contains, and the callbacks of on_save().
+  /// The data that observers stored in the checkpoint that the run was resumed from.
   worldio::Memories memories;
+  /// The callbacks of on_save(), by name.
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
   /// Evaluates the stop conditions; null if the world has no `stop_when`.
   std::unique_ptr<engine::StopConditions> stop;
-  /// Started by record().
+  /// The recording that record() started; null if none is running.
   std::unique_ptr<Recording> recording;
   std::deque<std::function<void(Simulation&)>> on_tick;
   bool in_callbacks = false;
-  /// Renderer of the last call of snapshot() or picture().
+  /// Renderer and options of the last call of snapshot() or picture().
   std::unique_ptr<Pictures> pictures;
   PictureOptions picture_options;
 
@@ -170,7 +172,7 @@ struct Simulation::Impl {
       throw std::logic_error(fmt::format("{} is not allowed in a callback of on_tick()", what));
   }
 
-  /// Makes the world of a valid spec.
+  /// Makes the world of a valid spec, and collects warnings about it and about plug-ins in `warnings`.
   void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics) {
     tile_size_m = options.tile_size_m;
     spec.mortal = spec.mortal || options.mortal;
@@ -194,15 +196,15 @@ struct Simulation::Impl {
   }
 };
 
-/// A body of a world and one of its parts.
+/// A body of a world and the index of one of its parts; 0: the body itself.
 struct Model::Place {
   engine::World* world;
   BodyId body;
   std::size_t part;
   std::string name;
 
-  /// The row of the body in the state tables. Throws std::logic_error if it has none or if the state is
-  /// incomplete.
+  /// Returns the row of the body in the state tables. Throws std::logic_error for static geometry, which has
+  /// no row, and if the state is incomplete after a failed step.
   Row row() const {
     world->require_whole();
     const Row row = world->row(body);
@@ -210,7 +212,7 @@ struct Model::Place {
       throw std::logic_error(fmt::format("\"{}\" is static: it has no drive and no sensor", name));
     return row;
   }
-  /// The row of the body in the state tables, for functions that do not apply to parts. Throws
+  /// Returns the row of the body in the state tables, for functions that do not apply to parts. Throws
   /// std::logic_error for a part and for static geometry.
   Row whole() const {
     if (part > 0)
@@ -227,7 +229,8 @@ struct Model::Place {
     return world->types()[world->spec().bodies[body.index()].type.index()];
   }
   std::size_t slot() const { return world->slot(row()); }
-  /// The drive of the part itself; null if it has none.
+  /// Returns the drive of this part; null if the part has none, and for the body itself, whose drive is not a
+  /// device.
   const engine::BodyType::Device* wheels() const {
     for (const engine::BodyType::Device& device : type().devices)
       if (part > 0 && device.part == part && device.kind->drives) return &device;
@@ -238,14 +241,15 @@ struct Model::Place {
     const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
     return part == 0 || device.name == parts[part].name;
   }
-  /// The first device of this model that satisfies `wanted`; null if there is none.
+  /// Returns the first device of this model that satisfies `wanted`; null if there is none.
   template <class Wanted>
   const engine::BodyType::Device* find(Wanted&& wanted) const {
     for (const engine::BodyType::Device& device : type().devices)
       if (owns(device) && wanted(device)) return &device;
     return nullptr;
   }
-  /// Throws `"r0" has no sensor "eye"; it has: ...`, which lists the devices that satisfy `counted`.
+  /// Throws std::out_of_range, `"r0" has no sensor "eye"; it has: ...`. The text lists the devices that
+  /// satisfy `counted`.
   template <class Counted>
   [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const {
     std::vector<std::string_view> known;
@@ -541,7 +545,8 @@ Simulation::Simulation(const worldio::WorldDocument& world, const std::filesyste
                                                 kinds, how, found);
                })) {}
 
-/// files: the source files that the document states, for the file names in errors; null: no document
+/// Loads a world with `read`, which parses it. file: the name of the world. files: the source files that a
+/// document states, for the file names in errors; null if the world is not loaded from a document.
 Simulation Simulation::load(const std::filesystem::path& file, const SimulationOptions& options,
                             engine::Registry registry, std::shared_ptr<SourceFiles> files,
                             const ReadWorld& read) {
@@ -770,7 +775,8 @@ void Simulation::reset() {
   if (impl_->stop) impl_->stop->begin();
 }
 
-/// call: name of the calling function, for errors.
+/// Returns the bodies of this world with the places that they have with another seed. Throws std::logic_error
+/// for a resumed run. call: name of the calling function, for the error.
 std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, std::string_view call) const {
   if (impl_->resumed_at)
     throw std::logic_error(fmt::format(

@@ -104,16 +104,16 @@ using engine::k_phases;
 using engine::Phase;
 using engine::phase_name;
 
-/// Counters of a run since tick 0.
+/// Numbers that describe a run: counters since tick 0, and the state after the last tick.
 struct Statistics {
   std::size_t robots = 0;             ///< robots in the world
   std::uint64_t ticks = 0;            ///< completed ticks (time steps)
   double time_s = 0;                  ///< world time, s
   std::uint64_t beams = 0;            ///< rays that sensors have cast
-  std::size_t stalled = 0;            ///< robots whose last motion was blocked
+  std::size_t stalled = 0;            ///< robots whose last motion was blocked or out of bounds
   std::size_t held_at_bounds = 0;     ///< robots whose last motion was out of bounds
   double mean_displacement_m = 0;     ///< mean straight-line distance of robots from their start or birth, m
-  std::uint64_t conflict_rounds = 0;  ///< iterations that resolved conflicting motions, all ticks
+  std::uint64_t conflict_rounds = 0;  ///< iterations to resolve conflicting motions, since tick 0
   std::size_t state_bytes = 0;        ///< memory of all state tables, bytes
 };
 
@@ -129,7 +129,8 @@ struct RecordingOptions;
 /// steps.
 class Model {
  public:
-  const std::string& name() const;  ///< from the world file, or else as Stage names it ("position:0")
+  const std::string& name()
+      const;  ///< name in the world file, or else the name that Stage gives it ("position:0")
   /// Id of the body. Fiducial finders, bumpers, radios and Simulation::cast() report this id, and
   /// Simulation::model() takes it.
   BodyId id() const;
@@ -162,9 +163,10 @@ class Model {
   };
   Speed speed() const;  ///< velocity during the last tick, in the body frame
   /// Whether the body is in the world: it was spawned or present from the start, and it was not removed
-  /// (docs/lives.md).
+  /// (docs/lives.md). Static geometry is always in the world.
   bool is_alive() const;
-  /// Whether an obstacle blocked the robot's motion in the last tick.
+  /// Whether the robot's motion in the last tick was blocked by an obstacle or would have ended outside the
+  /// bounds of the world.
   bool stalled() const;
   /// Estimated pose of the robot, m and rad. With the localization `gps` this is the true pose in the world
   /// frame; with `odom` it is the odometry estimate, in the frame that `localization_origin` in the world
@@ -183,8 +185,8 @@ class Model {
   /// during Swarm::for_each(), which allows no function that changes several robots. Simulation::set_poses()
   /// moves many models faster.
   void set_pose(const Pose& pose);
-  /// Whether the body would fit at this pose in the world frame, m and rad: inside the bounds of the world,
-  /// and without touching a wall or another body.
+  /// Whether the body could be placed at this pose in the world frame, m and rad: it would be inside the
+  /// bounds of the world and would not touch a wall or another body.
   bool is_free(const Pose& pose) const;
 
   /// Returns a random number stream for a program that drives this robot. The stream depends only on the seed
@@ -227,7 +229,7 @@ class Model {
     const engine::StateField* field = nullptr;  ///< element type and unit; lives as long as the simulation
     std::span<const std::byte> bytes;           ///< all values of the field
   };
-  /// Finds a field as readings() does, and throws as it does.
+  /// Returns a field of a device; the parameters and errors are those of readings().
   Reading reading(std::string_view field, std::string_view device = {}) const;
   /// The fields of a device that readings() can return, with their names, element types, numbers of values
   /// and units. Throws std::out_of_range, with the known names, if there is no such device.
@@ -247,8 +249,8 @@ class Model {
     std::span<const engine::StateField> fields;  ///< fields of the command, with their offsets in `bytes`
     std::span<std::byte> bytes;                  ///< the command, as the command struct of the kind of device
   };
-  /// Finds a command by the name of its device; throws std::out_of_range if no device of this name takes
-  /// commands.
+  /// Returns the command of the device of this name, which a program may write between two steps. Throws
+  /// std::out_of_range if no device of this name takes commands.
   Asked asked(std::string_view device);
 
   /// State of a power pack: its charge, and the energy that it dissipated, received and gave since tick 0, J
@@ -270,7 +272,8 @@ class Model {
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
   std::byte* asked(std::string_view device, std::size_t bytes, std::string_view fields);
-  /// Marks the robot that Swarm::for_each() visits on this thread.
+  /// While an object of this class exists, its robot is the one that Swarm::for_each() visits on this thread.
+  /// Functions that change other robots then throw.
   class Visit {
    public:
     explicit Visit(const Model& robot);
@@ -346,7 +349,8 @@ class Simulation {
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
                            engine::Registry registry);
   ~Simulation();
-  /// Handles stay valid. The moved-from simulation may only be destroyed or assigned to.
+  /// Models and swarms of the simulation stay valid. The moved-from simulation may only be destroyed or
+  /// assigned to.
   ///@{
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -374,9 +378,9 @@ class Simulation {
   /// condition ends the run (stopped()). Throws std::invalid_argument if `seconds` is negative, NaN or more
   /// than 1e12.
   void run_for(double seconds);
-  /// Steps until the callback `done` returns true; calls it after each step. Returns true if `done` returned
-  /// true. Returns false if, before that, `at_most_s` seconds of world time have passed or a stop condition
-  /// ended the run. Throws std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
+  /// Steps until the callback `done`, which is called after each step, returns true; then returns true.
+  /// Returns false if `at_most_s` seconds of world time have passed before that, or if a stop condition ended
+  /// the run (stopped()). Throws std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
   /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Callbacks
   /// are called in the order in which they were added, after the stop conditions have been evaluated and the
@@ -397,10 +401,10 @@ class Simulation {
   /// nothing, if the act is impossible.
   void act(const engine::Act& act);
   /// Returns to the state after loading, bit for bit: tick 0 and the same hashes, and the same run follows.
-  /// Handles, callbacks and subscriptions stay valid; commanded speeds are discarded. A recording of record()
-  /// is closed. reset() is also the way to continue after a step that threw. It reads no file, and allocates
-  /// no memory unless the world has `stop_when`, so that a program can run thousands of trials of one world
-  /// for little more than the cost of their steps.
+  /// Models, swarms, callbacks and subscriptions stay valid; commanded speeds are discarded. A recording of
+  /// record() is closed. reset() is also the way to continue after a step that threw. It reads no file, and
+  /// allocates no memory unless the world has `stop_when`, so that a program can run thousands of trials of
+  /// one world for little more than the cost of their steps.
   void reset();
   /// Returns to the state that the world has after loading with the given seed, bit for bit: populations are
   /// placed again, and all random numbers depend on the new seed. Otherwise it is like reset(), but allocates
@@ -423,7 +427,7 @@ class Simulation {
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
   /// Each save() calls `memory` and stores the returned bytes under `name`; after resume(), saved_memory()
-  /// returns them. A null callback removes the one of this name.
+  /// returns them. A null callback removes the callback of this name.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
   /// The bytes that on_save() stored under `name` in the checkpoint that the run was resumed from; empty if
   /// there are none.
@@ -460,21 +464,25 @@ class Simulation {
   /// meets      surfaces that rangers detect (ranger_return >= 0) and whose z interval, including both ends,
   ///            contains from.z; from inside and from outside. The distance is computed in double precision,
   ///            so it may differ from the float32 reading of a ranger in its last bits
-  /// ties       if two surfaces have the same distance: the one with the lower body id, then the lower part
-  /// errors     std::invalid_argument if `from` is not finite, or if range_max is below 0 or above 300 km
+  /// ties       of two surfaces at the same distance, the ray meets that of the body with the lower id, and
+  ///            on one body that of the part with the lower index
+  /// errors     std::invalid_argument if `from` is not finite, or if range_max is below 0 or above 300 km;
+  ///            std::logic_error if `without` is a model of another simulation
   /// threads    several threads may cast rays at once, between two steps; nothing is changed
   RayHit cast(const Pose& from, double range_max, const Model* without = nullptr) const;
-  /// A group of robots in the order of their ids (troupe/swarm.hpp). `of` names a type, a population or one
-  /// robot; empty: all robots. Throws std::out_of_range, with the known names, for an unknown name.
+  /// Returns a group of robots, in the order of their ids (troupe/swarm.hpp). of: name of a type, of a
+  /// population or of one robot; empty: all robots. Throws std::out_of_range, with the known names, for an
+  /// unknown name.
   Swarm swarm(std::string_view of = {});
-  /// Calls Model::set_pose() for many models. It costs little more than for one model, because the spatial
-  /// index of the bodies is rebuilt only once. If one pose is invalid, it throws and moves no model.
+  /// Places many models, each as Model::set_pose() does. This costs little more than placing one model,
+  /// because the spatial index of the bodies is rebuilt only once. If one pose is invalid, set_poses() throws
+  /// the error of Model::set_pose() and moves no model.
   void set_poses(std::span<const std::pair<Model, Pose>> poses);
   /// Spawns a robot between two steps: places the next unborn body of a population's reserve at a pose in the
-  /// world frame, m and rad. Its controller starts, and sensors see it, from the next step on. Returns
-  /// nothing if the place is outside the bounds of the world or touches a solid body, or if the reserve is
-  /// used up. Throws std::out_of_range for a population without a reserve, and std::invalid_argument for a
-  /// pose that is not finite. Each call rebuilds the spatial index of all bodies.
+  /// world frame, m and rad. From the next step on its controller runs and sensors detect it. Returns
+  /// std::nullopt if the body would be outside the bounds of the world or touch a solid body, or if the
+  /// reserve is used up. Throws std::out_of_range for a population without a reserve, and
+  /// std::invalid_argument for a pose that is not finite. Each call rebuilds the spatial index of all bodies.
   std::optional<Model> spawn(std::string_view population, const Pose& pose);
   /// Number of bodies in the reserve of a population that spawn() can still add. Throws std::out_of_range for
   /// a population without a reserve.
@@ -511,7 +519,8 @@ class Simulation {
   /// std::runtime_error if the file cannot be written. Does nothing if no recording is running.
   void stop_recording();
 
-  /// A 64-bit hash of the whole state: simulations with equal states have equal hashes (docs/determinism.md).
+  /// Returns a 64-bit hash of the whole state. Simulations with equal states have equal hashes
+  /// (docs/determinism.md).
   std::uint64_t state_hash() const;
   /// The hash of the state, and the hashes of four groups of its components.
   struct Hashes {
@@ -529,21 +538,21 @@ class Simulation {
   /// with hashes as 16 hexadecimal digits.
   std::string hash_log_line() const;
 
-  Statistics statistics() const;  ///< counters since tick 0; visits every robot
-  /// The energies of all power packs in the world, summed, J; `infinite` and `charging` are true if they are
-  /// true for at least one pack.
+  Statistics statistics() const;  ///< numbers that describe the run; visits every robot
+  /// The sums of the energies of all power packs, J. `infinite` and `charging` are true if they are true for
+  /// at least one pack.
   Model::Energy energy() const;
   unsigned threads() const;  ///< number of worker threads
-  /// Sets a callback that measures the time of phases. It is called with the phase when a phase of a tick
-  /// begins, and with std::nullopt when the tick ends.
+  /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
+  /// a tick begins, and with std::nullopt when the tick ends. A null callback removes it.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
   /// Sets a callback for profilers. It is called when a task of a parallel loop begins (`begins` is true) and
   /// when the task ends (false); `task` is the index of the task in its loop. Worker threads call it
   /// concurrently, so it must be thread-safe. Set it between two steps.
   void on_task(std::function<void(std::size_t task, bool begins)> callback);
-  /// Sets a callback that measures the time of parallel loops. It is called on the thread that calls step()
-  /// when a parallel loop begins (true) and when it ends (false), also for loops that run between two steps,
-  /// such as those of hashes and measures. Set it between two steps.
+  /// Sets a callback, for example to measure the time of parallel loops. It is called on the thread that
+  /// calls step() when a parallel loop begins (true) and when it ends (false), also for loops that run
+  /// between two steps, such as those of hashes and measures. Set it between two steps.
   void on_loop(std::function<void(bool begins)> callback);
 
   /// The world as the engine stores it (engine/world.hpp): types, state tables and hooks, for tools that

@@ -35,7 +35,7 @@ Swarm Simulation::swarm(std::string_view of) {
   return Swarm(world, std::move(robots));
 }
 
-/// The requested ranger of one type.
+/// The requested ranger of one type of robots, and the table that stores its readings.
 struct Swarm::Ranger {
   const engine::BodyType::Device* device = nullptr;
   const engine::StateTable* readings = nullptr;
@@ -61,8 +61,8 @@ std::vector<std::string> Swarm::types() const {
   return types;
 }
 
-/// Calls one(row, i) for each robot. room: number of elements of the caller's span; throws
-/// std::invalid_argument if it is not size().
+/// Calls one(row, i) for each robot i and its row in the state tables. room: number of elements of the
+/// caller's span. Throws std::invalid_argument if this is not size().
 template <class Read>
 void Swarm::read(std::size_t room, Read&& one) const {
   world_->require_whole();
@@ -70,7 +70,8 @@ void Swarm::read(std::size_t room, Read&& one) const {
   for (std::size_t i = 0; i < size(); ++i) one(rows_[i], i);
 }
 
-/// Calls one(row, i) for each robot that `where` selects and that is in the world.
+/// Calls one(row, i) for each robot that `where` selects and that is in the world. given: number of elements
+/// of the caller's span. Throws std::invalid_argument if this is not size().
 template <class Write>
 void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const {
   Model::refuse_in_for_each(*world_, "a command for a swarm");
@@ -118,7 +119,8 @@ Swarm::Ranger Swarm::ranger_of(Row row, std::string_view sensor) const {
       fmt::format("\"{}\" has no ranger \"{}\"; it has: {}", name, sensor, comma_list(known)));
 }
 
-/// Calls visit(ranger, row, i) for each robot.
+/// Calls visit(ranger, row, i) for each robot i, with its ranger named `sensor`. Throws std::out_of_range if
+/// a robot has none.
 template <class Visit>
 void Swarm::for_rangers(std::string_view sensor, Visit&& visit) const {
   const engine::BodyType* type = nullptr;

@@ -14,8 +14,8 @@
 
 namespace troupe {
 
-/// A group of robots of one simulation. Its functions are those of Model, for all robots of the group in one
-/// call.
+/// A group of robots of one simulation. Most functions do in one call, for all robots of the group, what the
+/// function of Model with the same name (in the singular) does for one robot.
 ///
 ///     troupe::Swarm swarm = simulation.swarm("minibots");
 ///     std::vector<float> ranges(swarm.size() * swarm.beams());
@@ -50,29 +50,32 @@ class Swarm {
 
   /// Writes 1 for each robot that is in the world (docs/lives.md), else 0.
   void alive(std::span<std::uint8_t> out) const;
-  /// Writes 1 for each robot whose motion was blocked in the last tick, else 0.
+  /// Writes 1 for each robot whose last motion was blocked or out of bounds, else 0.
   void stalled(std::span<std::uint8_t> out) const;
-  /// Poses in the world frame, m and rad.
+  /// Writes the poses in the world frame, m and rad.
   void poses(std::span<Pose> out) const;
-  /// Estimated poses, m and rad, as Model::estimate() returns them.
+  /// Writes the estimated poses, m and rad, as Model::estimate() returns them.
   void estimates(std::span<Pose> out) const;
-  /// Velocities during the last tick in the body frame, m/s and rad/s.
+  /// Writes the velocities during the last tick, in the body frame of each robot, m/s and rad/s.
   void speeds(std::span<Model::Speed> out) const;
 
-  /// Number of beams of the ranger named `sensor`, which must be the same for all robots. An empty name means
-  /// the first ranger of each robot. Throws std::out_of_range if a robot has no such ranger, and
-  /// std::invalid_argument if the numbers of beams differ between robots.
+  /// Returns the number of beams of the ranger named `sensor`, which must be the same for all robots; 0 for a
+  /// swarm without robots. An empty name means the first ranger of each robot. Throws std::out_of_range if a
+  /// robot has no such ranger, and std::invalid_argument if the numbers of beams differ between robots.
   std::size_t beams(std::string_view sensor = {}) const;
-  /// Ranges that the rangers measured, m: robots x beams, row-major. Throws as beams() does, and
-  /// std::logic_error if the ranger of a robot does not run; call subscribe() before the first step.
+  /// Writes the ranges that the ranger named `sensor` of each robot measured, m: robots x beams, row-major.
+  /// Throws as beams() does, and std::logic_error if the ranger of a robot does not run; call subscribe()
+  /// before the first step.
   void ranges(std::span<float> out, std::string_view sensor = {}) const;
-  /// Headings of the beams of the ranger of the first robot, in the frame of the sensor, rad. Throws as
-  /// beams() does.
+  /// Returns the headings of the beams of the first robot's ranger, in the frame of the sensor, rad, one per
+  /// range. The result is empty for a swarm without robots. Throws std::out_of_range if the robot has no such
+  /// ranger.
   std::vector<double> bearings(std::string_view sensor = {}) const;
-  /// Largest range that the ranger of the first robot can report, m. Throws as beams() does.
+  /// Returns the largest range that the first robot's ranger can report, m; 0 for a swarm without robots.
+  /// Throws as bearings() does.
   double range_bound(std::string_view sensor = {}) const;
-  /// Makes all sensors of all robots run: Simulation::subscribe() for each robot. Call it before the first
-  /// step.
+  /// Makes all sensors of all robots run, as Simulation::subscribe() does. Throws std::logic_error after the
+  /// first step.
   void subscribe();
 
   /// Calls the function `visit` once for each robot that is in the world, in parallel on all threads of the
@@ -85,14 +88,14 @@ class Swarm {
   /// called for all others, and for_each() then rethrows the exception of the first of these robots.
   void for_each(const std::function<void(std::size_t i, Model& robot)>& visit);
 
-  /// Model::set_speed() for each robot.
+  /// Calls Model::set_speed() for each robot.
   void set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where = {});
-  /// Model::accelerate() for each robot.
+  /// Calls Model::accelerate() for each robot.
   void accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where = {});
-  /// Model::go_to() for each robot.
+  /// Calls Model::go_to() for each robot.
   void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});
-  /// Model::set_pose() for each robot; the spatial index of the bodies is rebuilt only once. If one pose is
-  /// invalid, it throws and moves no robot.
+  /// Calls Model::set_pose() for each robot, but rebuilds the spatial index of the bodies only once. If one
+  /// pose is invalid, set_poses() throws the error of Model::set_pose() and moves no robot.
   void set_poses(std::span<const Pose> poses, std::span<const std::uint8_t> where = {});
 
  private:

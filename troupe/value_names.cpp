@@ -9,7 +9,7 @@
 namespace troupe {
 namespace {
 
-/// Splits a name at its last dot; empty if there is none.
+/// Splits a name at its last dot. Returns nothing if there is no dot.
 std::optional<std::pair<std::string, std::string>> split_last(const std::string& name) {
   const auto dot = name.rfind('.');
   if (dot == name.npos) return std::nullopt;

@@ -9,13 +9,15 @@
 
 namespace troupe {
 
-/// All ways to split a name `COMPONENT.FIELD` or `COMPONENT.FIELD.COLUMN` into its parts. There may be
-/// several, because names of components may contain dots. Empty if the name does not have this form.
+/// Returns all values that a name can mean: `a.b.3` is column 3 of the field b of component a, or the field 3
+/// of the component a.b, because names of components may contain dots. The result is empty if the name has no
+/// dot.
 std::vector<ChosenValue> readings_of(const std::string& name);
 
-/// Appends the unit to a name: "velocity.x (m/s)".
+/// Appends the unit to a name: "velocity.x (m/s)". Returns the name alone if the unit is empty.
 std::string with_unit(const std::string& name, std::string_view unit);
-/// The error for a column index that is too large for the field. columns: number of columns of the field.
+/// Returns the error for a value whose column index is too large. columns: number of columns that the field
+/// has.
 Error no_such_column(const ChosenValue& value, std::size_t columns);
 
 }  // namespace troupe

@@ -23,7 +23,7 @@ std::shared_ptr<const JsonNode> shared(JsonNode node) {
   return std::make_shared<const JsonNode>(std::move(node));
 }
 
-/// Returns the node that a JSON reader makes of this number: a number without a fraction is an integer.
+/// Returns the same node that a JSON reader makes of this number: an integer if the number has no fraction.
 JsonNode number_node(double value) {
   const std::string text = fmt::format("{}", value);  // the shortest text that reads as this number
   std::int64_t whole = 0;
@@ -38,8 +38,8 @@ Settings device_of(std::string_view name, std::string_view kind, const Settings&
   return device.set(parameters);
 }
 
-/// Line number of values whose members are written on separate lines, until the layout assigns the real line
-/// numbers.
+/// Marks, as its line number, a value whose members Layout shall write on separate lines. Layout replaces it
+/// by the real line number.
 constexpr std::uint32_t k_broken = 1;
 
 /// Writes a world as JSON text, and stores in each value the number of its line.
@@ -86,7 +86,7 @@ class Layout {
     text_ += list ? ']' : '}';
   }
 
-  /// Sets the line numbers of all members of a value to that of the value.
+  /// Gives all members of a value, at any depth, the line number of the value.
   static void place(JsonNode& node) {
     if (auto* list = std::get_if<JsonNode::List>(&node.value))
       for (JsonNode& item : *list) {

@@ -54,7 +54,8 @@ class Setting {
   std::shared_ptr<const worldio::JsonNode> node_;
 };
 
-/// Named values. The names are keys of the world file (docs/world-format.md), which contain the unit:
+/// Named values. The names are keys of the world file (docs/world-format.md). A key contains the unit of its
+/// value:
 ///
 ///     troupe::Settings{{"range_max_m", 2}, {"fov_deg", 90}, {"samples", 9}}
 class Settings {
@@ -107,7 +108,8 @@ class WorldBuilder {
     Type(const Type&) = delete;
     Type& operator=(const Type&) = delete;
 
-    /// Makes the body a box of this size, m, that stands on the floor and is centred on the body's origin.
+    /// Makes the body a box with these edge lengths, m, which stands on the floor and whose base is centred
+    /// on the body's origin.
     Type& size(double x, double y, double z);
     /// Sets the colour: a name, "SteelBlue", or {red, green, blue}, each from 0 to 1.
     Type& color(const Setting& color);
@@ -124,7 +126,7 @@ class WorldBuilder {
     /// Sets the controller that runs on each robot of the type. Without a controller, the program commands
     /// the robots.
     Type& controller(std::string_view kind, const Settings& parameters = {});
-    /// Sets any other key that a type has in the world file.
+    /// Sets any key that a type can have in the world file.
     Type& set(std::string_view key, const Setting& value);
 
    private:
@@ -135,7 +137,8 @@ class WorldBuilder {
   };
 
   /// name: used in place of a file name: errors begin with it, its stem is the title of the world, and
-  /// relative paths of bitmaps are resolved from its folder.
+  /// relative paths of bitmaps are resolved from its folder. `.json` is appended if the name has another
+  /// ending.
   explicit WorldBuilder(std::filesystem::path name = "world.json");
 
   /// Sets a key of the top level of the world file: "seed", "tick_s", "bounds_m", "stop_when", ...
@@ -155,8 +158,8 @@ class WorldBuilder {
   /// type have the names `wall1`, `wall2`, ... in the order of the calls. Throws std::invalid_argument if the
   /// points are equal.
   WorldBuilder& wall(const Vec2& from, const Vec2& to, double thickness = 0.1, double height = 0.5);
-  /// Adds walls from the dark pixels of an image file, which is stretched to a size of x by y metres; height:
-  /// of the walls, m; more: further keys that a floor plan has in the world file.
+  /// Adds the walls of a floor plan: the dark pixels of an image file, which is stretched to a size of x by y
+  /// metres. height: height of the walls, m. more: further keys that a floor plan has in the world file.
   WorldBuilder& floorplan(std::string_view name, const std::filesystem::path& bitmap, double x, double y,
                           double height = 0.5, const Settings& more = {});
 
@@ -167,9 +170,10 @@ class WorldBuilder {
 
  private:
   friend class Simulation;
-  /// The content of json() as a tree. file: index of the source file in errors; each value refers to its line
-  /// in json().
+  /// Returns the content of json() as a tree, in which each value refers to its line in json(), for errors.
+  /// file: index of the world's name in the list of source files.
   worldio::JsonNode node(std::uint32_t file) const;
+  /// Returns the content of json() as a tree without line numbers.
   worldio::JsonNode unplaced() const;
   std::filesystem::path name_;
   Settings values_;

@@ -24,16 +24,16 @@
 namespace troupe::apps {
 namespace {
 
-// Bytes that fill new storage. The variants are constructed with these bytes in turn; repeated decisions use
-// the second byte.
+// Values of FilledStorage, so that results that depend on uninitialised storage differ. Variants are
+// constructed with these bytes in turn; decisions are repeated with the second byte.
 constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 
-/// What a variant does after each tick with the data of its world that are not part of the state (caches, the
-/// spatial index, ...).
+/// What a variant does with the data of its world that are not part of the state, such as caches and the
+/// spatial index.
 enum class Memory : std::uint8_t {
   kept,       ///< keeps them
-  forgotten,  ///< discards them: World::forget()
-  remade,     ///< replaces the world by a new one with the same state: engine/remade_world.hpp
+  forgotten,  ///< discards them in each tick: World::forget()
+  remade,     ///< in each tick replaces the world by a new one with the same state: engine/remade_world.hpp
 };
 
 /// One way to run the world. All variants must give the same results.
@@ -102,13 +102,15 @@ class Decisions {
 
   std::vector<std::string> start_twice() { return texts(check_->start_twice()); }
 
-  /// Call after a step.
+  /// Repeats the decisions of the last step. Returns the differences as lines of text. Call it after each
+  /// step.
   std::vector<std::string> repeat() {
     if (check_->pending() > 0 && check_->decisions() == 0) {
-      // Wait once, so that a clock that counts whole seconds has advanced.
+      // Wait once, so that a controller that reads a clock of whole seconds decides differently.
       std::this_thread::sleep_for(std::chrono::milliseconds(1100));
     }
-    // On a thread that has never run a controller.
+    // The decisions are repeated on a thread that has never run a controller, because thread_local variables
+    // of a controller then have their initial values.
     return texts(std::async(std::launch::async, [this] { return check_->repeat(); }).get());
   }
   std::uint64_t count() const { return check_->decisions(); }
@@ -143,8 +145,8 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
   return lines;
 }
 
-/// Steps the variants to the end of the run, or to the first tick at which they differ. Returns the
-/// difference as text.
+/// Steps the variants to world time `end_s`, s, or to the first tick at which they differ. Returns the
+/// differences as lines of text; empty: none. decisions: null unless --controllers is given.
 std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* decisions, double end_s) {
   Simulation& first = variants.front().simulation;
   const std::uint64_t ticks = engine::ticks_until(end_s, first.tick_s());
@@ -155,8 +157,8 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
     if (!lines.empty() || first.tick() >= ticks) return lines;
     for (Variant& variant : variants) {
       variant.step();
-      // Must run before the other variants step, because their decisions would change static variables of a
-      // controller.
+      // The decisions must be repeated before the other variants step, because decisions in these variants
+      // would change the static variables of a controller.
       if (decisions && &variant == &variants.front()) lines = decisions->repeat();
     }
     progress.update(first.time_s());

@@ -18,10 +18,10 @@ FilledStorage::~FilledStorage() { fill = k_off; }
 
 }  // namespace troupe::apps
 
-// Replaces the global `new`, because glibc's M_PERTURB does not fill small blocks that are reused.
-// Allocations in shared libraries come here too. All forms are replaced except the over-aligned ones, which
-// are pairs of their own. If some were missing, an address sanitizer would supply them and report mismatched
-// pairs of `new` and `delete`.
+// The following functions replace the global `new`, because glibc's M_PERTURB does not fill small blocks that
+// are reused. Shared libraries allocate with them as well. All forms are replaced except the over-aligned
+// ones, which have their own `delete`. If another form were missing, an address sanitizer would supply it and
+// report mismatched pairs of `new` and `delete`.
 namespace {
 
 void* filled(std::size_t size) {

@@ -48,7 +48,8 @@ std::string groups_that_differ(const HashLogReader::Line& a, const HashLogReader
   return comma_list(names);
 }
 
-/// Advances `line` to the first line whose tick is at least `tick`.
+/// Reads lines of a log until `line` is the first one whose tick is at least `tick`. `line` becomes empty if
+/// the log has no such line.
 void skip_to(HashLogReader& log, std::optional<HashLogReader::Line>& line, std::uint64_t tick) {
   while (line && line->tick < tick) line = log.next();
 }

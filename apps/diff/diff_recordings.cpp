@@ -22,7 +22,8 @@ namespace {
 
 using worldio::RecordingReader;
 
-/// An array that both recordings have, with buffers for one frame of each.
+/// An array that both recordings contain, and buffers for one frame of the first (a) and the second recording
+/// (b).
 struct Pair {
   const RecordingReader::Array* first;
   const RecordingReader::Array* second;
@@ -51,7 +52,7 @@ std::vector<Pair> common_arrays(const RecordingReader& first, const RecordingRea
   return pairs;
 }
 
-/// The names of the components of the compared arrays, each name once: `pose, sensors/minibot/eye`.
+/// Returns the names of the components of the compared arrays, each name once: `pose, sensors/minibot/eye`.
 std::string components_of(const std::vector<Pair>& pairs) {
   std::vector<std::string_view> names;
   for (const Pair& pair : pairs)
@@ -59,11 +60,11 @@ std::string components_of(const std::vector<Pair>& pairs) {
   return names.empty() ? "nothing but hashes" : comma_list(names);
 }
 
-/// The differences in one frame of a component: the lowest body that differs, with its first differing value,
-/// and the bodies of all differing values.
+/// The differences of one component in one frame: the body with the lowest index that differs, its first
+/// differing field with both values, and the body of each differing value.
 struct Difference {
   std::string component;
-  std::size_t body = 0;  ///< index in the list of bodies
+  std::size_t body = 0;  ///< index in the list of recorded bodies
   std::string field;
   engine::StateValue first, second;
   std::vector<std::size_t> bodies;

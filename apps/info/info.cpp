@@ -64,7 +64,7 @@ std::string all_of(const fs::path& file) {
   return text;
 }
 
-/// Returns the first word of a Stage world, skipping comments.
+/// Returns the first word of a text in the syntax of Stage worlds, skipping comments; empty if it has none.
 std::string first_word(std::string_view text) {
   constexpr std::string_view k_letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
   for (;;) {

@@ -8,10 +8,11 @@
 #include <utility>
 #include <vector>
 
-/// The summaries that `troupe info` prints, by type of file. All throw InputError if the file cannot be read.
+/// Functions that return the summary that `troupe info` prints, one per type of file. All throw InputError if
+/// the file cannot be read.
 namespace troupe::apps {
 
-/// Names and values, in the order in which they are printed.
+/// A summary: names and values, in the order in which they are printed.
 using Summary = std::vector<std::pair<std::string, std::string>>;
 
 Summary summary_of_hash_log(const std::filesystem::path& file);
@@ -20,15 +21,15 @@ Summary summary_of_events(const std::filesystem::path& file);
 Summary summary_of_profile(const std::filesystem::path& file);
 Summary summary_of_recording(const std::filesystem::path& file);
 Summary summary_of_checkpoint(const std::filesystem::path& file);
-/// The summary of a world file; `text` is its content. json: whether the text is JSON; otherwise it is a Stage
-/// world. plugins: folders that are searched for plug-ins before those of TROUPE_PLUGIN_PATH and STAGEPATH.
-/// Throws InputError if the world has errors.
+/// Returns the summary of a world file. text: content of the file. json: true if it is a JSON world, false if
+/// it is a Stage world. plugins: folders that are searched for plug-ins before those of TROUPE_PLUGIN_PATH
+/// and STAGEPATH. Throws InputError if the world has errors.
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
                          const std::vector<std::filesystem::path>& plugins);
 
-/// Ticks and times: "0 to 20, 0 to 2 s".
+/// Returns a range of ticks and its times as text: "0 to 20, 0 to 2 s".
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s);
-/// A count with its noun: "1 robot", "2 robots".
+/// Returns a count with its noun `what`: "1 robot", "2 robots".
 std::string counted(std::size_t count, std::string_view what);
 
 }  // namespace troupe::apps

@@ -22,14 +22,14 @@ namespace {
 
 constexpr const char* k_whole = "yes";
 
-/// Reads the lines of a file. Detects an incomplete last line.
+/// Reads a file line by line. A last line without a line break is incomplete and is not returned.
 class Lines {
  public:
   explicit Lines(const fs::path& file) : stream_(file, std::ios::binary) {
     if (!stream_) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
   }
 
-  /// Reads the next complete line; false if there is none.
+  /// Reads the next complete line into `line`. Returns false if there is none.
   bool next(std::string& line) {
     if (!std::getline(stream_, line)) return false;
     ++number_;
@@ -48,7 +48,7 @@ class Lines {
   bool cut_off_ = false;
 };
 
-/// The first `count` cells of a line, which must have no quotes.
+/// Returns the first `count` cells of a line (fewer if it has fewer), which must have no quotes.
 std::vector<std::string_view> first_cells(std::string_view line, std::size_t count) {
   std::vector<std::string_view> cells;
   while (cells.size() < count) {
@@ -60,7 +60,7 @@ std::vector<std::string_view> first_cells(std::string_view line, std::size_t cou
   return cells;
 }
 
-/// The tick and the time at the beginning of each line of a table.
+/// The first two cells of a line of a table: tick and world time, s.
 struct Span {
   std::uint64_t tick = 0;
   double time_s = 0;

@@ -13,7 +13,8 @@
 namespace troupe::apps {
 namespace {
 
-/// A type of bodies as a line of the summary, with the number of its bodies: "2000: diff, ranger ir, expand".
+/// Returns the line of the summary for a type of bodies: the number of its bodies, its drive, devices and
+/// controllers: "2000: diff, ranger ir, expand".
 std::string type_text(const engine::TypeSpec& type, std::size_t bodies) {
   std::vector<std::string> parts;
   if (type.drive) parts.push_back(type.drive->kind);
@@ -29,7 +30,7 @@ std::string box_text(const Box& box) {
   return fmt::format("x {:g} to {:g}, y {:g} to {:g} m", box.min.x(), box.max.x(), box.min.y(), box.max.y());
 }
 
-/// Adds the stop conditions, interventions and faults of a world; adds nothing if it has none.
+/// Adds the stop conditions, interventions and faults of a world to the summary; adds nothing if it has none.
 void add_experiment(const engine::ExperimentSpec& experiment, Summary& summary) {
   constexpr std::size_t k_most = 8;  // entries listed
   const auto add = [&](const char* what, std::size_t count, auto&& text_of) {

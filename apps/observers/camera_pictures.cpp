@@ -28,7 +28,7 @@ namespace {
 
 using Text = std::vector<std::pair<std::string, std::string>>;
 
-/// A camera of a robot.
+/// A camera of a robot. slot: the row of the robot in the state table of the camera.
 struct RobotCamera {
   std::string name;  ///< "r0.eye"
   const engine::BodyType::Device* device;
@@ -36,7 +36,7 @@ struct RobotCamera {
   engine::Camera pictures;
 };
 
-/// The running cameras, in the order of body ids.
+/// Returns the cameras that run, in the order of body ids.
 std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   std::vector<RobotCamera> cameras;
@@ -53,7 +53,8 @@ std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   return cameras;
 }
 
-/// The camera's name as part of a file name, made unique with `taken`.
+/// Returns the camera's name as part of a file name: with `_` for `/`, and with a number appended if `taken`
+/// contains the result, to which it is then added.
 std::string file_stem(std::string name, std::set<std::string>& taken) {
   std::ranges::replace(name, '/', '_');
   std::string stem = name;
@@ -61,7 +62,8 @@ std::string file_stem(std::string name, std::set<std::string>& taken) {
   return stem;
 }
 
-/// The time in seconds, with enough digits to distinguish ticks and with leading zeros so that names sort.
+/// Returns the world time in seconds as text, with enough digits to distinguish ticks, and with leading zeros
+/// so that file names sort by time.
 std::string time_of(const Simulation& simulation) {
   const double tick_ms = simulation.tick_s() * 1000;
   const int digits = std::abs(tick_ms - std::round(tick_ms)) < 1e-9 ? 3 : 6;
@@ -69,7 +71,8 @@ std::string time_of(const Simulation& simulation) {
   return fmt::format("{:0{}.{}f}s", simulation.time_s(), k_before + digits, digits);
 }
 
-/// Depths in millimetres, the usual format of depth cameras: 0 if nothing is seen, clamped to 16 bits.
+/// Returns an image of depths in millimetres, the usual format of depth cameras. Depths in `depths` are in m.
+/// A pixel is 0 if its ray meets nothing; larger depths than 16 bits can represent are clamped.
 worldio::DepthImage depth_image(const engine::Camera& camera, std::span<const float> depths) {
   worldio::DepthImage image{static_cast<int>(camera.width), static_cast<int>(camera.height), {}};
   const auto far = static_cast<float>(camera.range_far);
@@ -117,7 +120,8 @@ void CameraPictures::observe(const Simulation& simulation) {
 
 namespace {
 
-/// Throws InputError if no camera of the world runs, because no image would then be written.
+/// Throws InputError if no camera of the simulation runs, because no image would then be written. world: name
+/// of the world file, for the error.
 void check_cameras(const Simulation& simulation, const std::filesystem::path& world) {
   if (!running_cameras(simulation).empty()) return;
   throw InputError(fmt::format(

@@ -10,12 +10,14 @@
 
 namespace troupe::apps {
 
-/// Writes camera images into a folder: for each running camera and each time, one PNG with the colours
-/// (`r0.eye-000012.300s-color.png`) and one with the depths (`...-depth.png`; docs/sensing.md). The bytes
-/// depend only on the readings. A camera without a reading yet is skipped.
+/// Writes camera images into a folder: for each running camera, at each tick that is a multiple of
+/// `every_ticks`, one PNG with the colours (`r0.eye-000012.300s-color.png`) and one with the depths
+/// (`...-depth.png`; docs/sensing.md). The bytes of a file depend only on the readings of the camera, its
+/// name and the tick. A camera that has no reading yet is skipped.
 class CameraPictures : public Observer {
  public:
-  /// Creates the folder if it does not exist. Throws OutputError if that fails.
+  /// Creates the folder if it does not exist. every_ticks: interval of the images, ticks. Throws OutputError
+  /// if creating the folder fails.
   CameraPictures(std::filesystem::path folder, std::uint64_t every_ticks);
 
   void observe(const Simulation& simulation) override;
@@ -25,7 +27,7 @@ class CameraPictures : public Observer {
   std::uint64_t every_ticks_;
 };
 
-/// The output of --camera-png and --camera-every.
+/// Returns the output that --camera-png and --camera-every add to a run.
 std::unique_ptr<RunOutput> camera_output();
 
 }  // namespace troupe::apps

@@ -51,7 +51,8 @@ void Checkpointing::save(const Simulation& simulation) {
 
 namespace {
 
-/// Throws OutputError if the checkpoint exists, unless `force` or the run was resumed from it.
+/// Throws OutputError if the file of the checkpoint exists, unless `force` is true or the run was resumed
+/// from this file.
 void check_checkpoint(const fs::path& file, const fs::path& resumed_from, bool force) {
   std::error_code ignored;
   if (file.empty() || !fs::exists(file, ignored)) return;
@@ -82,7 +83,8 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
   std::vector<fs::path> files(const RunOptions& options) const override {
     const fs::path resumed_from = options.is_checkpoint ? options.world : "";
     check_checkpoint(options.checkpoint, resumed_from, options.force);
-    if (same_file(options.checkpoint, resumed_from)) return {};  // check_outputs() would refuse an input
+    // The checkpoint is then also an input, and check_outputs() would refuse it.
+    if (same_file(options.checkpoint, resumed_from)) return {};
     return {options.checkpoint};
   }
   OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {

@@ -14,10 +14,11 @@ namespace troupe::apps {
 /// Saves the run in a checkpoint periodically and when it ends or is stopped.
 class Checkpointing : public Observer {
  public:
-  /// every_s: the period in simulated seconds; not given: a checkpoint is saved only at the end. others: the
-  /// other observers of the run, which must outlive this object; before_save() is called on them before each
-  /// periodic checkpoint. Writes a trial checkpoint next to the file and removes it, so that a full disk or a
-  /// world that cannot be saved is reported before the run. Throws OutputError if that fails.
+  /// file: the checkpoint, which each save replaces. every_s: the period in simulated seconds; not given: a
+  /// checkpoint is saved only at the end. others: the other observers of the run, which must outlive this
+  /// object; before_save() is called on them before each periodic checkpoint. The constructor writes a trial
+  /// checkpoint next to `file` and removes it, so that a full disk or a world that cannot be saved is
+  /// reported before the run. Throws OutputError if this fails.
   Checkpointing(std::filesystem::path file, std::optional<double> every_s, const Simulation& simulation,
                 std::vector<Observer*> others);
 
@@ -35,8 +36,8 @@ class Checkpointing : public Observer {
   std::optional<std::uint64_t> saved_;  // the tick of the last checkpoint
 };
 
-/// The output of --checkpoint, --checkpoint-every and --wall-limit, which fill RunOptions::checkpoint,
-/// ::checkpoint_every_s and ::wall_limit_s.
+/// Returns the output that --checkpoint, --checkpoint-every and --wall-limit add to a run. Parsing stores
+/// their values in RunOptions::checkpoint, checkpoint_every_s and wall_limit_s.
 std::unique_ptr<RunOutput> checkpoint_output();
 
 }  // namespace troupe::apps

@@ -7,8 +7,9 @@
 
 namespace troupe::apps {
 
-/// Prints the world time on standard error during a run, one line every `every_ticks` ticks of the world:
-/// `arena: 60 s, 812.4 x real time`.
+/// Prints the world time on standard error during a run, one line for every tick that is a multiple of
+/// `every_ticks`: the title of the world, the time, and the mean speed since the run began, `arena: 60 s,
+/// 812.4 x real time`.
 class ClockLines : public Observer {
  public:
   ClockLines(std::uint64_t every_ticks, const Simulation& simulation);

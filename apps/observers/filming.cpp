@@ -12,11 +12,12 @@
 namespace troupe::apps {
 namespace {
 
-// One picture is being drawn, one is ready, and the run takes another.
+// Largest number of pictures that wait while one is being drawn. Each waiting picture is a copy of the state,
+// so more would need more memory.
 constexpr std::size_t k_most_waiting = 2;
 
-/// Options for the pictures of a film. A film that is not in real time shows its speed next to the clock by
-/// default.
+/// Returns the options for the pictures of a film. By default a film whose speed is not real time shows the
+/// speed next to the clock.
 PictureOptions film_look(const PictureFiles& files) {
   PictureOptions look = files.look;
   if (files.film_speed != 1) look.layers = look.layers.empty() ? "speed" : "speed," + look.layers;
@@ -88,7 +89,7 @@ void Filming::observe(const Simulation& simulation) {
 void Filming::observe(const PictureSource& source, double next_s) {
   pictures_.see(source);
   const double now = source.time_s();
-  // A frame between this time and the next needs both pictures.
+  // A frame between this time and the next is interpolated from the states at both.
   const bool is_needed = due_s() < next_s;
   const Pictures::Shot shot = is_needed ? pictures_.take(source, speed_) : nullptr;
   for (; shot && due_s() <= now; ++frames_) {

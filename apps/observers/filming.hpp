@@ -20,9 +20,10 @@
 
 namespace troupe::apps {
 
-/// The speed of a run in multiples of real time, since construction.
+/// Measures the mean speed of a run, in multiples of real time, since its construction.
 class RunSpeed {
  public:
+  /// begin_s: the simulated time that the run has reached now, s.
   explicit RunSpeed(double begin_s) : begin_s_(begin_s) {}
   /// Mean speed from construction until now, in multiples of real time; 0 if no wall time has passed. time_s:
   /// the simulated time that the run has reached now, s.
@@ -33,7 +34,7 @@ class RunSpeed {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Draws pictures of single ticks on a thread of its own.
+/// Writes pictures of single ticks of a run. A separate thread draws them while the run continues.
 class Snapshots : public Observer {
  public:
   /// `end_tick` is the last tick of the run. Throws InputError for options that do not fit the world, and for
@@ -56,24 +57,25 @@ class Snapshots : public Observer {
   partition::JobThread thread_;
 };
 
-/// Films a run or a recording; frames are drawn on a thread of its own.
+/// Films a run or a recording. A separate thread draws the frames while the run continues.
 class Filming : public Observer {
  public:
   /// Throws InputError for options that do not fit the world.
   Filming(const PictureFiles& files, const PictureSource& source);
   /// Throws the errors that drawing would throw, so that they are reported before the run.
   void rehearse() { pictures_.rehearse(film_); }
-  /// Starts ffmpeg. Throws OutputError.
+  /// Starts ffmpeg, unless the film is written as one picture per frame. Throws OutputError if ffmpeg is not
+  /// found or the file cannot be written.
   void open();
 
   void observe(const Simulation& simulation) override;
-  /// Adds the frames of the film up to the current time of `source`. next_s: simulated time of the next call,
-  /// s.
+  /// Adds the frames of the film up to the current time of `source`; frames between this time and that of the
+  /// previous call are interpolated. next_s: simulated time of the next call, s; infinity if there is none.
   void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
   /// Waits until the film is complete. Throws if drawing or writing failed.
   void finish();
-  /// `crowd.mp4: 300 pictures, 10 s`.
+  /// Returns name, number of frames and duration of the film: `crowd.mp4: 300 pictures, 10 s`.
   std::string result() const override;
 
  private:
@@ -87,13 +89,13 @@ class Filming : public Observer {
   double begin_s_;  // simulated time of the first frame
   std::size_t frames_ = 0;
   Pictures pictures_;
-  Pictures::Shot previous_;  // of the previous call; null if no frame needed it
+  Pictures::Shot previous_;  // state at the previous observe(); null if no frame needs it
   double previous_s_ = 0;
   std::unique_ptr<Ffmpeg> ffmpeg_;  // null: one picture file per frame
   partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// The output of --snapshot, --film and the options that set how pictures look.
+/// Returns the output that --snapshot, --film and the options for the look of pictures add to a run.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

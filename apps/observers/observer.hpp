@@ -8,17 +8,21 @@
 
 namespace troupe::apps {
 
-/// Is notified of phases and tasks during a tick, through Simulation::on_phase() and Simulation::on_task().
+/// Base class of objects that are notified of the phases and tasks of each tick. A run calls phase() from its
+/// callback of Simulation::on_phase(), and task() from that of Simulation::on_task().
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;
+  /// A phase begins, or, with std::nullopt, the tick ends.
   virtual void phase(std::optional<Phase> phase) = 0;
+  /// A task of a parallel loop begins (`begins` is true) or ends (false). It is called on the thread that
+  /// runs the task, so several threads may call it at once. index: index of the task in its loop.
   virtual void task(std::size_t index, bool begins) = 0;
 };
 
-/// Base class of the outputs of a run that are written between ticks: a log, a recording, a profile. An
-/// observer must not change the state. It throws std::runtime_error, whose text names the file, for write
-/// errors, which end the run.
+/// Base class of objects that observe a run between ticks, most of which write a file: a log, a recording, a
+/// profile. An observer must not change the state. It throws std::runtime_error, whose text names the file,
+/// for write errors, which end the run.
 class Observer {
  public:
   Observer() = default;
@@ -28,8 +32,8 @@ class Observer {
 
   /// Called once before the first step and after every tick.
   virtual void observe(const Simulation& simulation) = 0;
-  /// Called before a checkpoint is saved. Must write everything observed so far to the file, because a run
-  /// that is resumed from this checkpoint continues the file.
+  /// Called before a periodic checkpoint is saved. The observer must then write everything that it has
+  /// observed so far to its file, because a run that is resumed from this checkpoint continues the file.
   virtual void before_save() {}
   /// Called when the run has ended or was stopped, after the last observe().
   virtual void finish(const Simulation& /*simulation*/) {}

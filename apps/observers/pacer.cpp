@@ -7,7 +7,7 @@
 namespace troupe::apps {
 namespace {
 
-// Longest sleep, so that Ctrl-C takes effect soon.
+// Longest time between two calls of is_over(), so that Ctrl-C takes effect soon.
 constexpr std::chrono::milliseconds k_nap{50};
 constexpr std::chrono::seconds k_most_behind{1};
 constexpr double k_longest_s = 1e9;  // fits into a clock's count of nanoseconds

@@ -7,13 +7,14 @@
 
 namespace troupe::apps {
 
-/// Limits a run to `rate` times real time: after each tick it waits until the real time of this tick has
-/// come. A run that is slower than its rate never waits. If a run has fallen behind by more than one second,
-/// for example because the process was suspended, it does not catch up: from then on it continues at its
-/// rate.
+/// Limits the speed of a run to `rate` times real time: after each tick it waits until the wall time at which
+/// this tick is due. A run that is slower than its rate never waits. If a run has fallen behind by more than
+/// one second, for example because the process was suspended, it does not catch up: from then on it continues
+/// at its rate.
 class Pacer : public Observer {
  public:
-  /// `is_over` returns true if the run was asked to stop; it ends a wait early.
+  /// rate: largest speed, in multiples of real time, above 0. is_over: returns true if the run was asked to
+  /// stop; a wait then ends early.
   Pacer(double rate, std::function<bool()> is_over);
 
   void observe(const Simulation& simulation) override;

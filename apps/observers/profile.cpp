@@ -47,7 +47,7 @@ Profile::Profile(const std::filesystem::path& file, const Simulation& simulation
   std::ranges::copy(simulation.effective_options(), std::back_inserter(about_));
   stream_ << k_profile_mark;
   end_ = stream_.tellp();
-  tracks_.own();  // the calling thread is the first worker
+  tracks_.own();  // makes the calling thread the first worker
   add(fmt::format(R"({{"name":"process_name","ph":"M","pid":1,"args":{{"name":"troupe"}}}})"));
   add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{},"args":{{"name":"ticks"}}}})",
                   k_tick_track));
@@ -66,7 +66,8 @@ void Profile::phase(std::optional<Phase> phase) {
 }
 
 void Profile::task(std::size_t index, bool begins) {
-  // No lock: both are written only between loops. Loops outside phases (hashes) do not belong to the tick.
+  // Needs no lock, because recording_ and current_ are written only between loops. Loops outside phases, such
+  // as those of hashes, do not belong to the tick.
   if (!recording_ || !current_) return;
   Track& track = tracks_.own();
   if (begins)

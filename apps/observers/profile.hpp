@@ -22,7 +22,7 @@ namespace troupe::apps {
 /// The first bytes of every profile.
 inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
 
-/// The ticks in a profile, and limits on its size.
+/// The ticks that a profile contains, counted from 1, and limits on the size of its file.
 struct ProfileLimits {
   std::uint64_t first_tick = 1;
   std::uint64_t last_tick = ~std::uint64_t{0};
@@ -55,7 +55,7 @@ class Profile : public Observer, public TickWatcher {
   /// Writes the tick that has just ended, if any.
   void observe(const Simulation& simulation) override;
 
-  /// States which ticks and tasks were omitted because of the limits; empty: none.
+  /// Returns a line that states which ticks and tasks were omitted because of the limits; empty: none.
   std::string warning() const override;
 
  private:
@@ -68,8 +68,8 @@ class Profile : public Observer, public TickWatcher {
     std::size_t index;
     Phase phase;
   };
-  /// The tasks of one thread in this tick. Each thread writes only its own track; the calling thread reads
-  /// them between loops.
+  /// The tasks that one thread has run in this tick. Each thread writes only its own track. The thread that
+  /// calls observe() reads all tracks between loops.
   struct Track {
     Clock::time_point begin;
     std::vector<Task> tasks;
@@ -81,7 +81,8 @@ class Profile : public Observer, public TickWatcher {
   void add_counter(const std::string& name, Clock::time_point at, std::uint64_t value);
   void write_tasks();
   std::string load(Phase phase) const;
-  /// Writes pending events over the end of the file, and a new end.
+  /// Writes the pending events over the closing brackets of the file, and then the brackets again, so that
+  /// the file is complete.
   void flush();
 
   std::filesystem::path file_;
@@ -99,15 +100,15 @@ class Profile : public Observer, public TickWatcher {
   Clock::time_point start_ = Clock::now();
   std::uint64_t start_tick_;
   std::uint64_t tick_;      // the last tick that began
-  bool recording_ = false;  // whether this tick is recorded
-  bool ended_ = false;      // the limit of ticks is reached
+  bool recording_ = false;  // whether the profile contains this tick
+  bool ended_ = false;      // whether most_ticks is reached
   std::optional<Phase> current_;
   std::array<Span, k_phases> phases_{};
   unsigned threads_;
   PerThread<Track> tracks_;
 };
 
-/// The output of --profile and --profile-ticks.
+/// Returns the output that --profile and --profile-ticks add to a run.
 std::unique_ptr<RunOutput> profile_output();
 
 }  // namespace troupe::apps

@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::chrono::seconds k_flush_period{2};
 
-/// Throws InputError if the recording that a world names is outside the working folder. Running a world of
-/// unknown origin must not create or (with --force) replace files elsewhere.
+/// Throws InputError if the recording that a world file names is outside the working folder, because running
+/// a world of unknown origin must not create or (with --force) replace files elsewhere.
 void refuse_outside(const engine::RecordSpec& record, const Simulation& simulation) {
   const std::filesystem::path file = record.file;
   if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;

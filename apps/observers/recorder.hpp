@@ -12,18 +12,19 @@ namespace troupe::apps {
 
 struct RunOptions;
 
-/// The file to which a run is recorded: the one given on the command line, or else in `record` of the world
-/// file; empty: the run is not recorded.
+/// Returns the file to which a run is recorded: that of the command line, or else that of `record` in the
+/// world file; empty if neither names one. Throws InputError if the world names a file outside the working
+/// folder.
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation);
 
 class Recorder;
-/// Opens the recording of a run; null if the run is not recorded. If the simulation was resumed from a
-/// checkpoint, an existing recording is continued. Throws InputError for an invalid file or invalid fields,
-/// before anything is written.
+/// Opens the recording of a run. Returns null if the run is not recorded. If the simulation was resumed from
+/// a checkpoint, an existing recording is continued, unless --force was given. Throws InputError for an
+/// invalid file or invalid fields, before anything is written.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
-/// Writes a recording on a background thread. Flushes every 2 s of wall time, so that readers of the growing
-/// file see recent frames and a killed run loses little.
+/// Writes a recording. It starts to flush the file every 2 s of wall time, so that readers of the growing
+/// file see recent frames and a killed run loses few of them.
 class Recorder : public Observer {
  public:
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}

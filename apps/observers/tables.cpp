@@ -29,22 +29,24 @@ std::string header_of(const Measures& measures) {
   return header;
 }
 
-/// The time of a tick, rounded to 12 digits. Without rounding, tick 66 of 0.1 s would be at
-/// 6.6000000000000005 s.
+/// Returns the time of a tick as text, rounded to 12 digits. Without rounding, tick 66 would be at
+/// 6.6000000000000005 s if ticks are 0.1 s long.
 std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
 
-/// Whether the run was resumed and its table exists.
+/// Whether the run was resumed and its table `file` exists, so that the table is continued.
 bool goes_on(const fs::path& file, const Simulation& simulation) {
   std::error_code ignored;
   return simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
 }
 
-/// The key under which a checkpoint stores the data of these measures; other measures have another key.
+/// Returns the key under which a checkpoint stores the data of these measures. Measures with other columns
+/// have another key.
 std::string memory_name(const Measures& measures) {
   return fmt::format("measures {}", hex(hash_text(header_of(measures))));
 }
 
-/// Makes the measures. If the run was resumed, restores their data from the checkpoint.
+/// Returns `measures`. If the run was resumed, their data from earlier ticks are restored from the
+/// checkpoint. Throws OutputError, which names the table `file`, if the checkpoint does not have these data.
 Measures remembering(const fs::path& file, const Simulation& simulation, Measures measures) {
   const auto fail = [&file](std::string_view reason) {
     throw OutputError(fmt::format("{}: error: {}", file.string(), reason));

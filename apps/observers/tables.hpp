@@ -18,8 +18,10 @@ namespace troupe::apps {
 /// that is a multiple of `every`, so that a resumed run writes the same lines as an uninterrupted run.
 class MeasuresTable : public Observer {
  public:
-  /// If the simulation was resumed from a checkpoint, an existing table is continued and the memory of the
-  /// measures is restored from the checkpoint. Throws OutputError. The simulation must outlive this object.
+  /// Creates the table. If the simulation was resumed from a checkpoint, an existing table is continued and
+  /// the data that the measures keep from earlier ticks are restored from the checkpoint. every: interval of
+  /// the lines, ticks. Throws OutputError if the file cannot be written or continued. The simulation must
+  /// outlive this object.
   MeasuresTable(const std::filesystem::path& file, Simulation& simulation, Measures measures,
                 std::uint64_t every);
   ~MeasuresTable() override;
@@ -40,8 +42,9 @@ class MeasuresTable : public Observer {
 /// involved.
 class EventsTable : public Observer {
  public:
-  /// Starts from the current state of the simulation. If it was resumed from a checkpoint, an existing table
-  /// is continued. Throws OutputError.
+  /// Creates the table, which will contain the events after the current tick. If the simulation was resumed
+  /// from a checkpoint, an existing table is continued. Throws OutputError if the file cannot be written or
+  /// continued.
   EventsTable(const std::filesystem::path& file, const Simulation& simulation);
 
   void observe(const Simulation& simulation) override;
@@ -51,15 +54,15 @@ class EventsTable : public Observer {
   CsvFile csv_;
 };
 
-/// The first columns of the tables, by which `troupe info` detects them.
+/// The beginnings of the first lines of the two tables, by which `troupe info` detects their type.
 inline constexpr std::string_view k_measures_mark = "tick,time_s,";
 inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
-/// The output of --measures, --measure and --measure-every.
+/// Returns the output that --measures, --measure and --measure-every add to a run.
 std::unique_ptr<RunOutput> measures_output();
-/// The output of --events.
+/// Returns the output that --events adds to a run.
 std::unique_ptr<RunOutput> events_output();
 
 }  // namespace troupe::apps

@@ -65,8 +65,9 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
     refuse_output(film_, error.code().message());
   }
   remove_when_killed(partial_->path());
-  // Players need even sides and colours at half the resolution (yuv420p); `crf` 18 keeps thin lines. The
-  // preset takes half the time of the default and makes films of the same size.
+  // Video players need even widths and heights and the pixel format yuv420p, which stores colours at half the
+  // resolution. `crf` 18 keeps thin lines. The preset takes half the time of the default preset and makes
+  // films of the same size.
   start(
       program,
       {"ffmpeg",
@@ -118,7 +119,8 @@ void Ffmpeg::start(const std::string& program, const std::vector<std::string>& a
   std::signal(SIGPIPE, SIG_IGN);               // if ffmpeg has ended, write() reports it
   process_ = fork();
   if (process_ == 0) {
-    // In a process group of its own: Ctrl-C must end the run, which then finishes the film, and not ffmpeg.
+    // ffmpeg gets a process group of its own, because Ctrl-C must not end it: Ctrl-C ends the run, which then
+    // finishes the film.
     setpgid(0, 0);
     const int nothing = open("/dev/null", O_WRONLY);
     dup2(ends[0], STDIN_FILENO);

@@ -13,18 +13,21 @@
 
 namespace troupe::apps {
 
-/// A film that a child process (ffmpeg) encodes from pictures. The film is written to a temporary file in the
-/// same folder, which is renamed when the film is complete. The temporary file of an unfinished film is
+/// A film that a child process, ffmpeg, encodes from pictures. ffmpeg writes a temporary file in the folder
+/// of the film, which is renamed when the film is complete. The temporary file of an unfinished film is
 /// removed, unless the program is killed by SIGKILL; the next film with the same name then replaces it.
 class Ffmpeg {
  public:
-  /// Throws OutputError if ffmpeg is not found; the message names the package to install.
+  /// Starts ffmpeg. film: file to write; width, height: size of the pictures, pixels; fps: pictures per
+  /// second of film. Throws OutputError if ffmpeg is not found, with the package to install, or if the file
+  /// cannot be written.
   Ffmpeg(std::filesystem::path film, int width, int height, double fps);
   ~Ffmpeg();
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
 
-  /// Adds one picture, 8-bit RGBA. Throws std::runtime_error if ffmpeg has ended.
+  /// Adds one picture: 8-bit RGBA, four bytes per pixel, row by row from the top. Throws std::runtime_error
+  /// if ffmpeg has ended.
   void write(std::span<const std::uint8_t> rgba);
   /// Waits until the film is complete. Throws std::runtime_error if ffmpeg fails.
   void finish();
@@ -41,9 +44,11 @@ class Ffmpeg {
   int process_ = -1;
 };
 
-/// The path of ffmpeg, searched in PATH; empty: not found.
+/// Returns the path of ffmpeg, which is searched in the folders of the environment variable PATH; empty: not
+/// found.
 std::string find_ffmpeg();
-/// Throws OutputError if the film cannot be made. Writes nothing.
+/// Throws OutputError if the requested film cannot be made, for example because ffmpeg is missing. Does
+/// nothing if no film is requested. Writes nothing.
 void check_film(const PictureFiles& pictures);
 
 }  // namespace troupe::apps

@@ -15,7 +15,7 @@
 namespace troupe::apps {
 namespace {
 
-// The largest picture of OSMesa.
+// Largest width and height, pixels, of a picture that OSMesa can draw.
 constexpr int k_max_pixels = 16384;
 constexpr double k_farthest_m = 1e6;
 constexpr double k_least_fps = 0.001;  // ffmpeg accepts no rate below 1e-6
@@ -36,7 +36,8 @@ void set_picture_size(PictureOptions& look, const std::string& text) {
   look.height = *height;
 }
 
-/// Two numbers separated by a comma. With `one_is_enough`, the second may be missing and is then 0.
+/// Converts a text to two numbers, which a comma separates; nothing if it has another form. With
+/// `one_is_enough`, the second number may be missing and is then 0.
 std::optional<std::array<double, 2>> two_numbers(const std::string& text, bool one_is_enough) {
   const auto comma = text.find(',');
   const auto first = finite(text.substr(0, comma));
@@ -87,7 +88,7 @@ void add_files(CLI::App& app, PictureFiles& pictures) {
   add_film_options(app, pictures);
 }
 
-/// Checks combinations of options.
+/// Throws CLI::ParseError for combinations of options that are not allowed.
 void check(const CLI::App& app, const PictureFiles& pictures) {
   for (const char* name : k_looks)
     if (app.count(name) > 0 && pictures.snapshot.empty() && pictures.film.empty())

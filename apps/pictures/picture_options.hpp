@@ -14,36 +14,41 @@ namespace troupe::apps {
 
 /// The pictures and the film that a run writes.
 struct PictureFiles {
-  std::filesystem::path snapshot;     ///< empty: none
+  std::filesystem::path snapshot;     ///< picture file, which may contain {time}; empty: none
   std::vector<double> snapshot_at_s;  ///< world times, s; empty: at the end
   std::filesystem::path film;         ///< film file, or picture files with `%06d`; empty: none
-  double fps = 30;
-  double film_speed = 1;  ///< simulated seconds per second of film
-  PictureOptions look;
+  double fps = 30;                    ///< frames per second of film
+  double film_speed = 1;              ///< simulated seconds per second of film
+  PictureOptions look;                ///< how all pictures and frames are drawn
 };
 
 /// Placeholder for the simulated time in the names of snapshots.
 inline constexpr std::string_view k_time_mark = "{time}";
-/// The files of all snapshots, in the order of their times.
+/// Returns the files of all snapshots, in the order of `snapshot_at_s`; empty if there is no snapshot.
 std::vector<std::filesystem::path> snapshot_files(const PictureFiles& pictures);
-/// Whether a film is written as one picture per frame.
+/// Whether a film with this name is written as one PNG file per frame: the name contains `%06d` and ends in
+/// `.png`.
 bool is_frames(const std::filesystem::path& film);
-/// The file of a frame, counted from 0.
+/// Returns the file of a frame of such a film. Frames are counted from 0.
 std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame);
 
 /// Adds --snapshot, --snapshot-at, --film and the options of add_look_options(); `pictures` must outlive
 /// `app`. Parsing throws CLI::ParseError for invalid values.
 void add_picture_options(CLI::App& app, PictureFiles& pictures);
 
-// Parts for other commands that draw. `option` is the name of the option in that command.
+// Parts of add_picture_options() for other commands that draw, in which options may have other names.
 
-/// Adds the options that set how pictures look: --size, --camera, --layers, ...
+/// Adds the options that set how pictures look: --size, --camera, --layers, ... Parsing fills `look`, which
+/// must outlive `app`.
 void add_look_options(CLI::App& app, PictureOptions& look);
-/// Adds --film, --fps and --film-speed.
+/// Adds --film, --fps and --film-speed. Parsing fills `pictures`, which must outlive `app`.
 void add_film_options(CLI::App& app, PictureFiles& pictures);
+/// Convert `text`, the value of the option `option`, to the name or to the times of the snapshots. Throw
+/// CLI::ParseError for invalid values.
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text);
 void set_times(PictureFiles& pictures, const char* option, const std::string& text);
-/// Throws CLI::ValidationError if several times are given without {time} in the name.
+/// Throws CLI::ValidationError if several times are given and the name of the snapshots has no {time}.
+/// times_option, name_option: names of the two options, for the error.
 void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option);
 
 /// Returns the list of cameras and of layers (--camera, --layers), for the help of a command.

@@ -51,8 +51,9 @@ Examples:
   troupe render day.h5 --film day.mp4 --film-speed 60 --layers trails
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
-/// Draws one picture for each of the given times, in order, or one picture of the current time if none is
-/// given. If a signal stops the run, the remaining times are not drawn.
+/// Draws one picture for each time of the option --at, in order, or a single picture if no time is given.
+/// take_at(time) returns the state at a time, s; NaN: no time is given. After Ctrl-C or SIGTERM the remaining
+/// pictures are not drawn.
 template <class TakeAt>
 void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
   const std::vector<fs::path> files = snapshot_files(options.pictures);
@@ -64,7 +65,8 @@ void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_a
   }
 }
 
-/// Steps to a simulated time, or until a signal arrives.
+/// Steps to the simulated time `time_s`, s, or until Ctrl-C or SIGTERM arrives. Calls after_each() after each
+/// step.
 void run_until(Simulation& simulation, double time_s, Progress& progress,
                const std::function<void()>& after_each) {
   while (simulation.tick() < engine::ticks_until(time_s, simulation.tick_s()) && !stop_requested()) {
@@ -104,7 +106,8 @@ void film_simulation(const RenderOptions& options, Simulation& simulation) {
   fmt::print("{}\n", film.result());
 }
 
-/// Passes earlier frames of the recording to `pictures`, which need them for the layers trails and coverage.
+/// Passes the frames of the recording up to the current one to `pictures`, because the layers trails and
+/// coverage show earlier frames.
 void see_history(RecordedRun& run, Pictures& pictures) {
   if (pictures.history_s() == 0) return;
   const std::size_t last = run.frame_index();
@@ -155,8 +158,8 @@ void film_recording(const RenderOptions& options, RecordedRun& run) {
   fmt::print("{}\n", film.result());
 }
 
-/// Throws InputError if an option other than `allowed` was given, because the checkpoint or recording already
-/// determines its value.
+/// Throws InputError if one of the options `given` is not in `allowed`, because the input, a checkpoint or a
+/// recording, already determines its value. what: the kind of input, for the error.
 void refuse_given(const RenderOptions& options, std::span<const std::string_view> allowed,
                   std::string_view what) {
   for (const std::string& option : options.given)

@@ -21,7 +21,8 @@ struct RenderOptions : WorldOptions {
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.
 void add_render_options(CLI::App& command, RenderOptions& options);
-/// `troupe render`: draws the pictures and the film.
+/// `troupe render`: draws pictures of a world, a checkpoint or a recording, and makes a film of it, as the
+/// options request.
 ExitCode render_pictures(const RenderOptions& options);
 
 }  // namespace troupe::apps

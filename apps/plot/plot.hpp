@@ -22,8 +22,8 @@ struct PlotOptions {
 
 /// Adds the options of `plot`; parsing fills `options`, which must outlive `command`.
 void add_plot_options(CLI::App& command, PlotOptions& options);
-/// Plots a measure of a sweep: replaces the process by python3 with the embedded script. Returns only if
-/// python3 cannot be started.
+/// `troupe plot`: plots a measure of a sweep. Replaces the process by python3, which runs the embedded
+/// script. Returns only if python3 cannot be started.
 ExitCode plot(const PlotOptions& options);
 
 }  // namespace troupe::apps

@@ -18,7 +18,7 @@ class LoadClock {
     is_tick_ = is_under_way;
     mark(tick_, is_under_way, ticks_s_);
   }
-  /// Call when a parallel loop begins or ends, on the stepping thread.
+  /// Call when a parallel loop begins (true) or ends (false), on the thread that steps the simulation.
   void loop(bool begins) {
     if (!is_tick_) return;
     mark(loop_, begins, loops_s_);
@@ -31,9 +31,9 @@ class LoadClock {
     }
     longest_s_ += longest;
   }
-  /// Call when a task of the loop begins or ends, on its worker thread.
+  /// Call when a task of the loop begins (true) or ends (false), on the thread that runs the task.
   void task(bool begins) {
-    if (!is_tick_) return;  // no race: is_tick_ is written only between loops
+    if (!is_tick_) return;  // not a data race, because is_tick_ is written only between loops
     Worker& worker = workers_.own();
     mark(worker.begin, begins, worker.busy_s);
   }

@@ -9,8 +9,8 @@
 
 namespace troupe::apps {
 
-/// Sums the wall time of each phase over all ticks. Pass an object of this class to on_phase() of a world as
-/// the callback.
+/// Sums the wall time of each phase over all ticks. Call it, in a callback of Simulation::on_phase(), with
+/// the phase that begins, and with std::nullopt when a tick ends.
 class PhaseClock {
  public:
   using Clock = std::chrono::steady_clock;
@@ -22,6 +22,7 @@ class PhaseClock {
     current_ = phase;
     since_ = now;
   }
+  /// Wall time of each phase, s.
   const std::array<double, engine::k_phases>& seconds() const { return seconds_; }
 
  private:

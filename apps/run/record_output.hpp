@@ -4,8 +4,8 @@
 
 namespace troupe::apps {
 
-/// The output of --record, --record-every and --record-fields. The options are stored in RunOptions::record
-/// and RunOptions::recording, from which make_recorder() opens the recording.
+/// Returns the output that --record, --record-every and --record-fields add to a run. Parsing stores their
+/// values in RunOptions::record and RunOptions::recording, with which make_recorder() opens the recording.
 std::unique_ptr<RunOutput> record_output();
 
 }  // namespace troupe::apps

@@ -117,7 +117,7 @@ std::string summary_json(const Report& report) {
   json["velocity_hash"] = hash_text(report.hashes.velocity);
   json["sensor_hash"] = hash_text(report.hashes.sensor);
   json["memory_hash"] = hash_text(report.hashes.memory);
-  // Options that are numbers or switches keep that type in JSON: a seed is a number.
+  // Options that are numbers or truth values have this type in JSON as well: a seed is a number, not a text.
   for (const auto& [key, value] : report.options) {
     if (json.contains(key)) continue;
     const auto parsed = nlohmann::ordered_json::parse(value, nullptr, false);

@@ -10,12 +10,12 @@
 
 namespace troupe::apps {
 
-/// Results of a run, for the closing summary and --json.
+/// Results of a run, for the summary at its end, as text or (--json) as JSON.
 struct Report {
-  std::string world;
-  std::string title;
-  Statistics statistics;
-  Simulation::Hashes hashes;
+  std::string world;             ///< name of the world file
+  std::string title;             ///< title of the world
+  Statistics statistics;         ///< at the end of the run
+  Simulation::Hashes hashes;     ///< of the state at the end of the run
   std::uint64_t first_tick = 0;  ///< tick at which the run began or was resumed; counters are since tick 0
   double tick_s = 0;
   double end_s = 0;        ///< requested end, world time, s
@@ -23,29 +23,32 @@ struct Report {
   std::string stopped_by;  ///< the condition of the world's `stop_when` that ended the run; empty: none
   unsigned threads = 0;
   double load_s = 0;    ///< wall time of loading
-  double wall_s = 0;    ///< wall time of all ticks, with the observers (hash log, progress)
+  double wall_s = 0;    ///< wall time of all ticks, including the observers (hash log, ...)
   double rate = 0;      ///< limit of the speed, times real time; 0: no limit
   double waited_s = 0;  ///< part of wall_s spent waiting because of `rate`
-  /// Part of wall_s in each phase; the rest was spent in observers.
+  /// Part of wall_s that each phase took, s. The rest was spent waiting and in observers.
   std::array<double, k_phases> phase_s{};
-  double serial_share = 0;  ///< LoadClock::serial_share()
-  double imbalance = 0;     ///< LoadClock::imbalance()
-  std::uint64_t peak_rss_bytes = 0;
-  std::string checkpoint;                                    ///< file with the last state; empty: none
+  double serial_share = 0;  ///< fraction of the ticks' time outside parallel loops, 0 to 1 (LoadClock)
+  double imbalance = 0;     ///< how unevenly threads were loaded, 1: evenly (LoadClock::imbalance())
+  std::uint64_t peak_rss_bytes = 0;  ///< largest resident memory of the process, bytes
+  std::string checkpoint;            ///< file with the last state; empty: none
   std::vector<std::pair<std::string, std::string>> options;  ///< effective options
 
-  /// Ratios are 0 if their denominator is 0: no ticks, no robots, no measurable time.
-  double times_real_time() const;
-  double ns_per_robot_tick() const;
-  double beams_per_tick() const;
-  double observe_s() const;
+  // The following ratios are 0 if their denominator is 0: no ticks, no robots, no measurable time.
+  double times_real_time() const;    ///< simulated time of this run divided by wall_s
+  double ns_per_robot_tick() const;  ///< wall time without waiting, per robot and tick, ns
+  double beams_per_tick() const;     ///< mean number of beams per tick, since tick 0
+
+  double observe_s() const;  ///< part of wall_s that was spent in observers, s
+  /// Number of ticks of this run, without those before it was resumed.
   std::uint64_t ticks_here() const { return statistics.ticks - first_tick; }
 };
 
-/// The summary as aligned lines; ends with a line break.
+/// Returns the summary as lines of names and values in two columns; ends with a line break.
 std::string summary_text(const Report& report);
 
-/// The summary as one flat JSON object with keys in a fixed order; ends with a line break.
+/// Returns the summary as one JSON object without nested objects, with keys in a fixed order; ends with a
+/// line break.
 std::string summary_json(const Report& report);
 
 }  // namespace troupe::apps

@@ -30,8 +30,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The options of each world, with {world} replaced in the names of outputs. Throws InputError if several
-/// worlds would write the same file.
+/// Returns one set of options per world, in which {world} in the names of outputs is replaced by the name of
+/// the world. Throws InputError if several worlds would write the same file.
 std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
   std::vector<RunOptions> each;
   for (const fs::path& world : options.worlds) {
@@ -51,8 +51,9 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
   return each;
 }
 
-/// Checks that inputs and outputs are different files and can be written. It is called before loading, and
-/// again after it, because a world file may name a recording.
+/// Checks, as check_outputs() does, that the outputs of all worlds can be written and are neither inputs nor
+/// the same file. It is called before loading, and again after loading, because a world file may name a
+/// recording.
 void check_files(const std::vector<RunOptions>& each) {
   std::vector<Input> inputs;
   std::vector<fs::path> outputs;
@@ -64,7 +65,7 @@ void check_files(const std::vector<RunOptions>& each) {
   check_outputs(inputs, outputs);
 }
 
-/// Loads every world. Throws InputError with the errors of all worlds.
+/// Loads all worlds. If worlds have errors, throws one InputError whose text lists the errors of all of them.
 Runs load(const std::vector<RunOptions>& each) {
   Runs runs;
   std::string wrong;
@@ -90,8 +91,9 @@ WorldRun* next_of(const Runs& runs) {
 
 /// Steps all worlds to their ends, or until `is_over` returns true.
 void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool show_progress) {
-  const WorldRun& last = **std::ranges::max_element(
-      runs, {}, [](const auto& run) { return run->report().end_s; });  // the progress bar shows this one
+  const WorldRun& last = **std::ranges::max_element(runs, {}, [](const auto& run) {
+    return run->report().end_s;
+  });  // the progress bar shows the world with the latest end
   for (const auto& run : runs) run->begin();
   {
     Progress progress(last.simulation().time_s(), last.report().end_s, show_progress);

@@ -88,7 +88,7 @@ Examples:
                      changeable);
 }
 
-/// Adds the options for threads and outputs, which `run` and `resume` have in common.
+/// Adds the options for threads, tile size and outputs, which `run` and `resume` have in common.
 void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });

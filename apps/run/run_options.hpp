@@ -14,38 +14,42 @@ namespace troupe::apps {
 
 /// Options of `troupe run` and `troupe resume`.
 struct RunOptions : WorldOptions {
-  /// All worlds of the command line, or the checkpoint. In the options of a single WorldRun, `world` is its
-  /// world.
+  /// All worlds of the command line, or the checkpoint. Each of them is run with a copy of these options, in
+  /// which `world` is the world to run.
   std::vector<std::filesystem::path> worlds;
-  RunOutputs outputs;
-  std::filesystem::path checkpoint;          ///< empty: none
-  std::optional<double> checkpoint_every_s;  ///< simulated time; not given: only at the end
-  std::optional<double> wall_limit_s;        ///< real time after which the run stops
-  std::filesystem::path record;              ///< empty: the one named in the world, if any
+  RunOutputs outputs;                ///< all outputs with their own options
+  std::filesystem::path checkpoint;  ///< file of the checkpoint; empty: none
+  /// Simulated time between checkpoints, s; not given: only at the end.
+  std::optional<double> checkpoint_every_s;
+  std::optional<double> wall_limit_s;  ///< wall time after which the run stops, s; not given: no limit
+  std::filesystem::path record;        ///< recording; empty: the one that the world file names, if any
   RecordingOptions recording;
   std::filesystem::path session;  ///< session to repeat; empty: none
   bool force = false;             ///< replace existing outputs
   bool clock = false;             ///< print the time even if the world does not ask for it
   double rate = 0;                ///< limit of the speed, times real time; 0: as fast as possible
-  bool world_rate = false;        ///< use the world's rate instead
-  /// For `troupe resume`: `world` is a checkpoint, and of `simulation` only threads, tile size, `set` and the
-  /// plug-in path are used.
-  bool across_versions = false;
-  bool across_plugins = false;
-  bool json = false;
-  bool quiet = false;
+  bool world_rate = false;        ///< use the speed that the world file states instead of `rate`
+  // For `troupe resume`. `world` is then a checkpoint, and of `simulation` only the number of threads, the
+  // tile size, `set` and the plug-in path are used.
+  bool across_versions = false;  ///< as ResumeOptions::across_versions
+  bool across_plugins = false;   ///< as ResumeOptions::across_plugins
+
+  bool json = false;   ///< print the summary as JSON
+  bool quiet = false;  ///< print neither progress, warnings nor the summary as text
 };
 
 /// Placeholder in the names of outputs, which is replaced by the name of the world without folder and
 /// extension.
 inline constexpr std::string_view k_world_mark = "{world}";
-/// Returns `name` with the placeholder replaced by the name of the world.
+/// Returns the name of an output with each k_world_mark replaced by the name of the world, without folder and
+/// extension.
 std::string with_world(std::string name, const std::filesystem::path& world);
 
 /// Adds the options of `run`; parsing fills `options`, which must outlive `command`.
 /// Parsing throws CLI::ValidationError with the allowed values for an invalid value.
 void add_run_options(CLI::App& command, RunOptions& options);
-/// Adds the options of `resume`, with the outputs of `run`.
+/// Adds the options of `resume`, among them the outputs that `run` has. Parsing fills `options`, which must
+/// outlive `command`.
 void add_resume_options(CLI::App& command, RunOptions& options);
 
 }  // namespace troupe::apps

@@ -17,29 +17,31 @@ namespace troupe::apps {
 struct RunOptions;
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
-/// Opens the files of an output and appends its observers to those given.
+/// A function that opens the files of an output and appends the observers that write them to the given list.
 using OpenOutput = std::function<void(Observers&)>;
 
-/// An output of a run, with its command-line options. To add one, write a class in a file of its own and add
-/// a row to run_outputs.cpp.
+/// A kind of output of a run, such as the hash log, with its command-line options. To add a kind, write a
+/// class in a file of its own and add a row to run_outputs.cpp.
 class RunOutput {
  public:
   virtual ~RunOutput() = default;
   virtual std::unique_ptr<RunOutput> clone() const = 0;
 
-  /// Adds its options to `run` or `resume`. Parsing fills this object and `options`; both must outlive `app`.
+  /// Adds the options of this output to the command `app`, which is `run` or `resume`. Parsing fills this
+  /// object and `options`; both must outlive `app`.
   virtual void add_options(CLI::App& app, RunOptions& options) = 0;
-  /// The names of its files and folders, which may contain {world}. A file with an empty name is not written.
-  /// options: the object that contains this output.
+  /// Returns pointers to the names of the output's files and folders, so that the caller can replace {world}
+  /// in them. A file with an empty name is not written. options: the object that contains this output.
   virtual std::vector<std::filesystem::path*> names(RunOptions& options) = 0;
-  /// The files that it will write; the caller checks that they are writable. Throws OutputError for other
-  /// errors in its names. Creates nothing.
+  /// Returns the files that the output will write. The caller checks that they can be written. Throws
+  /// OutputError for other errors in the names. Creates nothing.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
-  /// Takes the name of the file from the loaded world if the command line has none. Throws InputError.
+  /// If the command line names no file, takes the name from the loaded world. Throws InputError if that name
+  /// is not allowed.
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
   /// Checks the output before any file is opened, so that errors in drawing, measuring or writing are
   /// reported before the run. Returns a function that opens the files; null if there is nothing to open.
-  /// `simulation` outlives the opened observers. Throws InputError.
+  /// simulation: outlives the opened observers. end_tick: last tick of the run. Throws InputError.
   virtual OpenOutput prepare(const RunOptions& options, Simulation& simulation,
                              std::uint64_t end_tick) const = 0;
 };
@@ -53,7 +55,7 @@ class ClonedOutput : public RunOutput {
   }
 };
 
-/// All outputs of a run, one of each kind.
+/// All outputs of a run, one of each kind. Its functions call the function of the same name of each output.
 class RunOutputs {
  public:
   RunOutputs();
@@ -66,7 +68,7 @@ class RunOutputs {
   std::vector<std::filesystem::path*> names(RunOptions& options);
   std::vector<std::filesystem::path> files(const RunOptions& options) const;
   void take_names_from_world(RunOptions& options, const Simulation& simulation) const;
-  /// The functions that open the outputs, in the order in which their observers observe a tick.
+  /// Returns the functions that open the outputs, in the order in which their observers observe a tick.
   std::vector<OpenOutput> prepare(const RunOptions& options, Simulation& simulation,
                                   std::uint64_t end_tick) const;
 

@@ -16,8 +16,8 @@
 namespace troupe::apps {
 namespace {
 
-/// `order`: observers with a lower number observe a tick first. The checkpoint is last, because the other
-/// outputs must be flushed before it is saved.
+/// A kind of output. make: creates it. order: observers of outputs with lower numbers observe a tick first.
+/// The checkpoint is last, because the other outputs must be flushed before it is saved.
 struct Row {
   std::unique_ptr<RunOutput> (*make)();
   int order;

@@ -38,15 +38,15 @@ Simulation load(const RunOptions& options) {
   return Simulation(options.world, given);
 }
 
-/// Returns the end of the run as end_of() does; but if a session is repeated and --for is not given, the end
-/// of the session.
+/// Returns the world time at which the run ends, s. If a session is repeated and --for is not given, this is
+/// the end of the session, if the session states it; else the result of end_of().
 double end_of_run(const RunOptions& options, const Simulation& simulation, const SessionReplay* session) {
   if (!options.for_s && session && session->end_tick())
     return static_cast<double>(*session->end_tick()) * simulation.tick_s();
   return end_of(options, simulation);
 }
 
-/// Limit of the speed, times real time; 0: no limit.
+/// Returns the limit of the speed, in multiples of real time; 0: no limit.
 double rate_of(const RunOptions& options, const Simulation& simulation) {
   return options.world_rate ? simulation.world().spec().watch.rate : options.rate;
 }
@@ -157,7 +157,7 @@ void WorldRun::save_at_least() const {
   try {
     if (is_intact_)
       for (const auto& observer : observers_) observer->save_at_least(simulation_);
-  } catch (const std::runtime_error&) {  // the first error is reported
+  } catch (const std::runtime_error&) {  // ignored, because the caller reports the first error
   }
 }
 

@@ -18,7 +18,9 @@ namespace troupe::apps {
 
 class Pacer;
 
-/// One loaded world of a run, with its observers. The caller steps it.
+/// One loaded world of a run, with the observers that write its outputs. The caller calls, in this order:
+/// take_names_from_world(), rehearse(), open_outputs(), begin(), step() until is_done(), finish(),
+/// print_summary(), after_summary().
 class WorldRun {
  public:
   /// Loads or resumes the world and prints its warnings. `options` names one world, and outputs without
@@ -30,29 +32,32 @@ class WorldRun {
 
   const RunOptions& options() const { return options_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Adds the names of files that the world specifies and returns the options. Throws InputError.
+  /// Adds the names of output files that only the world file states to the options, and returns the options.
+  /// Throws InputError if a name is not allowed.
   const RunOptions& take_names_from_world();
 
-  /// Prepares the outputs before the first tick, so that errors in them are reported before the run.
+  /// Prepares the outputs (RunOutput::prepare()), so that errors in them are reported before any file is
+  /// opened.
   void rehearse();
-  /// Opens the outputs. `is_over` returns true if the run was asked to stop; it ends a wait early.
+  /// Opens the outputs. is_over: returns true if the run was asked to stop; a wait because of
+  /// RunOptions::rate then ends early.
   void open_outputs(std::function<bool()> is_over);
   /// Whether the run prints lines with the time; a progress bar would interfere with them.
   bool tells_time() const;
   /// Prints the effective options on standard output.
   void print_options() const;
 
-  /// Observes the current tick. Call it once, before the first step().
+  /// Calls observe() of all observers for the current tick. Call it once, before the first step().
   void begin();
-  /// Computes and observes the next tick.
+  /// Makes one step, and then calls observe() of all observers.
   void step();
   bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
   /// World time at the end of the next tick, s.
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
-  /// Finishes the observers and fills in the report.
+  /// Calls finish() of all observers and fills the report.
   void finish();
-  /// Is called if another part of the run failed: writes the checkpoint, if one was requested. Ignores
-  /// further errors.
+  /// Writes the checkpoint, if one was requested and the last step did not fail. Called if another part of
+  /// the run failed. Ignores further errors.
   void save_at_least() const;
 
   const Report& report() const { return report_; }
@@ -70,14 +75,14 @@ class WorldRun {
   Simulation simulation_;
   std::unique_ptr<SessionReplay> session_;
   Report report_;
-  std::uint64_t ticks_ = 0;           // the last tick
+  std::uint64_t ticks_ = 0;           // the last tick of the run
   std::vector<OpenOutput> prepared_;  // outputs that are not open yet
   Observers observers_;
   std::vector<TickWatcher*> watchers_;  // the observers that are notified of phases and tasks
   const Pacer* pacer_ = nullptr;
   PhaseClock phases_;
   LoadClock load_;
-  bool is_intact_ = true;  // false after a failed step: its state is invalid
+  bool is_intact_ = true;  // false after a failed step, because the state is then invalid
 };
 
 }  // namespace troupe::apps

@@ -37,7 +37,7 @@ std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {
                   file.string()));
 }
 
-/// The complete lines of a file.
+/// Returns the lines of a file, except a last line without a line break, which is incomplete.
 std::vector<std::string> whole_lines(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::vector<std::string> lines;

@@ -12,29 +12,31 @@ namespace troupe::apps {
 
 /// The result of one run of a study.
 struct SweepOutcome {
-  std::size_t run = 0;
-  std::uint64_t seed = 0;
-  std::uint64_t ticks = 0;
-  double time_s = 0;
-  std::string stopped_by;      ///< the condition of the world's `stop_when` that ended it; empty: none
+  std::size_t run = 0;         ///< index of the run in the study
+  std::uint64_t seed = 0;      ///< seed of the run
+  std::uint64_t ticks = 0;     ///< number of ticks
+  double time_s = 0;           ///< world time at the end, s
+  std::string stopped_by;      ///< the condition of the world's `stop_when` that ended the run; empty: none
   std::vector<double> values;  ///< one per column of measures; NaN: no value
-  std::string state_hash;
+  std::string state_hash;      ///< hash of the last state, as hexadecimal digits
 };
 
 /// A file with the results of the finished runs of one process, one line of JSON per run. Each line is on the
-/// disk before the process starts the next run, so that a killed sweep loses only its unfinished runs.
+/// disk before the thread that made the run starts another one, so that a killed sweep loses only its
+/// unfinished runs.
 class SweepJournal {
  public:
   /// Opens or creates a journal, and removes an incomplete last line. study: a text that identifies the
-  /// study, its world and the version of the program; it must equal the text that is stored in the journal.
-  /// Throws OutputError if it differs, if the file cannot be written, or if another process writes the
+  /// study, its world and the version of the program; a new journal stores it. Throws OutputError if an
+  /// existing journal stores another text, if the file cannot be written, or if another process writes the
   /// journal.
   SweepJournal(const std::filesystem::path& file, std::string_view study);
   ~SweepJournal();
   SweepJournal(const SweepJournal&) = delete;
   SweepJournal& operator=(const SweepJournal&) = delete;
 
-  /// Writes a finished run. Throws std::runtime_error if that fails.
+  /// Appends a finished run. When add() returns, the run is on the disk. Throws std::runtime_error if writing
+  /// fails.
   void add(const SweepOutcome& outcome);
 
  private:
@@ -42,12 +44,13 @@ class SweepJournal {
   int descriptor_ = -1;
 };
 
-/// The outcomes in all journals of a folder, by run. Throws OutputError if a journal belongs to another
-/// study.
+/// Returns the outcomes in all journals of a folder, by run. study: as for SweepJournal. Throws OutputError
+/// if a journal stores another text.
 std::map<std::size_t, SweepOutcome> read_journals(const std::filesystem::path& folder,
                                                   std::string_view study);
 
-/// The journal of part `part` of `parts`, counted from 1.
+/// Returns the path of the journal that the process for part `part` of `parts` writes (--part). Parts are
+/// counted from 1.
 std::filesystem::path journal_file(const std::filesystem::path& folder, std::size_t part, std::size_t parts);
 
 }  // namespace troupe::apps

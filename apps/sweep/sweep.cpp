@@ -72,8 +72,8 @@ SimulationOptions options_of(const Study& study, const Study::Run& run, const Sw
   return simulation;
 }
 
-/// Statistics of each column over the sampled values. Missing values (NaN) are ignored, except by the
-/// statistic `last`.
+/// Computes statistics of each column of measures over the samples of a run. Missing values (NaN) are
+/// ignored, except by the statistic `last`.
 class Statistics {
  public:
   explicit Statistics(std::size_t columns) : columns_(columns) {}
@@ -127,10 +127,11 @@ double end_of(const Study& study, const Simulation& simulation) {
 /// The results of a run.
 struct Made {
   SweepOutcome outcome;
-  std::string series;  ///< its rows of series.csv; empty if the study has no series
+  std::string series;  ///< the rows of the run in series.csv; empty if the study has no series
 };
 
-/// Makes one run and returns its results; nothing if a signal stopped the run.
+/// Makes one run and returns its results; nothing if Ctrl-C or SIGTERM stopped it. index: index of the run in
+/// the study.
 std::optional<Made> make(const Study& study, std::size_t index, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(index), options));
   Measures measures(simulation, study.measures);
@@ -161,9 +162,9 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
               .series = std::move(series)};
 }
 
-/// Loads the world of the first run, so that errors in the world are reported before any run. Returns a hash
-/// of the study, of its world including images, and of the version of the program, and the columns of the
-/// measures. The hash does not depend on the folders of the files.
+/// Returns a text that identifies the study, and the columns of its measures. The text is a hash of the study
+/// file, of the world with its images, and of the version of the program; it does not depend on the folders
+/// of the files. Loads the world of the first run, so that errors in it are reported before any run.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(0), options));
   const Measures measures(simulation, study.measures);
@@ -176,7 +177,7 @@ std::pair<std::string, std::vector<std::string>> identify(const Study& study, co
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }
 
-/// Prints the number of finished runs on a terminal.
+/// Prints the number of finished runs on standard error, if that is a terminal.
 class Count {
  public:
   Count(std::size_t done, std::size_t all, bool wanted)
@@ -211,12 +212,12 @@ void keep_series(const fs::path& file, const std::string& rows) {
   }
 }
 
-/// Makes the given runs in parallel and writes each to the journal when it finishes. Returns the errors of
-/// failed runs, by run.
+/// Makes the runs with these indices in parallel and writes each to the journal when it finishes. Returns the
+/// errors of failed runs, by index. Throws the error if the result of a run cannot be written.
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
                                             const SweepOptions& options, SweepJournal& journal) {
   std::map<std::size_t, std::string> failed;
-  std::exception_ptr write_error;  // a write error, which ends the sweep
+  std::exception_ptr write_error;  // error of writing a result, which ends the sweep
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   Count count(study.run_count() - runs.size(), study.run_count(), !options.quiet);
@@ -237,7 +238,8 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       if (!error.empty()) failed.emplace(runs[i], error);
       if (!made) continue;
       try {
-        // Written before the entry in the journal, so that the rows of every run in the journal exist.
+        // The rows are written before the entry in the journal, so that they exist for every run in the
+        // journal.
         if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
         journal.add(made->outcome);
         count.add_one();
@@ -305,7 +307,8 @@ ExitCode sweep_checked(const SweepOptions& options) {
       write_csv(table, csv);
       if (study.series) write_series(table, measures, options.folder);
       if (worldio::has_hdf5()) write_hdf5(table, hdf5);
-    } catch (const OutputError& error) {  // not bad usage: the runs are finished and saved
+    } catch (const OutputError&
+                 error) {  // returns k_failed, not k_bad_input, because the runs are finished and saved
       fmt::print(stderr, "{}\n", error.what());
       return k_failed;
     }

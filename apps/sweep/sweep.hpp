@@ -14,10 +14,10 @@ namespace troupe::apps {
 
 /// Options of `troupe sweep`.
 struct SweepOptions {
-  std::filesystem::path study;
+  std::filesystem::path study;   ///< study file
   std::filesystem::path folder;  ///< folder for journals and tables
-  unsigned runs_at_once = 0;     ///< 0: one per available processor
-  std::size_t part = 1;          ///< this process makes runs part - 1, part - 1 + parts, ...
+  unsigned runs_at_once = 0;     ///< number of runs that are made in parallel; 0: one per available processor
+  std::size_t part = 1;  ///< from 1 to parts: this process makes the runs part - 1, part - 1 + parts, ...
   std::size_t parts = 1;
   bool list = false;  ///< only print the runs
   bool quiet = false;
@@ -27,8 +27,8 @@ struct SweepOptions {
 /// Adds the options of `sweep`; parsing fills `options`, which must outlive `command`.
 void add_sweep_options(CLI::App& command, SweepOptions& options);
 
-/// `troupe sweep`: makes the runs of a study that are not in its folder yet, and the table when all are
-/// finished.
+/// `troupe sweep`: makes those runs of a study whose results are not in its folder yet. When all runs are
+/// finished, writes the tables.
 ExitCode sweep(const SweepOptions& options);
 
 }  // namespace troupe::apps

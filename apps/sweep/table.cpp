@@ -39,14 +39,15 @@ std::optional<double> number_of(const std::string& json) {
   return value;
 }
 
-/// The value of a parameter for the table: a JSON string without its quotes.
+/// Returns the JSON text of a parameter's value as it appears in the table: a JSON string has no quotes
+/// there, unless it contains escapes.
 std::string plain(const std::string& json) {
   const bool quoted = json.size() >= 2 && json.front() == '"' && json.find('\\') == json.npos;
   return quoted ? json.substr(1, json.size() - 2) : json;
 }
 
-/// Makes the column of a parameter from its JSON texts, one per run: a column of numbers if all texts are
-/// numbers, else of texts.
+/// Returns the column of a parameter. values: the JSON text of its value in each run. If all texts are
+/// numbers, the column contains numbers, else texts.
 Column parameter_column(const std::string& name, const Texts& values) {
   Numbers numbers;
   Texts texts;

@@ -11,34 +11,36 @@
 
 namespace troupe::apps {
 
-/// Names of the columns of SweepOutcome::values: `coverage` for the last value, `coverage_mean` for another
-/// statistic.
+/// Returns the names of the columns of SweepOutcome::values: for each measure one column per statistic, named
+/// `coverage` for the statistic `last` and `coverage_mean` for others.
 std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
                                          const std::vector<worldio::Statistic>& statistics);
 
-/// The results of all runs of a study, one row per run, in the order of runs. `failed` holds the errors of
-/// failed runs, which have no outcome.
+/// The results of all runs of a study, from which the tables are written.
 struct SweepTable {
-  const worldio::Study& study;
-  std::vector<std::string> measures;  ///< measure_columns()
-  std::map<std::size_t, SweepOutcome> outcomes;
-  std::map<std::size_t, std::string> failed;
+  const worldio::Study& study;                   ///< study to which the runs belong
+  std::vector<std::string> measures;             ///< names of the columns of measures (measure_columns())
+  std::map<std::size_t, SweepOutcome> outcomes;  ///< results of finished runs, by index of the run
+  std::map<std::size_t, std::string> failed;     ///< errors of failed runs, which have no outcome
 };
 
-/// Writes `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`, which pandas reads
-/// without options. Replaces the file only when it is complete. Throws OutputError.
+/// Writes a table with one row per run, in the order of runs:
+/// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas reads it without
+/// options. Replaces the file only when it is complete. Throws OutputError.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
-/// Writes `run,time_s,MEASURES...`, one row per sample of each run, from the files of series_file().
-/// `measures` are the columns of Measures. Replaces the file only when it is complete. Throws OutputError.
+/// Writes the table `run,time_s,MEASURES...` into the folder, with one row per sample of each run, by
+/// concatenating the files of series_file(). measures: names of the columns of measures
+/// (Measures::columns()). Replaces the file only when it is complete. Throws OutputError.
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
                   const std::filesystem::path& folder);
-/// The file with the rows of one run, until write_series() concatenates the rows of all runs.
+/// Returns the path of the file that contains the samples of one run, without a line of column names, until
+/// write_series() concatenates these files.
 std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
-/// Appends the row of one sample.
+/// Appends the row of one sample of a run, as in write_series(), to `rows`.
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
 
-/// Writes the columns of write_csv() as datasets of the group /table, and their order as /columns
-/// (docs/sweeps.md). Throws OutputError.
+/// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md): each column as a dataset of the group
+/// /table, and the names of the columns, in their order, as the dataset /columns. Throws OutputError.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace troupe::apps

@@ -11,7 +11,7 @@
 namespace troupe::apps {
 namespace {
 
-constexpr double k_farthest_steps = 1e9;  // 1,000 km
+constexpr double k_farthest_steps = 1e9;  // 1,000 km; positions are clamped to it
 
 std::int32_t steps_of(double metres) {
   return static_cast<std::int32_t>(

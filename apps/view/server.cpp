@@ -1,4 +1,4 @@
-// The only file that includes Boost.Beast.
+// This is the only file that includes Boost.Beast.
 
 #include "apps/view/server.hpp"
 
@@ -30,16 +30,18 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using beast::error_code;
 
-constexpr std::size_t k_most_connections = 128;  // without a token; a new one then replaces the oldest
+constexpr std::size_t k_most_connections = 128;  // without a token; another connection replaces the oldest
 constexpr std::size_t k_most_clients = 16;       // connections with a token
 constexpr std::size_t k_most_header = 8192;      // bytes of a request
 constexpr std::size_t k_most_message = 65536;    // bytes of a text from a client
 constexpr std::size_t k_most_waiting = 256;      // texts queued for a client
-constexpr int k_most_in_flight = 2;              // pictures sent to a client and not drawn yet
-constexpr std::chrono::seconds k_handshake{5};   // from the connection to the token
-constexpr std::chrono::seconds k_idle{30};       // without any frame, pings and pongs included
+constexpr int k_most_in_flight = 2;  // pictures that were sent to a client and that it has not drawn yet
+constexpr std::chrono::seconds k_handshake{5};  // time from the connection until the token must arrive
+constexpr std::chrono::seconds k_idle{
+    30};  // a client is disconnected after this time without any frame, also ping or pong
 
-/// The Content-Security-Policy: the page may connect only to its own server. `host` satisfies is_loopback().
+/// Returns the Content-Security-Policy header of the page, which allows the page to connect only to its own
+/// server. host: the Host header of the request, which must satisfy is_loopback().
 std::string policy(std::string_view host) {
   return fmt::format(
       "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -47,7 +49,8 @@ std::string policy(std::string_view host) {
       host);
 }
 
-/// Whether a Host header names this machine, with any port (a tunnel has another port).
+/// Whether a Host header names this machine. It may have any port, because a client behind a tunnel uses the
+/// port of the tunnel.
 bool is_loopback(std::string_view host) {
   const std::size_t colon = host.rfind(':');
   if (colon != host.npos && host.find(']', colon) == host.npos) {
@@ -58,7 +61,8 @@ bool is_loopback(std::string_view host) {
   return host == "127.0.0.1" || host == "localhost" || host == "[::1]";
 }
 
-/// Compares in constant time, so that timing does not reveal how many characters match.
+/// Compares two tokens in a time that does not depend on the characters, so that timing does not reveal how
+/// many of them match.
 bool same_token(std::string_view a, std::string_view b) {
   unsigned differs = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
@@ -87,7 +91,8 @@ struct ViewServer::Impl {
   void make_room();
 };
 
-/// One connection: an HTTP request that may be upgraded to a WebSocket.
+/// A connection to a browser or program. It begins with an HTTP request, which may be upgraded to a
+/// WebSocket.
 class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Impl& server, std::uint64_t id, tcp::socket socket)
@@ -114,7 +119,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     write();
   }
 
-  /// Starts writing the next frame, unless a write is in progress.
+  /// Starts writing the next frame, if there is one, unless a write is in progress. Queued texts come before
+  /// the next picture.
   void write() {
     if (is_writing_ || is_closed_ || !is_client_) return;
     if (texts_.empty() && in_flight_ < k_most_in_flight) {
@@ -203,7 +209,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     socket_ws_.emplace(std::move(socket_));
     socket_ws_->set_option(websocket::stream_base::timeout{k_handshake, k_idle, true});
     socket_ws_->read_message_max(k_most_message);
-    socket_ws_->auto_fragment(false);  // one frame per message keeps programs that read them simple
+    // Each message is one frame, so that programs that read messages are simple.
+    socket_ws_->auto_fragment(false);
     socket_ws_->async_accept(request, [self = shared_from_this()](error_code error) {
       if (error) return self->close();
       self->read();

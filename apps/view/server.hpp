@@ -8,25 +8,28 @@
 
 namespace troupe::apps {
 
-/// The two frames of a picture: a text frame, then a binary frame.
+/// The two WebSocket frames with which the server sends a picture: first the text frame, then the binary
+/// frame.
 struct ViewFrames {
-  std::string state;
-  std::string poses;
+  std::string state;  ///< text frame: a JSON object
+  std::string poses;  ///< binary frame: see encode() in view/picture.hpp
 };
 
-/// Receives the events of a server. All calls are on the server's thread.
+/// Receives the events of a ViewServer, which calls all functions on its own thread. client: number that
+/// identifies a connection. may_steer: whether its token grants full control or only read access.
 class ViewBackend {
  public:
   virtual ~ViewBackend() = default;
-  /// A client has sent a valid token. Returns the first text to send to it.
+  /// Called when a client has sent a valid token. Returns the first text that the server sends to the client.
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
-  /// A client has sent a text.
+  /// Called when a client has sent a text.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
-  /// A client has disconnected.
+  /// Called when a client has disconnected.
   virtual void closed(std::uint64_t client) = 0;
   /// Returns the newest picture, encoded for this client; nothing if it was already sent to the client.
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
-  /// The server has refused a request or a message. what: description of it, "a binary message".
+  /// Called when the server has refused a request or a message. what: what it refused, such as "a binary
+  /// message".
   virtual void refused(const std::string& what) = 0;
 };
 
@@ -39,8 +42,8 @@ class ViewServer {
     std::string token;       ///< token for full control
     std::string look_token;  ///< token for read-only access
   };
-  /// Starts the server, which listens when this returns. `backend` must outlive it. Throws std::runtime_error
-  /// if the port is not available, and in builds without TROUPE_VIEW.
+  /// Opens the port. Connections wait until start(). `backend` must outlive the server. Throws
+  /// std::runtime_error if the port is not available, and in builds without TROUPE_VIEW.
   ViewServer(const Options& options, ViewBackend& backend);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
@@ -50,11 +53,12 @@ class ViewServer {
   void start();
   /// Closes every connection; the backend is not called any more when this returns.
   void stop();
-  std::uint16_t port() const;
-  /// Sends a text. May be called on any thread. A client that does not read its texts is disconnected when
-  /// too many of them are queued.
+  std::uint16_t port() const;  ///< port on which the server listens
+  /// Sends a text to a client; does nothing if the client has disconnected. May be called on any thread. A
+  /// client that does not read its texts is disconnected when too many of them are queued.
   void send(std::uint64_t client, std::string text);
-  /// Announces a new picture. May be called on any thread.
+  /// Announces a new picture. The server then calls ViewBackend::picture() for each client that can receive
+  /// one. May be called on any thread.
   void offer();
   /// Tells the server that a client has drawn a picture, so that the next picture may be sent to it. Call it
   /// on the server's thread.

@@ -1,4 +1,4 @@
-// Replaces server.cpp in builds without TROUPE_VIEW.
+// This file replaces server.cpp in builds without TROUPE_VIEW.
 
 #include "apps/view/server.hpp"
 

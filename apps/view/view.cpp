@@ -31,11 +31,11 @@ constexpr int k_wire = 1;  // version of the wire protocol
 constexpr std::chrono::milliseconds k_picture{33};
 constexpr std::chrono::milliseconds k_nap{50};  // longest wait, so that Ctrl-C takes effect soon
 constexpr std::chrono::seconds k_most_behind{1};
-constexpr std::size_t k_spare = 3;             // one being filled, one being encoded, one the newest
+constexpr std::size_t k_spare = 3;  // one picture is being filled, one encoded, and one is the newest
 constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
 constexpr std::uint64_t k_most_steps = 1000000000;
 
-/// 128 random bits as 32 hex digits.
+/// Returns a token: 128 random bits as 32 hexadecimal digits.
 std::string make_token() {
   std::array<unsigned char, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
@@ -47,13 +47,14 @@ std::string make_token() {
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-/// The JSON text of the members of an object, without the braces around them.
+/// Returns the JSON text of an object without the outer braces, so that it can be inserted into another
+/// object.
 std::string members_of(const Json& json) {
   std::string text = text_of(json);
   return text.substr(1, text.size() - 2);
 }
 
-/// Names of the measures without required parameters.
+/// Returns the names of all measures that have no required parameters, which viewers can plot.
 Json plain_measures(const Simulation& simulation) {
   Json names = Json::array();
   for (const engine::MeasureKind& kind : simulation.registry().measures)
@@ -105,7 +106,7 @@ View::View(Simulation& simulation, const Options& options, std::function<bool()>
       ViewServer::Options{options.port, std::string(k_view_page), token_, look_token_},
       static_cast<ViewBackend&>(*this));
   simulation_.before_tick([this](Simulation&) { before_tick(); });
-  server_->start();  // not in its constructor: what it calls uses server_
+  server_->start();  // not in the constructor of the server, because the functions that it calls use server_
 }
 
 View::~View() {
@@ -183,7 +184,8 @@ std::optional<ViewFrames> View::picture(std::uint64_t client) {
       fmt::format(R"({{"type":"state","picture":{},{}{}{}}})", newest->number, newest->state,
                   own == newest->own.end() ? "" : ",", own == newest->own.end() ? "" : own->second),
       encode(*newest, order_.size(), known.poses, known.colors)};
-  const std::scoped_lock lock(mutex_);  // publish() reads the use count of the picture
+  // The pointer is released under the lock, because publish() reads its use count.
+  const std::scoped_lock lock(mutex_);
   newest.reset();
   return frames;
 }
@@ -198,8 +200,8 @@ void View::run() {
   session_.end(simulation_);
 }
 
-/// Executes the messages of viewers while waiting until the next tick is due, or, if the world is paused,
-/// until it continues.
+/// Waits until the next tick is due, or, if the world is paused, until a viewer continues it. Meanwhile it
+/// executes the messages of viewers.
 void View::before_tick() {
   for (;;) {
     take_messages();
@@ -208,7 +210,8 @@ void View::before_tick() {
     if (is_over_() || (playing_ && (rate_ == 0 || now >= due_))) break;
     auto until = now + k_nap;
     if (playing_) until = std::min(until, due_);
-    if (is_changed_) until = std::min(until, now + k_picture / 4);  // no spare picture was free
+    if (is_changed_)
+      until = std::min(until, now + k_picture / 4);  // publish() found no free picture, so try again soon
     std::unique_lock lock(mutex_);
     wake_.wait_until(lock, until,
                      [this] { return !messages_.empty() || !arrived_.empty() || !gone_.empty(); });
@@ -296,7 +299,7 @@ void View::obey(const Message& message) {
       steps_ = 0;
       line_.clear();
     } else if (what == "pause") {
-      if (playing_) steps_ = 1;  // pauses after the next tick, because the hash log line is then known
+      if (playing_) steps_ = 1;  // pauses after the next tick, because the hash log line is computed then
     } else if (what == "step") {
       steps_ = json.contains("ticks")
                    ? static_cast<std::uint64_t>(number("ticks", 1, static_cast<double>(k_most_steps)))
@@ -342,7 +345,8 @@ void View::obey(const Message& message) {
   }
 }
 
-/// Performs an act. A robot can be driven by only one viewer.
+/// Applies an act of a viewer and adds it to the session. Throws ActRefused if it is impossible, or if
+/// another viewer holds the robot.
 void View::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
   if (const auto holder = holders_.find(act.whom);
@@ -354,7 +358,7 @@ void View::carry_out(std::uint64_t client, const Act& act) {
   if (act.kind == Act::Kind::release) holders_.erase(act.whom);
 }
 
-/// Releases the robots that a disconnected viewer held.
+/// Releases the robots that a disconnected viewer held, as acts of the session.
 void View::release_all(std::uint64_t client) {
   std::erase_if(holders_, [&](const auto& holder) {
     if (holder.second != client) return false;
@@ -362,7 +366,7 @@ void View::release_all(std::uint64_t client) {
     try {
       simulation_.act(act);
       session_.add(simulation_, act);
-    } catch (const ActRefused&) {  // the robot is gone, and its hold with it
+    } catch (const ActRefused&) {  // ignored: the robot has left the world, which released it
     }
     return true;
   });
@@ -395,7 +399,7 @@ std::string View::inspection(BodyId id) {
       const engine::StateField& field = table.fields()[f];
       Json values = Json::array();
       const std::byte* cell = table.cell<std::byte>(at, f).data();
-      constexpr std::uint32_t k_most_values = 2048;  // more numbers, of a camera image, are of no use
+      constexpr std::uint32_t k_most_values = 2048;  // the many numbers of a camera image are of no use here
       for (std::uint32_t c = 0; c < std::min(field.columns, k_most_values); ++c)
         values.push_back(number_in(field, cell + c * engine::element_size(field.element)));
       fields.push_back(
@@ -404,7 +408,8 @@ std::string View::inspection(BodyId id) {
     json["components"].push_back({{"name", table.component()}, {"fields", std::move(fields)}});
   }
   json["eyes"] = Json::object();
-  std::map<std::string, int> met;  // duplicate names get suffixes, as in the header of the page
+  std::map<std::string, int>
+      met;  // number of devices with each name; repeated names get suffixes, as in the header of the page
   for (const engine::BodyType::Device& device : world.type(row).devices) {
     std::string name = worldio::hdf5_name(device.name);
     if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
@@ -441,7 +446,7 @@ void View::publish() {
     for (const std::shared_ptr<Picture>& spare : spare_)
       if (spare.use_count() == 1) picture = spare;
   }
-  if (!picture) return;  // the server still uses all of them
+  if (!picture) return;  // the server still uses all pictures; before_tick() tries again
   picture->number = ++pictures_;
   take(simulation_.world(), order_, has_z_, has_colors_, *picture);
   picture->state = state_members();

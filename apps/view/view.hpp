@@ -23,12 +23,14 @@
 
 namespace troupe::apps {
 
-/// Smallest and largest rate that a viewer may request, times real time; 0 means as fast as possible.
+/// Smallest and largest speed that a viewer may request, in multiples of real time. A viewer may also request
+/// 0, which means as fast as possible.
 inline constexpr double k_least_rate = 0.001;
 inline constexpr double k_most_rate = 1e6;
 
-/// Shows a simulation in browsers and executes the commands that viewers send. run() steps the simulation on
-/// the calling thread and never waits for a viewer. docs/live.md describes the protocol.
+/// Shows a simulation in browsers and executes the commands that viewers (pages or programs that have
+/// connected) send. run() steps the simulation on the calling thread and never waits for a viewer.
+/// docs/live.md describes the protocol.
 class View : private ViewBackend {
  public:
   struct Options {
@@ -36,14 +38,16 @@ class View : private ViewBackend {
     double rate = 1;               ///< limit of the speed, times real time; 0: no limit
     std::filesystem::path folder;  ///< folder for the session file
   };
-  /// Starts the server and a session. run() ends when `is_over` returns true. Throws std::runtime_error.
+  /// Starts the server and creates the session file. run() ends when `is_over` returns true. Throws
+  /// std::runtime_error if the port is not available or the file cannot be written.
   View(Simulation& simulation, const Options& options, std::function<bool()> is_over);
   ~View() override;
 
-  /// `http://127.0.0.1:PORT/#TOKEN`, for full control.
+  /// The address of the page for full control: `http://127.0.0.1:PORT/#TOKEN`.
   std::string address() const { return address_of(token_); }
-  /// The address for read-only access.
+  /// The address of the page for read-only access, which has another token.
   std::string look_address() const { return address_of(look_token_); }
+  /// Path of the session file.
   const std::filesystem::path& session() const { return session_.file(); }
 
   /// Waits for the first viewer that may steer, and then steps, pauses and changes the simulation as viewers
@@ -97,7 +101,7 @@ class View : private ViewBackend {
 
   // Used only by the simulation's thread.
   std::map<std::uint64_t, Client> clients_;
-  std::map<std::string, std::uint64_t> holders_;  // robot -> client
+  std::map<std::string, std::uint64_t> holders_;  // held robot -> the client that holds it
   bool playing_ = false;
   bool has_begun_ = false;
   std::uint64_t steps_ = 0;  // ticks until the next pause; 0: no pause

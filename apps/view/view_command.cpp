@@ -43,8 +43,8 @@ Examples:
   troupe view c.h5
   troupe view worlds/hospital.json --robots 2000 --rate 5 --port 8000 --out /tmp)";
 
-/// A temporary page that redirects to the address and that only this user can read. The address itself must
-/// not be an argument of a command, which all users can see.
+/// A temporary page, which only this user can read and which redirects a browser to the address. The address
+/// contains the token, and must not be an argument of a command, because all users can see the arguments.
 class Redirect {
  public:
   explicit Redirect(const std::string& address) {
@@ -89,8 +89,8 @@ class Redirect {
   fs::path file_;
 };
 
-/// Loads the world or checkpoint. A checkpoint keeps its spare bodies and whether bodies can be removed.
-/// Throws InputError.
+/// Loads the world or checkpoint. A checkpoint keeps its reserves, and whether bodies can be removed. Throws
+/// InputError.
 Simulation load(const ViewOptions& options) {
   const SimulationOptions& simulation = options.simulation;
   const bool is_checkpoint = worldio::is_checkpoint(options.world);

@@ -10,7 +10,7 @@ namespace troupe::apps {
 
 /// Options of `troupe view`.
 struct ViewOptions : WorldOptions {
-  std::uint16_t port = 0;
+  std::uint16_t port = 0;        ///< 0: any free port
   double rate = 1;               ///< limit of the speed, times real time; 0: no limit
   std::filesystem::path folder;  ///< folder for the session file; empty: the working folder
   bool open = false;             ///< open a browser
@@ -18,7 +18,8 @@ struct ViewOptions : WorldOptions {
 
 /// Adds the options of `view`; parsing fills `options`, which must outlive `command`.
 void add_view_options(CLI::App& command, ViewOptions& options);
-/// `troupe view`: shows a world in browsers until Ctrl-C, --for or its own end.
+/// `troupe view`: shows a world in browsers until Ctrl-C, until the time of --for, or until the world's own
+/// end.
 ExitCode view_world(const ViewOptions& options);
 
 }  // namespace troupe::apps

@@ -24,7 +24,7 @@ def _statistic(name: str, values: List[float]) -> float:
         return math.nan
     if name == "mean":
         total = 0.0
-        for value in known:  # in the order of `troupe sweep`: sum() may round differently
+        for value in known:  # in the order in which `troupe sweep` adds, because sum() may round differently
             total += value
         return total / len(known)
     return min(known) if name == "min" else max(known)

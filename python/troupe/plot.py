@@ -54,7 +54,7 @@ def _number(text: str) -> Optional[float]:
 
 
 def _order(value: _Key) -> List[Tuple[int, float, str]]:
-    """Sort key: numbers before texts."""
+    """Returns a sort key for the values of parameters: numbers come first, in ascending order, and then texts."""
     numbers = [_number(part) for part in value]
     return [(0, number, "") if number is not None else (1, 0.0, part) for number, part in zip(numbers, value)]
 

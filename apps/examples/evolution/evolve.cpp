@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t k_parents = 5, k_children = 20, k_trials = 1000, k_beams = 5;
 constexpr double k_trial_s = 30, k_most_speed = 0.5, k_most_turn = 2;
 
-/// One weight per beam and a bias for the forward speed, then the same for the turn rate.
+/// The weights of the controller: one weight per beam and a bias for the forward speed, then the same for the
+/// turn rate.
 using Genome = std::array<double, 2 * (k_beams + 1)>;
 
 struct Individual {
@@ -50,7 +51,8 @@ void steer(const Genome& genome, std::span<const float> ranges, troupe::Model::S
   speed.turn = std::clamp(weigh(genome.data() + k_beams + 1), -1.0, 1.0) * k_most_turn;
 }
 
-/// Runs one genome from tick 0 and returns the fraction of the room that robots have visited.
+/// Runs a trial with one genome from tick 0 and returns its fitness: the fraction of the room that the robots
+/// have visited.
 double run_trial(troupe::Simulation& simulation, troupe::Swarm& swarm, troupe::Measures& measures,
                  const Genome& genome) {
   std::vector<float> ranges(swarm.size() * k_beams);
@@ -79,7 +81,8 @@ int main() {
   for (std::uint32_t generation = 0; trials < k_trials; ++generation) {
     std::vector<Individual> all = parents;
     for (std::uint32_t child = 0; child < k_children && trials < k_trials; ++child, ++trials) {
-      // Depends on the generation and the child alone, so results are the same on every machine.
+      // The random numbers depend only on the generation and the child, so results are the same on every
+      // machine.
       troupe::Random random(1, troupe::stream_id("evolution", "mutation"), child, generation);
       Individual individual;
       if (!parents.empty()) individual = parents[random.below(k_parents)];

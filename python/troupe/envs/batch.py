@@ -62,11 +62,13 @@ class Batch:
         self.world_seed = int(simulation.options["seed"])
 
     def array(self, name: str, team: int = 0) -> npt.NDArray[Any]:
-        """An array of a team, observed or not, in the state after the last step: copies x robots x columns,
-        read-only."""
+        """Returns an array of a team, one of its observations or of Team.arrays, after the last step: copies x
+        robots x columns, read-only."""
         return self.core.array(name, team)
 
     def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
+        """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all
+        copies. seeds: one seed per copy; a copy without a seed (None, or an empty list) begins its next episode."""
         self.core.reset(which, list(seeds))
         self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
 

@@ -51,7 +51,7 @@ class ParallelEnv(_ParallelEnv):
                 self._places[name] = (team, row)
         self.possible_agents = list(self._places)
         self.agents: List[str] = []
-        self._met: Dict[str, bool] = {}  # agents of this episode: whether they are finished
+        self._met: Dict[str, bool] = {}  # whether each agent of this episode is finished
         self._observation_spaces = {name: _same(self._batch.observation_spaces[t]) for name, (t, _) in self._places.items()}
         self._action_spaces = {name: _same(self._batch.action_spaces[t]) for name, (t, _) in self._places.items()}
 

@@ -49,8 +49,11 @@ class Team:
     levels: Optional[Sequence[Sequence[float]]] = None
     #: Arrays that rewards and ends use but that are not observed: a dict from names to lists of parts.
     arrays: Dict[str, Parts] = dataclasses.field(default_factory=dict)
+    #: Terms of the reward, which are summed.
     rewards: List[Part] = dataclasses.field(default_factory=list)
+    #: Conditions that finish a robot.
     ends: List[Part] = dataclasses.field(default_factory=list)
+    #: Unique name; empty: team0, team1, ...
     name: str = ""
 
 
@@ -70,11 +73,11 @@ class Task:
     max_return: Optional[float] = None  #: the largest possible sum of rewards of an episode, if known
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
-        """Is called after some copies have begun an episode. copies: one bool per copy, True for these copies."""
+        """Called after some copies have begun an episode. copies: one bool per copy, True for copies that have."""
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Converts the actions of the policies to commands. Both are numbers from -1 to 1, copies x robots x
-        commands."""
+        """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
+        robots x commands. By default they are the same."""
         return actions
 
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
@@ -96,7 +99,7 @@ class Task:
 
 
 def action_space(team: Team) -> "spaces.Space[Any]":
-    """The action space of one robot."""
+    """Returns the action space of one robot of a team."""
     if team.choices is not None:
         return spaces.Discrete(len(team.choices))
     if team.levels is not None:

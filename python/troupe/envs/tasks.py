@@ -41,7 +41,7 @@ def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], 
 
 
 def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, Any]:
-    """A type of robots with a differential drive and a lidar of 360 degrees. Robots that do not learn run the
+    """Returns a type of robots with a differential drive and a lidar of 360 degrees. Robots that do not learn run the
     controller `wander`."""
     return {
         "size_m": [0.3, 0.3, 0.2],
@@ -60,25 +60,27 @@ def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, 
 
 
 def marker_type(color: str, size: float = 0.2) -> Dict[str, Any]:
-    """A type of marks on the floor, which are not obstacles and which lidars do not detect. size: length of a side,
-    m."""
+    """Returns a type of square marks on the floor, which are not obstacles and which lidars do not detect. size:
+    length of a side, m."""
     return {"size_m": [size, size, 0.01], "color": color, "obstacle": False, "ranger_return": -1}
 
 
 def spread(name: str, kind: str, count: int, size: float) -> Dict[str, Any]:
-    """A population of the type `kind` at uniformly random poses in a square room. size: length of a side of the room,
-    m."""
+    """Returns a population of the type `kind` at uniformly random poses in a square room. size: length of a side of
+    the room, m."""
     half = size / 2 - 0.5
     return {"name": name, "type": kind, "count": count, "place": {"rule": "uniform", "region_m": [[-half, -half], [half, half]]}}
 
 
 def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
+    """Returns a part of an observation: the ranges of the lidar in m, multiplied by `scale`."""
     return {"field": "ranges", "device": "lidar", "scale": scale}
 
 
 def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
-    """Returns actions that turn towards the direction (x, y) in the robot's frame. The forward speed is proportional to
-    the cosine of the direction's angle; speed: the speed straight ahead, from 0 to 1."""
+    """Returns actions (forward, turn) that turn the robot towards the direction (x, y) in its frame. The forward
+    speed is proportional to the cosine of the direction's angle. speed: forward speed if the direction is straight
+    ahead, as a fraction of the largest speed, from 0 to 1."""
     length = np.sqrt(x * x + y * y)
     safe = np.where(length > 0, length, 1.0)
     ahead, side = x / safe, y / safe
@@ -255,8 +257,8 @@ class Foraging(Task):
     observed  12 ranges, divided by 3 m; x, y and distance of the source and of the nest in the robot's frame, divided
               by the size of the room; 1 if the robot has a load, else -1
     reward    in each step, 0.1 times the decrease of the distance, m, to the nest (with a load) or to the source
-              (without); 0.5 for taking a load at the source, and 1 for delivering it at the nest. Taking and delivering
-              happen by themselves within 0.6 m
+              (without); 0.5 for taking a load at the source, and 1 for delivering it at the nest. A robot takes or
+              delivers a load when it comes within 0.6 m of the place; no action is needed
     """
 
     seconds = 90.0
@@ -284,7 +286,8 @@ class Foraging(Task):
         return loaded
 
     def _way(self, batch: "Batch") -> Floats:
-        """Distance of each robot to the place where it must drive, m: to the nest with a load, else to the source."""
+        """Returns the distance of each robot to its destination, m: to the nest if it has a load, else to the
+        source."""
         way = np.where(self._loaded(batch), batch.array("nest")[..., 2], batch.array("source")[..., 2])
         return way.astype(np.float64)
 

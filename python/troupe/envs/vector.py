@@ -126,7 +126,8 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         return self._rows(batch.observations()), rewards, terminations, truncations, infos
 
     def _add_final(self, infos: Dict[str, Any], done: Flags) -> None:
-        """Adds final observations in the format of gymnasium.vector.SyncVectorEnv: one object per environment."""
+        """Adds to `infos` the last observations of the environments marked in `done`, in the format of
+        gymnasium.vector.SyncVectorEnv: one object per environment, None for the others."""
         observations = self._rows(self.batch.observations())
         final = np.full(self.num_envs, None, dtype=object)
         for env in np.flatnonzero(done):
@@ -138,7 +139,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         infos["final_info"], infos["_final_info"] = {}, done.copy()
 
     def _rows(self, observations: Any) -> Any:
-        """Reshapes observations to one row per environment."""
+        """Reshapes observations of copies x robots to one row per environment."""
         if isinstance(observations, dict):
             return {name: self._rows(array) for name, array in observations.items()}
         return observations.reshape(self.num_envs, *observations.shape[2:])
