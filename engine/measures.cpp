@@ -111,16 +111,23 @@ std::size_t count_there(const World& world, std::span<const Row> rows) {
 }
 
 std::vector<Row> robots_of(const World& world, std::string_view of) {
-  std::vector<Row> robots;
   const WorldSpec& spec = world.spec();
+  const auto is_robot = [&](BodyId body) {
+    const Row row = world.row(body);
+    return row.valid() && world.type(row).drive;
+  };
+  // If "r1" is a robot, as the second of population "r", it does not mean the robots r10 to r19.
+  const BodyId named = of.empty() ? BodyId() : world.find(of);
+  const bool is_one = named.valid() && is_robot(named);
+  std::vector<Row> robots;
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-    const Row row = world.row(BodyId(b));
-    if (!row.valid() || !world.type(row).drive) continue;
-    if (!of.empty() && world.type(row).name != of) {
-      const std::string name = spec.name(BodyId(b));
-      if (!name.starts_with(of) || (name.size() > of.size() && !is_number(name.substr(of.size())))) continue;
+    const BodyId body(b);
+    if (!is_robot(body)) continue;
+    if (!of.empty() && world.type(world.row(body)).name != of && !(is_one && body == named)) {
+      const std::string name = spec.name(body);
+      if (is_one || !name.starts_with(of) || !is_number(name.substr(of.size()))) continue;
     }
-    robots.push_back(row);
+    robots.push_back(world.row(body));
   }
   return robots;
 }

@@ -58,9 +58,10 @@ class MeasureSet {
   std::uint64_t seen_ = 0;                          // tick of the last see()
 };
 
-/// Returns the robots that `of` names, in order of ids. These are the robots of the type `of`, the robot
-/// named `of`, and the robots whose name is `of` followed by digits (a population). Returns all robots if
-/// `of` is empty, and none if no type, population or robot has that name.
+/// Returns the robots that `of` names, in order of ids: the robots of the type `of`, and the robot of that
+/// name or alias or, if there is none, the robots whose name is `of` followed by digits, as those of a
+/// population are. Returns all robots if `of` is empty, and none if no type, population or robot has that
+/// name.
 std::vector<Row> robots_of(const World& world, std::string_view of);
 /// Names of all types and populations of robots, sorted.
 std::vector<std::string> names_of_robots(const World& world);

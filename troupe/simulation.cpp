@@ -792,6 +792,7 @@ void Simulation::reset(std::uint64_t seed) {
   const std::vector<engine::BodySpec> bodies = bodies_placed_by(seed, "reset(seed)");
   stop_recording();
   impl_->world->restart(seed, bodies, *impl_->registry);
+  impl_->holds.clear();
   if (impl_->stop) impl_->stop->begin();
 }
 

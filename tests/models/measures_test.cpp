@@ -555,6 +555,15 @@ TEST(Measures, ColumnsCarryUnitsAndWhoIsMeasured) {
   EXPECT_EQ(engine::robots_of(world, "").size(), world.robots());
 }
 
+TEST(Measures, ARobotWhoseNumberBeginsOtherNumbersIsMeasuredAlone) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}});
+  for (int i = 0; i < 12; ++i) scene.body(fmt::format("r{}", i), bot, {static_cast<double>(i), 0, 0, 0});
+  const World world = scene.world();
+  EXPECT_EQ(engine::robots_of(world, "r1").size(), 1u) << "not r10 and r11";
+  EXPECT_EQ(engine::robots_of(world, "r").size(), 12u);
+}
+
 TEST(Measures, SayWhatIsWrongWithThem) {
   World world = crowd().world();
   Diagnostics diagnostics;

@@ -166,6 +166,21 @@ TEST_F(Sessions, ActsComeAfterWhatTheWorldAsksFor) {
   EXPECT_EQ(robots, 14u);
 }
 
+TEST_F(Sessions, AHoldEndsWithAReset) {
+  for (const bool with_seed : {false, true}) {
+    Simulation simulation = yard(1);
+    simulation.act({.kind = Kind::hold, .whom = "b1", .speed = {0, 0, 0.5}});
+    simulation.step();
+    with_seed ? simulation.reset(simulation.seed()) : simulation.reset();
+    Simulation fresh = yard(1);
+    simulation.step();
+    fresh.step();
+    simulation.step();
+    fresh.step();
+    EXPECT_EQ(simulation.state_hash(), fresh.state_hash()) << with_seed;
+  }
+}
+
 TEST_F(Sessions, AHoldBeatsTheControllerUntilItIsReleasedAndIsSaved) {
   Simulation simulation = yard(1);
   simulation.act({.kind = Kind::hold, .whom = "b1", .speed = {0, 0, 0.5}});

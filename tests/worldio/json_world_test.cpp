@@ -77,6 +77,21 @@ class JsonWorldOfPictures : public test::ScratchTest {
   }
 };
 
+// The bodies of "r" are r0, r1, ...: a group "r" would contain those of "r2" as well.
+TEST(JsonWorld, PopulationsWhoseNamesDifferOnlyInDigitsAtTheEndAreRefused) {
+  const std::string second = R"("pitch_m": 0.25}},
+    {"name": "NAME", "type": "minibot", "count": 2,
+     "place": {"rule": "grid", "region_m": [[2, 2], [3, 3]], "pitch_m": 0.25}})";
+  const std::string world = changed(R"("pitch_m": 0.25}})", second);
+  EXPECT_THAT(
+      Loaded(changed("NAME", "r2", world)).found,
+      ElementsAre("maze.json:20: error: /populations/1/name: the populations \"r\" and \"r2\" differ only in "
+                  "digits at the end, so their bodies cannot be told apart by name: add a letter, as in "
+                  "\"r2_\""));
+  for (const char* name : {"r2_", "rs", "R2"})
+    EXPECT_THAT(Loaded(changed("NAME", name, world)).found, IsEmpty()) << name;
+}
+
 TEST(JsonWorld, AWorldIsReadAsItStands) {
   const Loaded loaded(k_world);
   ASSERT_THAT(loaded.found, IsEmpty());

@@ -143,7 +143,6 @@ struct DocumentRule {
   std::string several = {};                 ///< error if it has more than one; empty: as `none`
   bool at_key = false;  ///< whether `several` is reported at every key after the first; else it is reported
                         ///< at the object
-  bool in_schema = true;
 };
 
 /// A kind that objects with a key `kind` can have: a drive kind, a device kind, ...

@@ -228,6 +228,19 @@ void WorldExpander::expand_population(const PopulationDocument& document, const 
     population.rule = expand_rule(*document.place, DocumentPath(at, "place", document.place->where));
     population.where_place = document.place->where;
   }
+  // The bodies of "r" are r0, r1, ... A group "r" would contain those of "r2" as well.
+  const auto extends = [](std::string_view name, std::string_view other) {
+    return name.size() > other.size() && name.starts_with(other) &&
+           name.find_first_not_of("0123456789", other.size()) == name.npos;
+  };
+  for (const engine::PopulationSpec& other : populations_)
+    if (!document.name.empty() && !other.name.empty() &&
+        (extends(document.name, other.name) || extends(other.name, document.name)))
+      DocumentPath(at, "name", document.where_of("name"))
+          .error(fmt::format(
+              "the populations \"{}\" and \"{}\" differ only in digits at the end, so their bodies "
+              "cannot be told apart by name: add a letter, as in \"{}_\"",
+              other.name, document.name, document.name));
   populations_.push_back(std::move(population));
 }
 
