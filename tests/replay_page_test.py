@@ -125,9 +125,14 @@ class Used(unittest.TestCase):
         self.page.run(f"troupe.play(false), troupe.seek({time_s})")
         self.shown()
 
+    def frames(self, count):
+        """Waits for this number of pictures, at most a second for each: a busy Chromium may leave some out."""
+        self.page.run(f"(async () => {{ for (let i = 0; i < {count}; i++) await new Promise(done => {{ "
+                      "requestAnimationFrame(done); setTimeout(done, 1000); }); })()")
+
     def shown(self):
         """Until what is on the screen is what was asked for."""
-        self.page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        self.frames(2)
         self.page.wait("troupe.state().shown")
 
     def keep(self, name):
@@ -308,7 +313,7 @@ class APage(Used):
 
     def settle(self):
         """Movements of the eye run out softly."""
-        self.page.run("(async () => { for (let i = 0; i < 40; i++) await new Promise(requestAnimationFrame); })()")
+        self.frames(40)
 
     def test_is_dark_where_it_is_dark(self):
         empty = self.page.run("troupe.screenPlace('blue', [-3, 0, 0])")
@@ -433,10 +438,13 @@ class TenThousandRobots(Used):
     def test_script_takes_less_than_10_ms_a_picture(self):
         self.assertEqual(self.state()["robots"], 10000)
         self.page.run("troupe.color('speed'), troupe.trails(2), troupe.setSpeed(0.25)")
+        median = float("inf")
         for attempt in range(3):  # the machine may be busy with something else
             self.page.run("troupe.seek(0), troupe.play(), troupe.state().scriptMs.length")
-            self.page.run("(async () => { for (let i = 0; i < 40; i++) await new Promise(requestAnimationFrame); })()")
+            self.frames(40)
             times = self.page.run("troupe.state().scriptMs.slice(-30)")
+            if not times:
+                continue
             median = statistics.median(times)
             print(f"10,000 robots: script takes {median:.2f} ms a picture, at most {max(times):.2f}")
             if median < MOST_SCRIPT_MS:
