@@ -8,20 +8,14 @@
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"
 
-#include <fmt/format.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <optional>
-#include <set>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -254,7 +248,6 @@ class DocumentKeys {
   /// the pointer to the member, or a chain of pointers to a member of a member.
   template <auto... Path, class... Facts>
   DocumentKey& value(std::string_view name, Facts... facts) {
-    note_described<Path...>();
     static const T example{};
     const auto& member = at<Path...>(static_cast<const void*>(&example));
     using Member = std::remove_cvref_t<decltype(member)>;
@@ -289,8 +282,7 @@ class DocumentKeys {
     key.form = form;
     key.expects = expects;
     if constexpr (sizeof...(Path) > 0) {
-      note_described<Path...>();
-      key.is_optional =
+        key.is_optional =
           detail::IsOptional<std::remove_cvref_t<decltype(at<Path...>(std::declval<const void*>()))>>::value;
       key.make = [](void* object) -> void* {
         auto& x = at<Path...>(object);
@@ -365,33 +357,8 @@ class DocumentKeys {
   /// The other members of the table.
   DocumentTable& table() { return table_; }
 
-  /// Throws std::logic_error if the calls so far have not described all members of T. If they described some
-  /// members of a struct inside T, all members of that struct must be described. The base class Placed is not
-  /// counted.
-  void require_all_members() const {
-    for (const auto& [name, described] : described_)
-      if (described.tags.size() != described.members)
-        throw std::logic_error(fmt::format("{}: {} of {} members are described", name, described.tags.size(),
-                                           described.members));
-  }
 
  private:
-  struct DescribedMembers {
-    std::size_t members = 0;
-    std::set<std::string_view> tags;
-  };
-
-  template <auto First, auto... Rest>
-  void note_described() {
-    using Class = typename engine::detail::Pointed<decltype(First)>::Class;
-    constexpr std::size_t k_bases =
-        std::is_base_of_v<Placed, Class> && !std::is_same_v<Placed, Class> ? 1 : 0;
-    DescribedMembers& described = described_[typeid(Class).name()];
-    described.members = engine::detail::member_count<Class>() - k_bases;
-    described.tags.insert(engine::detail::tag<First>());
-    if constexpr (sizeof...(Rest) > 0) note_described<Rest...>();
-  }
-
   template <auto First, auto... Rest, class Object>
   static auto& below(Object& object) {
     if constexpr (sizeof...(Rest) == 0)
@@ -409,7 +376,6 @@ class DocumentKeys {
   }
 
   DocumentTable& table_;
-  std::map<std::string_view, DescribedMembers> described_;  // by the name of the class
 };
 
 template <class T>
@@ -421,7 +387,6 @@ const DocumentTable& document_table() {
     made.placed = [](void* object) -> Placed& { return *static_cast<T*>(object); };
     DocumentKeys<T> keys(made);
     T::describe(keys);
-    keys.require_all_members();
     return made;
   }();
   return table;
