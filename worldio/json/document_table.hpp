@@ -282,7 +282,7 @@ class DocumentKeys {
     key.form = form;
     key.expects = expects;
     if constexpr (sizeof...(Path) > 0) {
-        key.is_optional =
+      key.is_optional =
           detail::IsOptional<std::remove_cvref_t<decltype(at<Path...>(std::declval<const void*>()))>>::value;
       key.make = [](void* object) -> void* {
         auto& x = at<Path...>(object);
@@ -356,7 +356,6 @@ class DocumentKeys {
   }
   /// The other members of the table.
   DocumentTable& table() { return table_; }
-
 
  private:
   template <auto First, auto... Rest, class Object>
