@@ -108,7 +108,7 @@ TEST(Scanner, TheOrderOfTheBeamsDoesNotShow) {
     for (std::size_t near = 0; near < n; ++near) {
       std::vector<float> scan(n, 2.0f), mixed_scan(n, 2.0f);
       scan[order[near]] = mixed_scan[near] = 0.3f;
-      expect_equal(a.look(scan, 0.5, 0.4), b.look(mixed_scan, 0.5, 0.4), fmt::format("{} of {}", near, n));
+      expect_equal(a.ahead(scan, 0.5, 0.4), b.ahead(mixed_scan, 0.5, 0.4), fmt::format("{} of {}", near, n));
     }
   }
 }
@@ -138,7 +138,7 @@ TEST(Scanner, LooksAheadWhereverItsFanIsTurnedTo) {
   const Scanner ahead = scanner_of(side, 4, {0, 0, 0, radians(-90)});
   std::vector<float> scan(41, 5.0f);
   scan[20] = 0.2f;
-  EXPECT_TRUE(ahead.look(scan, 1, 0.5).obstruction);
+  EXPECT_TRUE(ahead.ahead(scan, 1, 0.5).obstruction);
   EXPECT_EQ(ahead.straight_ahead(scan), 0.2f);
 
   EXPECT_FALSE(scanner_of(side, 4, {0, 0, 0, radians(90)}).is_usable()) << "it looks back";
