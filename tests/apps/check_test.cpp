@@ -1,5 +1,7 @@
 #include "apps/check/check.hpp"
 
+#include "engine/device_kind.hpp"
+#include "engine/world.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scratch.hpp"
