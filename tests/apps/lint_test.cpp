@@ -254,7 +254,7 @@ TEST_F(LintTest, RunsTellOnceWhatALintTellsEachTime) {
   const Outcome outcome = troupe({"run", "w.world", "--for", "0"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.err, Not(HasSubstr("unused")));
-  EXPECT_THAT(outcome.err, HasSubstr("w.world:2: warning: accepted without effect"));
+  EXPECT_THAT(outcome.err, HasSubstr("w.world:2: warning: properties without effect"));
   EXPECT_THAT(outcome.err, Not(HasSubstr("w.world:3")));
 }
 

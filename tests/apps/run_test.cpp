@@ -47,13 +47,13 @@ TEST_F(Run, SummaryNamesEverythingInAlignedLines) {
   EXPECT_THAT(outcome.out, StartsWith("running\n"));
   EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  until_s +1")));
   EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  seed +7")));
-  for (const char* line :
-       {"robots +12", "ticks +10 of 0.1 s", "simulated +1 s",
-        "wall +[-0-9.e]+ s, after [-0-9.e]+ s of loading", "times real time +[0-9.,]+",
-        "cost +[0-9.,]+ ns per robot and tick", "beams +108 per tick",
-        "phases +sense [0-9.]+ %, decide [0-9.]+ %, move [0-9.]+ %, index [0-9.]+ %, observe [0-9.]+ %",
-        "threads +2", "peak memory +[0-9.]+ MiB", "stalled +[0-9]+ .[0-9.]+ %.",
-        "mean displacement +[0-9.]+ m", "state hash +[0-9a-f]{16}"})
+  for (const char* line : {"robots +12", "ticks +10 of 0.1 s", "simulated +1 s",
+                           "wall +[-0-9.e]+ s, after [-0-9.e]+ s of loading", "times real time +[0-9.,]+",
+                           "cost +[0-9.,]+ ns per robot and tick", "beams +108 per tick",
+                           "phases +intervene [0-9.]+ %, sense [0-9.]+ %, actuate [0-9.]+ %, decide [0-9.]+ "
+                           "%, move [0-9.]+ %, index [0-9.]+ %, observe [0-9.]+ %",
+                           "threads +2", "peak memory +[0-9.]+ MiB", "stalled +[0-9]+ .[0-9.]+ %.",
+                           "mean displacement +[0-9.]+ m", "state hash +[0-9a-f]{16}"})
     EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  " + std::string(line))));
 }
 
@@ -78,7 +78,7 @@ TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
   EXPECT_THAT(json.at("state_hash").get<std::string>(), MatchesRegex("[0-9a-f]{16}"));
   EXPECT_FALSE(json.at("stopped_early").get<bool>());
   double shares = json.at("share_observe");
-  for (const char* phase : {"sense", "decide", "move", "index"})
+  for (const char* phase : {"intervene", "sense", "actuate", "decide", "move", "index"})
     shares += json.at(std::string("share_") + phase).get<double>();
   EXPECT_NEAR(shares, 1, 1e-6);
   EXPECT_GT(json.at("serial_share"), 0);

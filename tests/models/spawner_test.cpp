@@ -178,7 +178,7 @@ TEST(Spawner, ErrorsNameThePopulationsThatThereAre) {
   door.scene.spec.reserves.clear();
   EXPECT_THAT(error_of(door.scene), HasSubstr("no population of this world has a \"reserve\""));
   const Door flagless({device("spawner", {{"population", "bot"}, {"per_flags", 1}})});
-  EXPECT_THAT(error_of(flagless.scene), HasSubstr("has no device \"flags\""));
+  EXPECT_THAT(error_of(flagless.scene), HasSubstr("has no device of kind \"flags\""));
 }
 
 TEST(Remover, EndsTheLivesOfRobotsThatComeToIt) {

@@ -153,9 +153,9 @@ TEST_F(Reset, KeepsWhatTheProgramSet) {
   simulation.on_phase([&phases](std::optional<Phase>) { ++phases; });
   simulation.step();
   simulation.reset();
-  EXPECT_EQ(phases, 5) << "a reset is no phase";
+  EXPECT_EQ(phases, 7) << "a reset is no phase";
   simulation.step();
-  EXPECT_EQ(phases, 10);
+  EXPECT_EQ(phases, 14);
   EXPECT_FLOAT_EQ(simulation.find("r0").ranges()[0], 1.9f);
 }
 

@@ -278,7 +278,7 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
     EXPECT_THAT(error(good + line + "\n"), HasSubstr("s.jsonl:2: error: ")) << line;
     EXPECT_THAT(error(good + line + "\n"), HasSubstr(message)) << line;
   }
-  EXPECT_THAT(error(""), HasSubstr("s.jsonl: error: is empty"));
+  EXPECT_THAT(error(""), HasSubstr("s.jsonl: error: the file is empty"));
   EXPECT_THAT(error("{}\n"), HasSubstr("s.jsonl:1: error: "));
   EXPECT_EQ(error(good + move + R"({"tick":4,"n":2,"do":"rem)"), "") << "what a kill cut off is left out";
 }

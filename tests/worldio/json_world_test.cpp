@@ -85,7 +85,7 @@ TEST(JsonWorld, PopulationsWhoseNamesDifferOnlyInDigitsAtTheEndAreRefused) {
   const std::string world = changed(R"("pitch_m": 0.25}})", second);
   EXPECT_THAT(
       Loaded(changed("NAME", "r2", world)).found,
-      ElementsAre("maze.json:20: error: /populations/1/name: the populations \"r\" and \"r2\" differ only in "
+      ElementsAre("maze.json:19: error: /populations/1/name: the populations \"r\" and \"r2\" differ only in "
                   "digits at the end, so their bodies cannot be told apart by name: add a letter, as in "
                   "\"r2_\""));
   for (const char* name : {"r2_", "rs", "R2"})

@@ -91,17 +91,17 @@ TEST_F(Conformance14, ErrorsInAnIncludedFileNameIt) {
           "a.inc:4: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
           "quotes: foo \"bar\"",
           "a.inc:3: error: \"size\" must be above 0 in every direction, found 0",
-          "w.world:4: error: \"pose\" needs 4 values [x y z heading]; here are 2"));
+          "w.world:4: error: \"pose\" needs 4 values [x y z heading], found 2"));
 }
 
 TEST_F(Conformance14, ShortTuples) {
   load("model( pose [1 2] )\nmodel( size [1] )\nposition( velocity_bounds [1 2 3] )\n");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading]; here are 2",
+      ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading], found 2",
                   "w.world:2: error: \"size\" needs 3 values [x y z], found 1",
                   "w.world:3: error: \"velocity_bounds\" needs 8 values [xmin xmax ymin ymax zmin zmax amin "
-                  "amax]; here are 3"));
+                  "amax], found 3"));
 }
 
 TEST_F(Conformance14, UnknownType) {
@@ -147,7 +147,7 @@ TEST_F(Conformance14, ColoursNeedNoFile) {  // Stage reads rgb.txt, and ends whe
 
 TEST_F(Conformance14, TheDebuggingAidLoads) {
   EXPECT_THAT(load("test 1\nmodel()").bodies, SizeIs(2));
-  EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: warning: accepted without effect")));
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: warning: properties without effect")));
 }
 
 TEST_F(Conformance14, MissingController) {

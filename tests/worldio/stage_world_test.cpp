@@ -703,7 +703,7 @@ TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
       "ranger( sensor( pose [0 0]\n size [-1 1 1]\n range [-1 -2]\n fov 361\n samples 0 ) )\n"
       "ranger( sensor( pose [1] range [3 2] ) )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading]; here are 2",
+              ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading], found 2",
                           "w.world:2: error: \"size\" must be above 0 in every direction, found -1",
                           "w.world:3: error: \"range\" must be at least 0 m, found -1",
                           "w.world:3: error: \"range\" must be above 0 m, found -2",
@@ -794,10 +794,10 @@ TEST_F(StageWorld, RefusesWrongLocalisation) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\", found \"gsp\"",
-                  "w.world:2: error: \"odom_error\" needs 4 values [x y z a]; here are 3",
+                  "w.world:2: error: \"odom_error\" needs 4 values [x y z a], found 3",
                   "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\", found \"newer\"",
                   "w.world:4: error: each minimum of \"acceleration_bounds\" must be at most its maximum",
-                  "w.world:5: error: \"velocity\" needs 4 values [x y z a]; here are 3"));
+                  "w.world:5: error: \"velocity\" needs 4 values [x y z a], found 3"));
 }
 
 TEST_F(StageWorld, RefusesWrongDrives) {

@@ -103,8 +103,8 @@ std::optional<std::vector<double>> StageValues::tuple(const StageProperty& prope
     return {};
   }
   if (property.count < least) {
-    error(where(property), fmt::format("\"{}\" needs {} values {}; here {} {}", key(property), most, layout,
-                                       property.count == 1 ? "is" : "are", property.count));
+    error(where(property),
+          fmt::format("\"{}\" needs {} values {}, found {}", key(property), most, layout, property.count));
     return {};
   }
   if (property.count > most)
