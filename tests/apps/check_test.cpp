@@ -217,7 +217,7 @@ TEST_F(Check, ReachFindsADeviceThatReadsFurtherThanItDeclares) {
   for (const auto& [declared, code] : {std::pair("1.0", 0), std::pair("0.8", 1)}) {
     CheckOptions blinkered = options("honest");
     blinkered.world = write("counters.json", R"({
-      "troupe": 1, "types": {"bot": {"size_m": [0.02, 0.02, 0.2], "drive": {"kind": "diff"}, "devices": [
+      "troupe": 1, "types": {"bot": {"size_m": [0.02, 0.02, 0.2], "drive": {"kind": "diff"}, "sensors": [
         {"name": "count", "kind": "counter", "declared_m": )" +
                                                  std::string(declared) + R"(, "active": true}]}},
       "populations": [{"name": "r", "type": "bot", "count": 60,

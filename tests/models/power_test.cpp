@@ -278,7 +278,8 @@ TEST(PowerContact, NeedsAPack) {
     scene.world();
     ADD_FAILURE() << "it was built";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("\"power_contact\" (power_contact) needs a power_pack"),
+    EXPECT_NE(std::string(error.what())
+                  .find("\"power_contact\" (power_contact) has no power supply: add a power_pack"),
               std::string::npos)
         << error.what();
   }

@@ -102,7 +102,7 @@ class Plot(unittest.TestCase):
         self.assertIn('unknown parameter "size"; known: robots', message(by="size"))
         self.assertIn("must end in .png, .svg or .pdf", message(out="x.gif"))
         (self.folder / "series.csv").unlink()
-        self.assertIn('give "series": true in the study', message())
+        self.assertIn('set "series": true in the study', message())
         (self.folder / "series.csv").write_text("run,time_s,order\n0,1\n")
         self.assertIn("its lines differ in length", message())
         (self.folder / "series.csv").write_text("run,time_s,order\n7,1,2\n")

@@ -351,7 +351,7 @@ TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {
           "blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [0, 1]}]}},
   "models": [{"name": "a", "type": "t"}]})"),
           "w.world");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("an extent that differs from its outline")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("an \"extent_m\" that differs from the extent of the outline")));
 }
 
 TEST_F(ConvertTest, HeadingsBeyondHalfATurnComeBackAsTheyWere) {
@@ -381,7 +381,8 @@ TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
 
 TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {
   convert(write("w.world", "model( name \"caf\xe9\" )\n"), "w.json");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("is not UTF-8, which JSON requires; it begins with \"caf\"")));
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("is not UTF-8, which JSON requires; the text begins with \"caf\"")));
 }
 
 }  // namespace

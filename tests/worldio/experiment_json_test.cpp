@@ -173,7 +173,8 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
               HasSubstr("type \"crate\" has no drive"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot"}})"),
               HasSubstr("give one of \"drive\", \"device\" and \"controller\""));
-  EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "drive": {}}})"), HasSubstr("no parameters"));
+  EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "drive": {}}})"),
+              HasSubstr("expected at least one parameter"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "device": {"name": "it"}}})"),
               HasSubstr("unknown device \"it\"; known: ir"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "controller": {"kind": "wander"}}})"),
