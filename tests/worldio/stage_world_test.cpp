@@ -881,7 +881,7 @@ TEST_F(StageWorld, RefusesWrongArguments) {
           "w.world:5: error: controller \"expand\": \"cone\" must be at least 0 rad, found \"-1\"",
           "w.world:6: error: controller \"expand\": \"invert\" needs true or false, found \"2\"",
           HasSubstr("w.world:7: error: controller \"script\": \"law\" must be one of timed, wave, line"),
-          "w.world:8: error: controller \"script\": \"legs\" cannot be given in a .world file, only in JSON; "
+          "w.world:8: error: controller \"script\": \"legs\" cannot be given in a .world file, only in JSON, "
           "here "
           "is \"1\"",
           "w.world:9: error: controller \"expand\": \"clearances\" needs numbers separated by commas, "
