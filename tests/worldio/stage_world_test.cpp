@@ -882,8 +882,7 @@ TEST_F(StageWorld, RefusesWrongArguments) {
           "w.world:6: error: controller \"expand\": \"invert\" needs true or false, found \"2\"",
           HasSubstr("w.world:7: error: controller \"script\": \"law\" must be one of timed, wave, line"),
           "w.world:8: error: controller \"script\": \"legs\" cannot be given in a .world file, only in JSON, "
-          "here "
-          "is \"1\"",
+          "found \"1\"",
           "w.world:9: error: controller \"expand\": \"clearances\" needs numbers separated by commas, "
           "without blanks, found \"1,,2\""));
 }
