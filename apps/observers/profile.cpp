@@ -106,15 +106,19 @@ void Profile::observe(const Simulation& simulation) {
 std::string Profile::load(Phase phase) const {
   double most = 0;
   double sum = 0;
+  unsigned workers = 0;
   for (const Track& track : tracks_.all()) {
     double busy = 0;
     for (const Task& task : track.tasks)
       if (task.phase == phase) busy += microseconds(task.span.end - task.span.begin);
     most = std::max(most, busy);
     sum += busy;
+    workers += busy > 0;
   }
   if (!(sum > 0)) return {};
-  return fmt::format(",\"imbalance\":{:.3f},\"busy_us\":{:.1f}", most * threads_ / sum, sum);
+  // The thread pool may replace a thread by another one within a phase, so more than threads_ may have worked.
+  workers = std::max(workers, threads_);
+  return fmt::format(",\"imbalance\":{:.3f},\"busy_us\":{:.1f}", most * workers / sum, sum);
 }
 
 void Profile::write_tasks() {
