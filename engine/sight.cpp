@@ -15,7 +15,7 @@ constexpr double k_slack = 1e-9;
 /// Finds the nearest surface that a ray hits among the outlines that are passed to meet().
 class Nearest {
  public:
-  Nearest(const World& world, const SightRay& ray) : world_(world), ray_(ray), best_{.range = ray.length} {}
+  Nearest(const World& world, const SightRay& ray) : world_(world), ray_(ray), best_{.range_m = ray.length} {}
 
   const RayHit& best() const { return best_; }
 
@@ -23,10 +23,10 @@ class Nearest {
   /// of each. Ends at the nearest surface found so far.
   template <class Visit>
   void walk(double step, Visit&& visit) const {
-    for (double i = 0; i * step <= best_.range; ++i) {
+    for (double i = 0; i * step <= best_.range_m; ++i) {
       Box box;
       box.extend(Vec2(ray_.origin + i * step * ray_.direction));
-      box.extend(Vec2(ray_.origin + std::min((i + 1) * step, best_.range) * ray_.direction));
+      box.extend(Vec2(ray_.origin + std::min((i + 1) * step, best_.range_m) * ray_.direction));
       visit(box.expanded(k_slack));
     }
   }
@@ -37,13 +37,13 @@ class Nearest {
     const double along = centre.dot(ray_.direction);
     const double radius = circle.radius + k_slack;
     return std::abs(cross(centre, ray_.direction)) <= radius && along >= -radius &&
-           along <= best_.range + radius;
+           along <= best_.range_m + radius;
   }
 
   void meet(const OutlineChain& chain) {
     if (ray_.z && !chain.z.contains(*ray_.z)) return;
     if (ray_.stops != nullptr &&
-        !ray_.stops(RayHit{.body = chain.body, .part = chain.part}.part_spec(world_).returns))
+        !ray_.stops(part_of(world_, {.body = chain.body, .part = chain.part}).returns))
       return;
     meet_chain(chain, ray_.origin, ray_.direction, ray_.length, best_);
   }
@@ -59,7 +59,7 @@ class Nearest {
 Color color_of(const World& world, const RayHit& hit) {
   if (const Row row = world.row(hit.body); row.valid())
     if (const std::optional<Color> shown = shown_color(world, row, hit.part)) return *shown;
-  return hit.part_spec(world).color.value_or(world.spec().bodies[hit.body.index()].color);
+  return part_of(world, hit).color.value_or(world.spec().bodies[hit.body.index()].color);
 }
 
 RayHit first_met(const World& world, const SightRay& ray) {

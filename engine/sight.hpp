@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/ray_hit.hpp"
 #include "engine/world.hpp"
 
 #include <algorithm>
@@ -91,18 +92,10 @@ struct SightRay {
   bool (*stops)(const Returns&) = nullptr;  ///< returns whether a part stops the ray; null: all parts do
 };
 
-/// The first surface that a ray hits.
-struct RayHit {
-  double range = 0;        ///< distance to the surface, m; the ray's length if it hit nothing
-  BodyId body;             ///< body of the surface; not valid(): the ray hit nothing
-  std::uint32_t part = 0;  ///< part of the surface: index in the body's type
-
-  bool met() const { return body.valid(); }  ///< whether the ray hit a surface
-  /// The part that the ray hit. Call this only if met() is true.
-  const PartSpec& part_spec(const World& world) const {
-    return world.spec().types[world.spec().bodies[body.index()].type.index()].parts[part];
-  }
-};
+/// Returns the part whose surface a ray hit. Call this only if hit.met() is true.
+inline const PartSpec& part_of(const World& world, const RayHit& hit) {
+  return world.spec().types[world.spec().bodies[hit.body.index()].type.index()].parts[hit.part];
+}
 
 /// Present colour of the part that a ray hit.
 Color color_of(const World& world, const RayHit& hit);
@@ -152,9 +145,9 @@ inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2
   if (chain.vertices.empty()) return;
   const auto meet = [&](const SeenVertex& a, const SeenVertex& b) {
     const double range = range_to_edge(direction, a, b);
-    if (range < 0 || range >= length || range > nearest.range) return;
+    if (range < 0 || range >= length || range > nearest.range_m) return;
     const bool is_lower = chain.body != nearest.body ? chain.body < nearest.body : chain.part < nearest.part;
-    if (range < nearest.range || is_lower) nearest = {range, chain.body, chain.part};
+    if (range < nearest.range_m || is_lower) nearest = {range, chain.body, chain.part};
   };
   const SeenVertex first(origin, direction, chain.vertices.front());
   SeenVertex before = first;

@@ -88,12 +88,12 @@ RayHit VisibilityQuery::first_met(const SightLine& ray) {
   if (size_ > k_crowd)
     return engine::first_met(
         *world_, {.origin = origin_, .direction = ray.direction, .length = ray.length, .own = own_, .z = z_});
-  RayHit nearest{.range = ray.length};
+  RayHit nearest{.range_m = ray.length};
   const std::size_t count = find_hits(ray);  // may reallocate hits_
   const std::span<Hit> hits(hits_.data(), count);
   std::ranges::sort(hits, {}, &Hit::near);
   for (const Hit& hit : hits) {
-    if (hit.near > nearest.range) break;
+    if (hit.near > nearest.range_m) break;
     meet(hit.mark, ray, nearest);
   }
   return nearest;

@@ -141,7 +141,7 @@ void find_blobs(const World& world, const Finder& finder, Row own, const Transfo
                                   .length = finder.params.range,
                                   .own = own});
     const bool is_seen =
-        first.met() && (!finder.params.use_blob_return || first.part_spec(world).returns.blob);
+        first.met() && (!finder.params.use_blob_return || engine::part_of(world, first).returns.blob);
     const Color color = is_seen ? color_of(world, first) : Color();
     const bool goes_on = blob && is_seen && is_same(color, blob->color);
     if (blob && !goes_on) {
@@ -151,7 +151,7 @@ void find_blobs(const World& world, const Finder& finder, Row own, const Transfo
     if (!is_seen) continue;
     if (!goes_on) blob = Blob{color, ray, ray, 0};
     blob->last = ray;
-    blob->sum += first.range;
+    blob->sum += first.range_m;
   }
   if (blob) writer.add(*blob);
 }

@@ -158,7 +158,7 @@ class Search {
       const engine::RayHit& first = first_[i];
       const Target& target = found_[i];
       const bool is_itself = first.met() && first.body == target.body && first.part == target.part;
-      const bool passed_by = finder_->params.ignore_zloc && (!first.met() || first.range >= target.range);
+      const bool passed_by = finder_->params.ignore_zloc && (!first.met() || first.range_m >= target.range);
       if (is_itself || passed_by) found_[kept++] = target;
     }
     found_.resize(kept);

@@ -99,7 +99,7 @@ CPP_BEFORE = {
 # Texts that a page shows and no command of it prints: (page, how the first line begins, why).
 SHOWN_ONLY = [
     ("README.md", "S(k): poses", "the phases of a tick, told"),
-    ("docs/architecture.md", "sense ", "the phases of a tick, told"),
+    ("docs/architecture.md", "intervene ", "the phases of a tick, told"),
     ("docs/architecture.md", "WorldSpec ", "a sketch of the data"),
     ("docs/checkpoints.md", "200 kills", "tests/checkpoint_kill_test.py printed it, after minutes"),
     ("docs/checkpoints.md", "run.h5: error: this is not a", "damaged files: tests/apps/resume_test.cpp"),

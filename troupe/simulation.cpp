@@ -874,14 +874,13 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
   if (without != nullptr && without->place_->world != impl_->world.get())
     throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", without->name()));
   const Rotation rotation(from.heading);
-  const engine::RayHit met = engine::first_met(
-      *impl_->world, {.origin = from.position(),
-                      .direction = {rotation.cos, rotation.sin},
-                      .length = range_max,
-                      .own = without != nullptr ? impl_->world->row(without->place_->body) : Row(),
-                      .z = from.z,
-                      .stops = [](const engine::Returns& returns) { return returns.ranger >= 0; }});
-  return {met.range, met.body, met.part};
+  return engine::first_met(*impl_->world,
+                           {.origin = from.position(),
+                            .direction = {rotation.cos, rotation.sin},
+                            .length = range_max,
+                            .own = without != nullptr ? impl_->world->row(without->place_->body) : Row(),
+                            .z = from.z,
+                            .stops = [](const engine::Returns& returns) { return returns.ranger >= 0; }});
 }
 
 void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {

@@ -7,6 +7,7 @@
 #include "engine/energy.hpp"
 #include "engine/phase.hpp"
 #include "engine/ranging_engine.hpp"
+#include "engine/ray_hit.hpp"
 #include "engine/state_table.hpp"
 
 #include <array>
@@ -43,6 +44,7 @@ namespace troupe {
 /// How rangers compute ranges: by exact ray-surface intersection, or by stepping through an occupancy grid
 /// (docs/sensing.md).
 using engine::RangingEngine;
+using engine::RayHit;
 
 /// How a world is loaded and run. Only the options `seed`, `ranging`, `robots`, `set` and `spare` change the
 /// simulated results.
@@ -288,15 +290,6 @@ class Model {
   void refuse_others_in_for_each() const;
   void command(engine::ControlMode mode, double x, double y, double turn);
   std::shared_ptr<const Place> place_;
-};
-
-/// The first surface that a ray meets.
-struct RayHit {
-  double range_m = 0;      ///< distance to the surface, m; the length of the ray if it met nothing
-  BodyId body;             ///< the body, for Simulation::model(); not valid if the ray met nothing
-  std::uint32_t part = 0;  ///< index of the part in the body's type; 0: the body itself
-
-  bool met() const { return body.valid(); }  ///< whether the ray met a surface
 };
 
 /// A world and its state. Not thread-safe: use each simulation from one thread. It computes on worker threads

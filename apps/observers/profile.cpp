@@ -116,7 +116,8 @@ std::string Profile::load(Phase phase) const {
     workers += busy > 0;
   }
   if (!(sum > 0)) return {};
-  // The thread pool may replace a thread by another one within a phase, so more than threads_ may have worked.
+  // The thread pool may replace a thread by another one within a phase, so more than threads_ may have
+  // worked.
   workers = std::max(workers, threads_);
   return fmt::format(",\"imbalance\":{:.3f},\"busy_us\":{:.1f}", most * workers / sum, sum);
 }

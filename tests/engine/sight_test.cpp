@@ -43,7 +43,7 @@ std::vector<Edge> edges_of(const WorldSpec& spec) {
 
 /// The textbook's way, over every edge there is.
 RayHit oracle(const WorldSpec& spec, const std::vector<Edge>& edges, const SightRay& ray, BodyId own) {
-  RayHit best{.range = ray.length};
+  RayHit best{.range_m = ray.length};
   for (const Edge& edge : edges) {
     if (edge.body == own || (ray.z && !edge.z.contains(*ray.z))) continue;
     const PartSpec& part = spec.types[spec.bodies[edge.body.index()].type.index()].parts[edge.part];
@@ -53,7 +53,7 @@ RayHit oracle(const WorldSpec& spec, const std::vector<Edge>& edges, const Sight
     if (parallel == 0) continue;
     const double range = cross(edge.a - ray.origin, along) / parallel;
     const double share = cross(edge.a - ray.origin, ray.direction) / parallel;
-    if (range >= 0 && share >= 0 && share <= 1 && range < best.range) best = {range, edge.body, edge.part};
+    if (range >= 0 && share >= 0 && share <= 1 && range < best.range_m) best = {range, edge.body, edge.part};
   }
   return best;
 }
@@ -111,7 +111,7 @@ TEST(Sight, MeetsFirstWhatBruteForceMeetsFirst) {
       }
       const RayHit got = first_met(world, ray);
       const RayHit want = oracle(scene.spec, edges, ray, own);
-      ASSERT_NEAR(got.range, want.range, 1e-9) << "world " << w << ", ray " << r;
+      ASSERT_NEAR(got.range_m, want.range_m, 1e-9) << "world " << w << ", ray " << r;
       ASSERT_EQ(got.body, want.body) << "world " << w << ", ray " << r;
       if (want.met()) {
         ASSERT_EQ(got.part, want.part);
@@ -161,7 +161,7 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
         ray.direction = rays[i].direction;
         ray.length = rays[i].length;
         const RayHit want = first_met(world, ray);
-        ASSERT_EQ(found[i].range, want.range) << "world " << w << ", point " << p << ", ray " << i;
+        ASSERT_EQ(found[i].range_m, want.range_m) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].body, want.body) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].part, want.part);
         met += want.met();
@@ -199,7 +199,7 @@ TEST(Sight, OfTwoSurfacesAtOneRangeTheLowerBodyIsMet) {
   const World world = scene.world();
   EXPECT_EQ(first_met(world, {.length = 9}).body, BodyId(1));
   EXPECT_EQ(first_met(world, {.length = 9, .own = world.row(BodyId(1))}).body, crate_body);
-  EXPECT_EQ(first_met(world, {.length = 9}).range, 2.5);
+  EXPECT_EQ(first_met(world, {.length = 9}).range_m, 2.5);
   EXPECT_FALSE(first_met(world, {.length = 2.5}).met());  // as far as the ray is long
 }
 

@@ -127,7 +127,8 @@ class LivePage extends Page {
       const wanted = this.recording.override;
       if (wanted && event.type === "pointerup")
         await this.act({ do: "move", robot: this.nameOf(robot), pose: [wanted.x, wanted.y, pose[2], wanted.heading] });
-      this.recording.override = null;
+      // A next drag may have begun while the answer was on its way.
+      if (this.recording.override === wanted) this.recording.override = null;
     };
     window.addEventListener("pointerup", end);
     window.addEventListener("pointercancel", end);
