@@ -451,9 +451,10 @@ class Conflicts::Resolver {
     return true;
   }
 
-  /// Shifts the bodies that overlap the mover at this pose, then those that overlap the shifted bodies, until
-  /// no bodies overlap. Updates `set`, the `count` bodies that the mover has pushed so far. Returns false if
-  /// more than `limit` bodies would have to be pushed or too many passes are needed.
+  /// Shifts the bodies that overlap the mover at this pose, then in a further pass those that overlap the
+  /// shifted bodies, and so on until no bodies overlap. The first `count` entries of `set` are the bodies
+  /// that the mover has pushed so far; both are updated. Returns false if more than `limit` bodies would have
+  /// to be pushed, or if bodies still overlap after the last allowed pass.
   bool make_way(std::uint32_t row, const PlacedShape& mover, std::span<const std::uint32_t> pushable,
                 std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
     /// Shifts the bodies that row `by` at the place `at` overlaps, except the first `after` entries of `set`:

@@ -104,7 +104,8 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
       {"grid", "The paper's ray tracer and the exact engine", ""},
       {"devices", "Robots with other devices",
        "Devices of each robot: `foragers` have a scanner of 19 beams, a fiducial finder, a gripper and a "
-       "power pack, and carry pucks to mills. `harvesters` have 9 beams, a finder and a gripper, and carry "
+       "power pack, and carry pucks to places that accept them (mills). `harvesters` have 9 beams, a finder "
+       "and a gripper, and carry "
        "pucks home. `pushers` have 9 beams and push 20,000 pucks. `finders` have 9 beams and a finder with "
        "about 16 robots in its range; `finders-off` is the same without finders. The rays of finders count "
        "as beams. `radios` have a ring of 12 infrared rangers and a radio with 20 robots in its range; "

@@ -460,7 +460,8 @@ SimulationClass bind_simulation(py::module_& module) {
           py::arg("replace") = false,
           "Starts to record the run in an HDF5 file (docs/recordings.md), until stop_recording(), reset() or "
           "the end of the\nsimulation. fields: names of components or sensor fields; every_s: simulated time "
-          "between two frames, s; both\ndefault to those of the world. replace: whether an existing file is "
+          "between two frames, s. Without\nthem, those that the world file sets under \"record\" are used. "
+          "replace: whether an existing file is "
           "replaced.")
       .def("stop_recording", [](const Holder& held) { held->use().stop_recording(); })
       .def("hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); })

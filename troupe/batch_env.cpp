@@ -465,10 +465,11 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
           const std::string target = wanted.name + name.substr(digits);
           const BodyId own = digits < name.size() ? world.find(target) : BodyId();
           if (!own.valid())
-            throw std::out_of_range(
-                fmt::format("team \"{}\": the target \"{}\" is no model, and there is no model \"{}\" as the "
-                            "target of \"{}\"",
-                            team.spec->name, wanted.name, target, name));
+            throw std::out_of_range(fmt::format(
+                "team \"{}\": no model is named \"{}\", the target of \"{}\"; allowed are the name of "
+                "a model, or a name that becomes one when the number of the robot is added, such as "
+                "\"goal\" for the models goal0, goal1, ...",
+                team.spec->name, target, name));
           targets.push_back(own);
         }
       }

@@ -74,8 +74,8 @@ class Swarm {
   /// Returns the largest range that the first robot's ranger can report, m; 0 for a swarm without robots.
   /// Throws as bearings() does.
   double range_bound(std::string_view sensor = {}) const;
-  /// Makes all sensors of all robots run, as Simulation::subscribe() does. Throws std::logic_error after the
-  /// first step.
+  /// Makes all sensors of the robots of this group run, as Simulation::subscribe() does for one robot. Throws
+  /// std::logic_error after the first step.
   void subscribe();
 
   /// Calls the function `visit` once for each robot that is in the world, in parallel on all threads of the

@@ -72,11 +72,11 @@ class ForeignHdf5 : public test::ScratchTest {
 
 TEST_F(ForeignHdf5, ValuesInOtherFilesAreNotRead) {
   EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("external"); }),
-              HasSubstr("/external has its values in other files"));
+              HasSubstr("/external stores its values in other files"));
   EXPECT_THAT(error_of([](const Hdf5File& file) { file.read_texts("external_text"); }),
-              HasSubstr("/external_text has its values in other files"));
+              HasSubstr("/external_text stores its values in other files"));
   EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("virtual"); }),
-              HasSubstr("/virtual has its values in other files"));
+              HasSubstr("/virtual stores its values in other files"));
 }
 
 TEST_F(ForeignHdf5, PlugInsOfHdf5AreNotLoaded) {

@@ -814,8 +814,9 @@ TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
       "model( position() )\n"
       "position( position( pose [1 0 0 90] drive \"omni\" velocity_bounds [-2 2 0 0 0 0 -90 90]\n"
       "  localization \"odom\" model() ) )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:3: warning: \"localization\" of a position inside another "
-                                      "model has no effect: such a model always knows its true pose"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:3: warning: \"localization\" of a model of type position inside "
+                          "another model has no effect: such a model always knows its true pose"));
   EXPECT_FALSE(type_of(spec, 1).drive);
   ASSERT_EQ(type_of(spec, 1).joints.size(), 1u);
   const engine::TypeSpec& type = type_of(spec, 2);

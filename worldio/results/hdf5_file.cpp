@@ -112,11 +112,11 @@ hid_t datasets() {
 
 /// Checks that a dataset has its values in this file and needs no plug-in of HDF5 to decode them. HDF5
 /// supports both, but a file of unknown origin could use them to read other files or to run code. The error
-/// text continues a sentence about the dataset, as in "has its values in other files".
+/// text continues a sentence about the dataset, as in "stores its values in other files".
 Result<> check_own(hid_t dataset) {
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
   if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
-    return Error{"has its values in other files, which no file of Troupe does"};
+    return Error{"stores its values in other files; allowed are values in the same file"};
   const int filters = H5Pget_nfilters(creation.get());
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;

@@ -415,14 +415,15 @@ std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
     if (const StageProperty* property = model.find(document_, key))
       values_.warning_once(
           values_.where(*property),
-          fmt::format("\"{}\" of a position inside another model has no effect: such a model "
+          fmt::format("\"{}\" of a model of type position inside another model has no effect: such a model "
                       "always knows its true pose",
                       key));
   if (const StageProperty* property = model.find(document_, "localization");
       property && values_.text(*property).value_or("gps") != "gps")
-    values_.warning_once(values_.where(*property),
-                         "\"localization\" of a position inside another model has no effect: such a "
-                         "model always knows its true pose");
+    values_.warning_once(
+        values_.where(*property),
+        "\"localization\" of a model of type position inside another model has no effect: such a "
+        "model always knows its true pose");
   return spec;
 }
 
