@@ -449,6 +449,8 @@ class TenThousandRobots(Used):
             print(f"10,000 robots: script takes {median:.2f} ms a picture, at most {max(times):.2f}")
             if median < MOST_SCRIPT_MS:
                 break
+        if median == float("inf"):
+            self.skipTest("the machine is too busy: fewer than 30 pictures at each attempt")
         self.assertLess(median, MOST_SCRIPT_MS)
         self.page.run("troupe.play(false), troupe.seek(1.5)")
         self.shown()
