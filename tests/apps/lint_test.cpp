@@ -204,7 +204,7 @@ TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
                        "define fast bot( velocity_bounds [-9 9 -9 9 -9 9 -90 90] )\n"
                        "define slow bot( velocity_bounds [-1 1 -1 1 -1 1 -90 90] )\nslow()\n"),
               ElementsAre("w.world:4: warning: macro \"fast\" is never used",
-                          "parts.inc: warning: nothing of this file is used; it defines 2 macros",
+                          "parts.inc: warning: nothing that this included file defines is used (2 macros)",
                           "w.world: 2 findings"));
 }
 
@@ -218,20 +218,21 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
                "model( pose [6 0 0 0] color \"blue\"\n  color_rgba [0 1 0 1]\n  alwayson 1\n"
                "  update_interval 200\n  scount 3 )\n"
                "fiducial( pose [8 0 0 0] alwayson 1 update_interval 200 )\n"),
-      ElementsAre("w.world:1: warning: paused: this property affects only Stage's window",
-                  "w.world:2: warning: \"size\" has no effect: line 4 sets it again",
-                  "w.world:3: warning: a position has no property \"blobs\"; the property is ignored",
-                  "w.world:3: warning: friction: this property has no effect in Troupe",
-                  "w.world:5: warning: friction: this property has no effect in Troupe",
-                  "w.world:6: warning: \"wheelbase\" has no effect: only a car has a wheelbase",
-                  "w.world:9: warning: \"color_rgba\" has no effect: \"color\" is also given",
-                  "w.world:10: warning: \"alwayson\" has no effect: this model senses nothing",
-                  "w.world:11: warning: \"update_interval\" has no effect: this model neither senses nor "
-                  "drives",
-                  "w.world:12: warning: scount: this property is obsolete, ignored as in Stage",
-                  "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body has a "
-                  "fiducial_return with the finder's key, 0",
-                  "w.world: 11 findings"));
+      ElementsAre(
+          "w.world:1: warning: paused: this property affects only Stage's window",
+          "w.world:2: warning: \"size\" has no effect: line 4 sets it again",
+          "w.world:3: warning: a position has no property \"blobs\"; the property is ignored",
+          "w.world:3: warning: friction: this property has no effect in Troupe",
+          "w.world:5: warning: friction: this property has no effect in Troupe",
+          "w.world:6: warning: \"wheelbase\" has no effect: only a model with drive \"car\" has a wheelbase",
+          "w.world:9: warning: \"color_rgba\" has no effect: \"color\" is also given",
+          "w.world:10: warning: \"alwayson\" has no effect: this model has no sensor",
+          "w.world:11: warning: \"update_interval\" has no effect: this model has neither a sensor nor a "
+          "drive",
+          "w.world:12: warning: scount: this property is obsolete, ignored as in Stage",
+          "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body has a "
+          "fiducial_return with the finder's key, 0",
+          "w.world: 11 findings"));
 }
 
 TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {

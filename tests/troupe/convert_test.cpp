@@ -296,10 +296,8 @@ position( name "n" pose [0 5 0 0]
   other_seed.set = {{"/seed", "8"}};
   convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world",
           other_seed);
-  EXPECT_THAT(
-      found,
-      ElementsAre(HasSubstr(
-          "controller \"dynamic\": with this seed it adds other parts to its model than the type has")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds random parts to its model, and "
+                                           "with the seed of this world not those that the type has")));
 }
 
 TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {

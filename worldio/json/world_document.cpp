@@ -872,7 +872,8 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   d.other<&WorldDocument::window>(Form::block, "window", "the view that --camera window draws").block =
       &window_fields();
   d.value<&WorldDocument::mortal>("mortal",
-                                  "true: programs may always remove and disable bodies, docs/lives.md");
+                                  "true: programs may remove and disable bodies, even if nothing else in the "
+                                  "world file adds, removes or disables bodies, docs/lives.md");
   d.choice<&WorldDocument::overlaps>(
       "overlaps", k_checks, "whether a model that overlaps something at the start is an error or a warning");
   d.choice<&WorldDocument::same_names>("same_names", k_checks,
