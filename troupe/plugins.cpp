@@ -62,9 +62,10 @@ Result<> check_contents(std::string_view bytes) {
         fmt::format("is a controller of Stage (it has Init, but not {}), which Troupe cannot run; "
                     "docs/controllers.md shows how to write one for Troupe",
                     plugin::k_symbol)};
-  return Error{fmt::format(
-      "is not a Troupe plug-in: it has no symbol {}, which TROUPE_CONTROLLER and TROUPE_DEVICE define",
-      plugin::k_symbol)};
+  return Error{
+      fmt::format("is not a Troupe plug-in: it has no symbol {}, which the macros TROUPE_CONTROLLER and "
+                  "TROUPE_DEVICE define",
+                  plugin::k_symbol)};
 }
 
 /// Returns success if a loaded library was built for this program. Reads the other members only after
@@ -223,7 +224,7 @@ Result<> Plugins::open(Loaded& library) {
     restore_fp_environment();
     warnings_.push_back(
         fmt::format("{}: warning: was linked with -ffast-math, which changed the arithmetic of the thread "
-                    "that loaded it ({}); this was undone",
+                    "that loaded it ({}); Troupe has restored the arithmetic",
                     library.file.string(), is_right.error().text));
   }
   if (!handle) return load_error(absolute);

@@ -134,9 +134,8 @@ void RoundTrip::check_devices() {
   for (const DeviceSpec& device : back_.devices)
     if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
       lacks(type_.parts.front().where,
-            fmt::format(
-                "that it has no device \"{}\": in a .world file, a model of this kind always has this {}",
-                device.name, device.kind));
+            fmt::format("that it has no device \"{}\": read back, the file gives it one, of kind {}",
+                        device.name, device.kind));
   // The order of devices of one kind matters, because controllers choose among them in this order.
   for (const engine::DeviceKind& kind : registry_.devices) {
     const auto names = [&](const TypeSpec& type) {
