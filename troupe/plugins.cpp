@@ -203,7 +203,7 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   std::string missing = fmt::format("there is no {} in {}", file_name, fmt::join(folders, ", "));
   for (const fs::path& folder : path_)
     if (is_file(folder / ("lib" + file_name)))
-      missing += fmt::format(" (the file name of a plug-in has no \"lib\": {})",
+      missing += fmt::format(" (the file name of a plug-in does not begin with \"lib\": rename {})",
                              (folder / ("lib" + file_name)).string());
   library.found = Error{std::move(missing)};
   return library;

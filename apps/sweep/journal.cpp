@@ -123,7 +123,8 @@ std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::s
         outcomes.insert_or_assign(outcome.run, std::move(outcome));
       } catch (const Json::exception&) {
         throw OutputError(
-            fmt::format("{}:{}: error: not a line of a sweep journal", entry.path().string(), i + 1));
+            fmt::format("{}:{}: error: this is not a line that troupe sweep writes: the file is damaged",
+                        entry.path().string(), i + 1));
       }
   }
   return outcomes;

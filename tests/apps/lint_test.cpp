@@ -205,7 +205,7 @@ TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
                        "define fast bot( velocity_bounds [-9 9 -9 9 -9 9 -90 90] )\n"
                        "define slow bot( velocity_bounds [-1 1 -1 1 -1 1 -90 90] )\nslow()\n"),
               ElementsAre("w.world:4: warning: macro \"fast\" is never used",
-                          "parts.inc: warning: nothing that this included file defines is used (2 macros)",
+                          "parts.inc: warning: nothing of this file is used; it defines 2 macros",
                           "w.world: 2 findings"));
 }
 

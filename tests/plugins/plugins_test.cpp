@@ -162,9 +162,9 @@ TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
               Not(HasSubstr(".so")))
       << "a name is no path";
   write("libgo.so", "");
-  EXPECT_THAT(
-      error_of(stage_world("go"), options({folder_})),
-      EndsWith(" (the file name of a plug-in has no \"lib\": " + (folder_ / "libgo.so").string() + ")"));
+  EXPECT_THAT(error_of(stage_world("go"), options({folder_})),
+              EndsWith(" (the file name of a plug-in does not begin with \"lib\": rename " +
+                       (folder_ / "libgo.so").string() + ")"));
 }
 
 TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
