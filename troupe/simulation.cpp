@@ -287,10 +287,11 @@ Model::Visit::~Visit() { visited_robot = before_; }
 
 void Model::refuse_in_for_each(const engine::World& world, std::string_view what) {
   if (visited_robot != nullptr && visited_robot->place_->world == &world)
-    throw std::logic_error(fmt::format(
-        "{} is not allowed in for_each(), here for \"{}\": its calls run in parallel and may change only the "
-        "commands of their own robot; collect such changes and apply them after for_each()",
-        what, visited_robot->name()));
+    throw std::logic_error(
+        fmt::format("{} is not allowed in for_each(), here for \"{}\": for_each() calls the function for "
+                    "several robots at once, and each call may change only the commands of its own robot; "
+                    "collect other changes and apply them after for_each()",
+                    what, visited_robot->name()));
 }
 
 void Model::refuse_others_in_for_each() const {
