@@ -420,7 +420,7 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("name"),
           "Returns the model of this name: a body (\"r0\") or a part of one (\"r0.ranger:1\"). Raises "
-          "LookupError, with\nsimilar names, if there is none.")
+          "LookupError, whose\ntext lists similar names, if there is none.")
       .def(
           "model",
           [](const Holder& held, std::uint32_t id) {

@@ -308,7 +308,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"actuator", "start_position", fixed,
      "position at the start relative to the pose of the model, m or rad; in Stage, it overwrites the pose"},
 
-    {"camera", "resolution", fixed, "[width height], pixels; any size, where Stage's window limits it"},
+    {"camera", "resolution", fixed,
+     "[width height], pixels; any size (in Stage, the size of its window is the limit)"},
     {"camera", "range", honoured, "[near far]"},
     {"camera", "fov", honoured, "[horizontal vertical], degrees, whatever `unit_angle` says"},
     {"camera", "pantilt", fixed,
