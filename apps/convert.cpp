@@ -19,12 +19,12 @@ namespace {
 
 constexpr const char* k_convert_footer = R"(
 Reads the world IN and writes it as OUT. The endings of the file names select the formats: .world is Stage's syntax,
-.json the format of docs/world-format.md. A run of OUT gives the same hash log as a run of IN; if it may not, a warning
-is printed.
+.json the format of docs/world-format.md. A run of OUT gives the same hash log as a run of IN; if the hash logs may
+differ, a warning is printed.
 
 JSON can express every .world file: macros and included files are expanded, images stay images, and all values are in SI
-units. In the other direction, a feature that Stage's syntax cannot express is an error, and nothing is written. JSON to
-JSON writes a normal form, in which populations are listed body by body.
+units. If OUT is a .world file, a feature of IN that Stage's syntax cannot express is an error, and nothing is written.
+JSON to JSON writes a normal form, in which populations are listed body by body.
 
 Exit codes: 0 written; 2 the world cannot be loaded or expressed in that format, or OUT exists.
 

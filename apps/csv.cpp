@@ -26,16 +26,17 @@ std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std:
   // An incomplete last line does not count.
   const auto next = [&] { return std::getline(stream, line) && !stream.eof(); };
   if (!next() || line != header)
-    refuse_output(file,
-                  fmt::format("to continue it after the checkpoint, its first line must be {}", header));
+    refuse_output(
+        file,
+        fmt::format("this table cannot be continued after the checkpoint, because its first line is not {}",
+                    header));
   std::uintmax_t bytes = line.size() + 1;
   while (next()) {
     const auto tick = number<std::uint64_t>(std::string_view(line).substr(0, line.find(',')));
     if (!tick)
-      refuse_output(
-          file,
-          fmt::format("to continue it after the checkpoint, each line must begin with a tick; found \"{}\"",
-                      line));
+      refuse_output(file, fmt::format("this table cannot be continued after the checkpoint, because one of "
+                                      "its lines does not begin with a tick: \"{}\"",
+                                      line));
     if (*tick >= keep_before) break;
     bytes += line.size() + 1;
   }

@@ -76,11 +76,12 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 std::string finding_text(const World& world, const ControllerFinding& finding) {
   const auto when = [&] {
     switch (finding.repeat) {
-      case ControllerFinding::Repeat::start: return "when started on storage that held other bytes";
+      case ControllerFinding::Repeat::start:
+        return "when its memory is initialised in storage that held other bytes";
       case ControllerFinding::Repeat::again: return "when decided again";
       case ControllerFinding::Repeat::afresh: break;
     }
-    return "when decided by a newly made controller";
+    return "when a newly constructed controller decides";
   };
   std::string text =
       fmt::format("controller \"{}\": {} of \"{}\" (id {}) is {} {}, not {}", finding.controller,

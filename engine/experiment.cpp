@@ -82,7 +82,8 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
 }
 
 constexpr std::string_view k_keeps_shape =
-    "\"set\" must keep the number and layout of its readings and state fields, and the devices that it uses";
+    "\"set\" must not change the number or layout of the readings and state fields, or the devices that a "
+    "controller uses";
 
 /// Checks whether the parameters of a drive may change from `before` to `params` while the world runs. The
 /// error says which parameter cannot change, or which value is not allowed.

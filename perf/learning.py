@@ -5,7 +5,7 @@ ticks per second of the world without an environment. One step is one tick.
     PYTHONPATH=build/release/lib/python3/dist-packages taskset -c 1 python3 perf/learning.py [COPIES...]
 
 The world without an environment is one Simulation with the same speeds. The batch is BatchEnv.step(), with actions,
-observations, rewards and ends; copies that have ended are reset within the step. Each figure is the median of five
+observations, rewards and ends; copies whose episodes have ended are reset within the step. Each figure is the median of five
 repetitions. The repetitions of the world and of the batches alternate, so that other load affects all of them
 equally.
 """

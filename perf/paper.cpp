@@ -41,7 +41,7 @@ A full run of five repetitions takes about an hour on two cores of 2023, a run w
 needs about 2 GB of memory. Run nothing else on the machine meanwhile: other load increases the difference
 between the columns min and max.
 
---list prints the names of the rows. For example, --only '^3/' measures only table 3, and --only 'loading'
+--list prints the names of the rows of all tables. For example, --only '^3/' measures only table 3, and --only 'loading'
 only the loading of worlds.
 
 Exit codes: 0: all selected rows were measured; 1: a hash is wrong or unknown, or a measurement failed;
@@ -257,7 +257,10 @@ int measure(Options& options) {
 }
 
 int paper_main(int argc, char** argv) {
-  CLI::App app("Reproduces the tables of the paper on Stage and makes further measurements.", "perf_paper");
+  CLI::App app(
+      "Measures with Troupe what the tables of the paper on Stage (Vaughan, Massively multi-robot simulation "
+      "in Stage, 2008) show, and more.",
+      "perf_paper");
   app.footer(k_footer);
   Options options;
   app.add_flag("--quick", options.quick,

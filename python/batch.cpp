@@ -211,8 +211,9 @@ void bind_batch(py::module_& module) {
   py::class_<HeldBatch, BatchHolder>(
       module, "BatchEnv",
       "Many copies of one world that step together, each with its own seed: a vectorised environment for "
-      "reinforcement\nlearning. A team is a group of robots that learn one policy; parameters `team` are its "
-      "index.\nIts arrays refer to the memory of the batch: their content changes with each step and reset.")
+      "reinforcement\nlearning. A team is a group of robots that learn one policy; the parameter `team` of a "
+      "function is the index of a team\nin the spec. The arrays that functions return refer to the memory of "
+      "the batch: their content changes with each\nstep and reset.")
       .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
            "world: a Simulation, which is copied and not changed. spec: a dict that docs/learning.md "
            "describes.")
@@ -265,8 +266,8 @@ void bind_batch(py::module_& module) {
                          batch.terminated(team), b, true);
           },
           py::arg("team") = 0,
-          "copies x robots: whether the robot is finished, that is, whether its episode has ended. The "
-          "caller may set\nelements to True between two steps.")
+          "copies x robots, bool: whether the robot is finished, so that its episode has ended. The caller "
+          "may set elements\nto True between two steps, to end episodes.")
       .def(
           "alive",
           [](const BatchHolder& b, std::size_t team) {
@@ -274,7 +275,8 @@ void bind_batch(py::module_& module) {
             return shown(py::dtype::of<bool>(), {extent(batch.copies()), extent(batch.robots(team))},
                          batch.alive(team), b, false);
           },
-          py::arg("team") = 0, "copies x robots: whether the robot is in the world.")
+          py::arg("team") = 0,
+          "copies x robots, bool: whether the robot is in the world (born, and not dead).")
       .def_property_readonly("truncated",
                              [](const BatchHolder& b) {
                                BatchEnv& batch = b->use();
@@ -319,7 +321,7 @@ void bind_batch(py::module_& module) {
           },
           py::arg("begins") = py::none(),
           "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
-          "episode instead of\nmaking a step. None: no copy does.")
+          "episode instead of\nmaking a step. None: all copies make a step.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
           py::arg("copy") = 0)

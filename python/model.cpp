@@ -121,8 +121,8 @@ void bind_models(py::module_& module) {
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
           "steering angle,\nrad).\nThey apply from the next tick on, until another command replaces them. If "
-          "the robot has a controller, the\ncontroller overrides them. Raises RuntimeError if the model has "
-          "no drive or is not in the world.")
+          "the robot has a controller, the\ncommands of the controller replace them. Raises RuntimeError if "
+          "the model has no drive or is not in the world.")
       .def(
           "accelerate",
           [](HeldModel& m, double forward, double turn, double left) {
@@ -130,7 +130,8 @@ void bind_models(py::module_& module) {
           },
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
           "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car "
-          "drive: the\nsteering angle, rad). They apply and are replaced as in set_speed().")
+          "drive: the\nsteering angle, rad). As with set_speed(), they apply from the next tick on, until "
+          "another command replaces them.")
       .def(
           "go_to", [](HeldModel& m, const Pose& goal) { m.use().go_to(goal); }, py::arg("goal"),
           "Commands a goal pose in the frame of estimate(), m and rad: the robot drives there and stays "
@@ -178,10 +179,11 @@ void bind_models(py::module_& module) {
           py::arg("sensor") = "",
           "Intensities that the ranger named `sensor` measured, one per value of ranges(); empty unless the "
           "parameter\n`intensity` of the ranger is true.")
-      .def("readings", &readings, py::arg("field"), py::arg("device") = "",
-           "The values of a field of a sensor or another device; an empty `device` means the first device "
-           "that has this\nfield.\nThe array refers to the memory of the simulation: its content changes "
-           "with each step. Raises LookupError, with\nthe known names, for an unknown field or device.")
+      .def(
+          "readings", &readings, py::arg("field"), py::arg("device") = "",
+          "The values of a field of a sensor or another device; an empty `device` means the first device "
+          "that has this\nfield.\nThe array refers to the memory of the simulation: its content changes with "
+          "each step. Raises LookupError, whose text\nlists the known names, for an unknown field or device.")
       .def(
           "fields",
           [](HeldModel& m, const std::string& device) {

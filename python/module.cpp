@@ -164,7 +164,7 @@ void bind_errors(py::module_& module) {
   step_error = new_exception(module, "StepError", PyExc_RuntimeError);
   step_error.attr("__doc__") =
       "Raised when a step fails: a commanded speed was not finite, or a controller or a device threw an "
-      "exception. The\ntext names tick and robot. The simulation cannot be used until reset().";
+      "exception. The\ntext names the tick and the robot. The simulation cannot be used until reset().";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));

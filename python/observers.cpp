@@ -116,9 +116,9 @@ void bind_observers(py::module_& module) {
   py::class_<HeldRecording>(
       module, "Recording",
       "A recording of a simulation: an HDF5 file (docs/recordings.md). fields: names of components or sensor "
-      "fields;\nevery_s: simulated time between two frames, s; both default to those of the world. replace: "
-      "whether an existing\nfile is replaced.\nUse it as `with Recording(...) as recording`, or call close() "
-      "at the end.")
+      "fields;\nevery_s: simulated time between two frames, s. Without fields, or without every_s, the value "
+      "that the world file\nsets under \"record\" is used. replace: whether an existing file is "
+      "replaced.\nUse it as `with Recording(...) as recording`, or call close() at the end.")
       .def(py::init([](const std::filesystem::path& file, const Holder& held,
                        const std::vector<std::string>& fields, double every_s, bool replace) {
              return HeldRecording{held, Recording(file, held->use(), {fields, every_s, replace})};

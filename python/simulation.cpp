@@ -348,10 +348,10 @@ SimulationClass bind_simulation(py::module_& module) {
                   py::arg("set") = py::none(), py::arg("across_versions") = false,
                   py::arg("plugin_path") = py::tuple(), py::arg("across_plugins") = false,
                   py::arg("tile_size_m") = 0.0,
-                  "Resumes a run from a checkpoint of save(), with the same bits as if it had never stopped. "
-                  "across_versions and\nacross_plugins: whether checkpoints of another version of Troupe, or "
-                  "of other builds of plug-ins, are accepted.\nRaises InputError if the file is not a usable "
-                  "checkpoint.")
+                  "Resumes a run from a checkpoint of save(), with the same results, bit for bit, as if it "
+                  "had never stopped.\nacross_versions: whether a checkpoint of another version of Troupe is "
+                  "accepted. across_plugins: whether a\ncheckpoint is accepted that was written with other "
+                  "builds of its plug-ins.\nRaises InputError if the file is not a usable checkpoint.")
       .def("__repr__",
            [](const Holder& held) {
              Simulation& s = held->use();
@@ -402,8 +402,8 @@ SimulationClass bind_simulation(py::module_& module) {
               used.reset();
           },
           py::arg("seed") = py::none(),
-          "Returns to the state after loading, bit for bit: tick 0. With a seed: to the state after loading "
-          "with that seed.")
+          "Returns to the state after loading, bit for bit: tick 0. With a seed: to the state that a world "
+          "loaded\nwith that seed has at tick 0.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
           py::arg("checkpoint"),
@@ -420,7 +420,7 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("name"),
           "Returns the model of this name: a body (\"r0\") or a part of one (\"r0.ranger:1\"). Raises "
-          "LookupError, with\nsimilar names, if there is none.")
+          "LookupError, whose\ntext lists similar names, if there is none.")
       .def(
           "model",
           [](const Holder& held, std::uint32_t id) {
@@ -433,8 +433,8 @@ SimulationClass bind_simulation(py::module_& module) {
            py::arg("without") = py::none(),
            "Casts a ray and returns the first surface that it meets, computed by exact intersection. start: "
            "start and\ndirection of the ray, m and rad, in the world frame; the ray stays at the height "
-           "start.z. range_max: length of\nthe ray, m. without: a model that the ray ignores, with the "
-           "bodies that it carries.")
+           "start.z. range_max: length of\nthe ray, m. without: a model that the ray passes through; it also "
+           "passes through the bodies that the model carries.")
       .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
            "Casts n rays. starts: n x 4, x, y, z (m) and heading (rad) of each ray in the world frame; "
@@ -460,9 +460,8 @@ SimulationClass bind_simulation(py::module_& module) {
           py::arg("replace") = false,
           "Starts to record the run in an HDF5 file (docs/recordings.md), until stop_recording(), reset() or "
           "the end of the\nsimulation. fields: names of components or sensor fields; every_s: simulated time "
-          "between two frames, s. Without\nthem, those that the world file sets under \"record\" are used. "
-          "replace: whether an existing file is "
-          "replaced.")
+          "between two frames, s.\nWithout fields, or without every_s, the value that the world file sets "
+          "under \"record\" is used. replace: whether\nan existing file is replaced.")
       .def("stop_recording", [](const Holder& held) { held->use().stop_recording(); })
       .def("hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); })
       .def("hash_log_line", [](const Holder& held) { return held->use().hash_log_line(); })
@@ -488,8 +487,8 @@ SimulationClass bind_simulation(py::module_& module) {
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into a .png, .svg or .pdf file; the latter two only from above. width and height "
-           "are in pixels;\ndocs/pictures.md describes the other options.")
+           "Draws the world into a .png, .svg or .pdf file; .svg and .pdf show the world only from above. "
+           "width and height are\nin pixels; docs/pictures.md describes the other options.")
       .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
            py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",

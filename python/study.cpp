@@ -43,8 +43,8 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
 
 void bind_study(py::module_& module) {
   module.def("_read_study", &read_study, py::arg("file"), py::arg("text") = py::none(),
-             "Reads a study file of `troupe sweep` and returns it as a dict. Its item \"runs\" is a list of "
-             "pairs: the values\nof the parameters as JSON texts, and the seed.");
+             "Reads a study file of `troupe sweep` and returns it as a dict. Its item \"runs\" is a list "
+             "with one pair per\nrun: the values of the parameters, as JSON texts, and the seed.");
   module.def("_ticks_until", &engine::ticks_until, py::arg("end_s"), py::arg("tick_s"));
   module.def("_period_ticks", &engine::period_ticks, py::arg("period_s"), py::arg("tick_s"));
 }

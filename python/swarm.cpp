@@ -112,10 +112,10 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
   static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
   py::class_<HeldSwarm>(module, "Swarm",
                         "A group of robots of one simulation, in ascending order of their ids. Its functions "
-                        "are those of Model, for all\nrobots in one call. They return new arrays, with one "
-                        "row per robot (n rows).\nCommands take one number for all robots or one number per "
-                        "robot. Their parameter `where` selects robots by one\nbool per robot; None selects "
-                        "all. Commands skip robots that are not in the world.")
+                        "do for all robots in one call\nwhat those of Model do for one robot. They return "
+                        "new arrays, with one row per robot (n rows).\nCommands take one number for all "
+                        "robots or one number per robot. Their parameter `where` selects robots by one\nbool "
+                        "per robot; None selects all. Commands skip robots that are not in the world.")
       .def("__len__", [](const HeldSwarm& s) { return s.swarm.size(); })
       .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
       .def_property_readonly("ids",
@@ -194,7 +194,7 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       },
       py::arg("of") = "",
       "Returns a group of robots. `of` names a type, a population or one robot; an empty name means all "
-      "robots. Raises\nLookupError, with the known names, for an unknown name.");
+      "robots. Raises\nLookupError, whose text lists the known names, for an unknown name.");
 }
 
 }  // namespace troupe::python

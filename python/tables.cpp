@@ -85,8 +85,8 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
   std::vector<std::string_view> types;
   for (const Table& table : found) types.push_back(table.type);
   throw std::invalid_argument(
-      fmt::format("robots of {1} types have a component {0}; give one of the types: {2}", component,
-                  types.size(), comma_list(types)));
+      fmt::format("robots of {1} types have the component {0}; give the parameter type, one of: {2}",
+                  component, types.size(), comma_list(types)));
 }
 
 }  // namespace
@@ -148,8 +148,8 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
            "All tables of the state that have rows, one per component and type of robot.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
            "The table of one component, such as \"pose\" or \"ranger/ir\". If several types of robots have "
-           "this component,\n`type` must name one of them. Raises LookupError, with the known names, for an "
-           "unknown component.");
+           "this component,\n`type` must name one of them. Raises LookupError, whose text lists the known "
+           "names, for an unknown component.");
 }
 
 }  // namespace troupe::python

@@ -125,8 +125,8 @@ struct GroundSensor {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::points>("points", engine::Unit::meters, within(-100, 100),
-                                "points below which it reads the colour, in the sensor frame: x and y of the "
-                                "first point, then of the next");
+                                "points in the sensor frame; the sensor reads the colour of the ground below "
+                                "each point: x and y of the first point, x and y of the second, ...");
       d.part<&Params::ground>();
       d.member<&Params::floor>("floor", within(0, 1), "colour of the bare floor: red, green, blue");
     }

@@ -774,26 +774,26 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
   // reach must not make the cells too large for rangers with a short reach.
   constexpr double k_most_hint = 4;
   const double reach = pose_body_radio.position().norm() + radio.hears;
-  return {
-      .data = std::move(radio),
-      .percepts = {{"count", Element::u32, 1, "", "messages heard"},
-                   {"lost", Element::u32, 1, "",
-                    "messages that arrived but are not heard: too many or too long"},
-                   {"dropped", Element::u32, 1, "", "messages dropped at random"},
-                   {"sender", Element::u32, n, "", "id of the body that sent each message"},
-                   {"range", Element::f32, n, "m", "distance to each sending radio, on the ground"},
-                   {"bearing", Element::f32, n, "rad", "bearing of each sending radio, radio frame"},
-                   {"strength", Element::f32, n, "dBm", "strength of each message"},
-                   {"quality", Element::f32, n, "", "quality of each link: 0 at its limit, 1 at no distance"},
-                   {"length", Element::u8, n, "", "bytes of each message"},
-                   {"payload", Element::u8, n * bytes, "", "bytes of the messages, one after another"}},
-      .commands = {{"mode", Element::u8, 1, "", "0: as its parameters say, 1: sends the payload, 2: silent",
-                    k_radio_mode},
-                   {"length", Element::u8, 1, "", "bytes of the message", k_radio_bytes},
-                   {"payload", Element::u8, bytes, "", "bytes of the message", k_radio_said}},
-      .command_bytes = k_radio_said + bytes,
-      .reach_m = reach,
-      .cell_hint_m = std::min(reach, k_most_hint)};
+  return {.data = std::move(radio),
+          .percepts = {{"count", Element::u32, 1, "", "messages heard"},
+                       {"lost", Element::u32, 1, "",
+                        "messages that arrived but are not heard: too many or too long"},
+                       {"dropped", Element::u32, 1, "", "messages dropped at random"},
+                       {"sender", Element::u32, n, "", "id of the body that sent each message"},
+                       {"range", Element::f32, n, "m", "distance to each sending radio, on the ground"},
+                       {"bearing", Element::f32, n, "rad", "bearing of each sending radio, radio frame"},
+                       {"strength", Element::f32, n, "dBm", "strength of each message"},
+                       {"quality", Element::f32, n, "",
+                        "quality of each link: 1 at distance 0, 0 where messages are only just heard"},
+                       {"length", Element::u8, n, "", "bytes of each message"},
+                       {"payload", Element::u8, n * bytes, "", "bytes of the messages, one after another"}},
+          .commands = {{"mode", Element::u8, 1, "",
+                        "0: as the parameter `beacon` says, 1: sends the payload, 2: silent", k_radio_mode},
+                       {"length", Element::u8, 1, "", "bytes of the message", k_radio_bytes},
+                       {"payload", Element::u8, bytes, "", "bytes of the message", k_radio_said}},
+          .command_bytes = k_radio_said + bytes,
+          .reach_m = reach,
+          .cell_hint_m = std::min(reach, k_most_hint)};
 }
 
 /// Checks the parameters. A radio must be inside the circle about the origin of its body that encloses the

@@ -27,7 +27,8 @@ Model body_of(Simulation& simulation, const Act& act) {
   const BodyId id = simulation.world().find(act.whom);
   if (!id.valid()) refuse_act(fmt::format("there is no body \"{}\"", act.whom));
   Model model = simulation.model(id);
-  if (!model.is_alive()) refuse_act(fmt::format("\"{}\" is not in the world", act.whom));
+  if (!model.is_alive())
+    refuse_act(fmt::format("\"{}\" is not in the world: it is not yet born, or dead", act.whom));
   return model;
 }
 

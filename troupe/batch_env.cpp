@@ -295,8 +295,9 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
       team.robots = swarm.size();
       team.names = swarm.names();
       if (team.robots == 0)
-        refuse(fmt::format("team \"{}\" has no robots: its member robots must name at least one",
-                           team.spec->name));
+        refuse(fmt::format(
+            "team \"{}\" has no robots: its member \"robots\" must name a type, a population or a robot",
+            team.spec->name));
       plan(team, copy);
     }
     bind(teams[t], copy, bound);
@@ -466,9 +467,9 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
           const BodyId own = digits < name.size() ? world.find(target) : BodyId();
           if (!own.valid())
             throw std::out_of_range(fmt::format(
-                "team \"{}\": no model is named \"{}\", the target of \"{}\"; allowed are the name of "
-                "a model, or a name that becomes one when the number of the robot is added, such as "
-                "\"goal\" for the models goal0, goal1, ...",
+                "team \"{}\": there is no model \"{}\", which would be the target of robot \"{}\"; give the "
+                "name of one model for all robots, or the name without its number, such as \"goal\" if robot "
+                "0 has the target goal0, robot 1 the target goal1, ...",
                 team.spec->name, target, name));
           targets.push_back(own);
         }
@@ -481,15 +482,17 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
       const Model::Asked asked = robot.asked(action.device);
       const auto field = std::ranges::find(asked.fields, action.command, &engine::StateField::name);
       if (field == asked.fields.end() || field->element != team.actions_plan[a].element)
-        refuse(fmt::format("robots of team \"{}\" differ in command \"{}\" of device \"{}\"; make two teams",
-                           team.spec->name, action.command, action.device));
+        refuse(
+            fmt::format("robots of team \"{}\" differ: not all have command \"{}\" of device \"{}\" with the "
+                        "same type of number; make two teams",
+                        team.spec->name, action.command, action.device));
       bound.commands.push_back(asked.bytes.data() + field->offset);
     }
   }
   if (team.drives)
     for (const Row row : bound.rows)
       if (!world.type(row).drive)
-        refuse(fmt::format("\"{}\" of team \"{}\" has no drive", world.spec().name(world.body(row)),
+        refuse(fmt::format("robot \"{}\" of team \"{}\" has no drive", world.spec().name(world.body(row)),
                            team.spec->name));
   bound.before.resize(team.rewards_of.size() * robots.size());
   bound.was_terminated.resize(robots.size());

@@ -188,7 +188,8 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
   if (!is_any_marked) {
     diagnostics_.warning(
         sensor.where,
-        called + fmt::format("no other body has a fiducial_return with the finder's key, {}", sought.key));
+        called + fmt::format("no other body with a fiducial_return has the fiducial_key of the finder, {}",
+                             sought.key));
     return;
   }
   if (sought.at_any_height || sensor.joint != engine::k_rigid) return;
@@ -201,7 +202,8 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
     looks = united(looks, {z, z});
   }
   diagnostics_.warning(sensor.where,
-                       called + missed_text(marked, looks, "no other marked body", "marked bodies"));
+                       called + missed_text(marked, looks, "no other body with a fiducial_return",
+                                            "bodies with a fiducial_return"));
 }
 
 void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
@@ -234,8 +236,8 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
       if (visible.at(z) > static_cast<std::size_t>(std::ranges::count_if(body.outlines, meets))) return;
       looks = united(looks, {z, z});
     }
-  diagnostics_.warning(where,
-                       called + missed_text(visible, looks, "no other visible body", "visible bodies"));
+  diagnostics_.warning(where, called + missed_text(visible, looks, "no other body that rangers see",
+                                                   "bodies that rangers see"));
 }
 
 /// Returns success if a floor plan can block a robot, else an error that states why it cannot. body: the
@@ -258,8 +260,9 @@ Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& p
   if (robots == k_no_heights) return Error{"no robot is an obstacle"};
   ZInterval walls = robots;
   if (!plan.solids.empty()) walls = plan.solids.front().z.shifted(height);
-  return Error{fmt::format("its height is {:.4g} to {:.4g} m, but the robots are at {:.4g} to {:.4g} m",
-                           walls.min, walls.max, robots.min, robots.max)};
+  return Error{
+      fmt::format("its walls are at a height of {:.4g} to {:.4g} m, but the robots are at {:.4g} to {:.4g} m",
+                  walls.min, walls.max, robots.min, robots.max)};
 }
 
 void Lint::check_floor_plans() {

@@ -39,7 +39,8 @@ constexpr std::array<PictureLayer, 24> k_layers = {{
     {"scale", true, "a scale bar; in perspective the distance between grid lines"},
     {"clock", true, "the simulated time"},
     {"speed", false,
-     "speed as a multiple of real time: that of the film, or in single pictures that of the run"},
+     "speed as a multiple of real time: in a film, the speed of the film; in a single picture, the speed of "
+     "the run"},
     {"legend", true, "the colour scale of --color-by, with the unit"},
     {"bounds", true, "the outline of the world's bounds, if it has them"},
     {"types", false, "a legend of the types of robots: colour, name and number of robots"},
@@ -55,7 +56,7 @@ constexpr std::array<PictureLayer, 24> k_layers = {{
     {"footprints", false, "outlines of bodies on the floor"},
     {"coverage", false, "squares of 1 m x 1 m that robots have visited, older visits paler"},
     {"density", false, "number of robots per square of the floor"},
-    {"tiles", false, "number of robots per tile; tiles divide the world for parallel work"},
+    {"tiles", false, "number of robots per tile; tiles are the squares of the world that threads process"},
     {"cells", false, "cells of the spatial index that contain robots"},
 }};
 
@@ -275,7 +276,9 @@ struct Pictures::Impl {
     const std::string& camera = options.camera;
     if (camera == "window") {
       if (!source.window())
-        refuse("the world has no window; other cameras: fit, follow:all, follow:NAME, perspective, top");
+        refuse(
+            "the camera \"window\" needs a world file with a window; other cameras: fit, follow:all, "
+            "follow:NAME, perspective, top");
       const Window window(*source.window());
       look_through(window, view);
       if (const std::string& name = window.value("follow").text(); !name.empty()) {

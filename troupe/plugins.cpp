@@ -62,9 +62,10 @@ Result<> check_contents(std::string_view bytes) {
         fmt::format("is a controller of Stage (it has Init, but not {}), which Troupe cannot run; "
                     "docs/controllers.md shows how to write one for Troupe",
                     plugin::k_symbol)};
-  return Error{fmt::format(
-      "is not a Troupe plug-in: it has no symbol {}, which TROUPE_CONTROLLER and TROUPE_DEVICE define",
-      plugin::k_symbol)};
+  return Error{
+      fmt::format("is not a Troupe plug-in: it has no symbol {}, which the macros TROUPE_CONTROLLER and "
+                  "TROUPE_DEVICE define",
+                  plugin::k_symbol)};
 }
 
 /// Returns success if a loaded library was built for this program. Reads the other members only after
@@ -202,7 +203,7 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   std::string missing = fmt::format("there is no {} in {}", file_name, fmt::join(folders, ", "));
   for (const fs::path& folder : path_)
     if (is_file(folder / ("lib" + file_name)))
-      missing += fmt::format(" (the file name of a plug-in has no \"lib\": {})",
+      missing += fmt::format(" (the file name of a plug-in does not begin with \"lib\": rename {})",
                              (folder / ("lib" + file_name)).string());
   library.found = Error{std::move(missing)};
   return library;
@@ -223,7 +224,7 @@ Result<> Plugins::open(Loaded& library) {
     restore_fp_environment();
     warnings_.push_back(
         fmt::format("{}: warning: was linked with -ffast-math, which changed the arithmetic of the thread "
-                    "that loaded it ({}); this was undone",
+                    "that loaded it ({}); Troupe has restored the arithmetic",
                     library.file.string(), is_right.error().text));
   }
   if (!handle) return load_error(absolute);

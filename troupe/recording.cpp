@@ -90,16 +90,17 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
     if (ticks != recording.every_ticks())
       throw std::runtime_error(
           fmt::format("{}: error: the recording has a frame every {:.10g} s, which cannot change, but "
-                      "--record-every is {:.10g} s: omit it",
+                      "--record-every is {:.10g} s: omit --record-every",
                       file.string(), static_cast<double>(recording.every_ticks()) * simulation.tick_s(),
                       options.every_s));
   }
   const std::string fields = fmt::format("{}", fmt::join(options.fields, ","));
   const auto recorded = recording.meta().find("record_fields");
   if (!fields.empty() && recorded != recording.meta().end() && recorded->second != fields)
-    throw std::runtime_error(fmt::format(
-        "{}: error: the recording has the fields {}, which cannot change, but --record-fields is {}: omit it",
-        file.string(), recorded->second, fields));
+    throw std::runtime_error(
+        fmt::format("{}: error: the recording has the fields {}, which cannot change, but --record-fields is "
+                    "{}: omit --record-fields",
+                    file.string(), recorded->second, fields));
 }
 
 }  // namespace

@@ -123,8 +123,8 @@ struct SessionReplay::Impl {
                           header.tick));
     if (simulation.tick() > header.tick) return;
     if (const std::string hash = hex(simulation.state_hash()); hash != header.hash)
-      fail(1, fmt::format("the session began at tick {} with state hash {}, but this run has {}: it belongs "
-                          "to another world or another run",
+      fail(1, fmt::format("the session began at tick {} with state hash {}, but at that tick this run has "
+                          "{}: the session belongs to another world or another run",
                           header.tick, header.hash, hash));
   }
 };

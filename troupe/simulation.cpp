@@ -50,8 +50,8 @@ std::string check_version(const worldio::Checkpoint& checkpoint, bool across_ver
         fmt::format("{}: error: {} wrote this checkpoint, but this program is {}: results may differ; give "
                     "--across-versions to resume it anyway",
                     checkpoint.file().string(), version_of(made_by), version_of(here)));
-  return fmt::format("{}: warning: written by {}; this program is {}{}", checkpoint.file().string(), made_by,
-                     here,
+  return fmt::format("{}: warning: the checkpoint was written by {}; this program is {}{}",
+                     checkpoint.file().string(), made_by, here,
                      is_other ? ""
                               : ": results are the same bits for all compilers and processors (tiers T1 and "
                                 "T2, docs/determinism.md)");
@@ -287,10 +287,11 @@ Model::Visit::~Visit() { visited_robot = before_; }
 
 void Model::refuse_in_for_each(const engine::World& world, std::string_view what) {
   if (visited_robot != nullptr && visited_robot->place_->world == &world)
-    throw std::logic_error(fmt::format(
-        "{} is not allowed in for_each(), here for \"{}\": its calls run in parallel and may change only the "
-        "commands of their own robot; collect such changes and apply them after for_each()",
-        what, visited_robot->name()));
+    throw std::logic_error(
+        fmt::format("{} is not allowed in for_each(), here for \"{}\": for_each() calls the function for "
+                    "several robots at once, and each call may change only the commands of its own robot; "
+                    "collect other changes and apply them after for_each()",
+                    what, visited_robot->name()));
 }
 
 void Model::refuse_others_in_for_each() const {
@@ -334,7 +335,9 @@ void Model::command(engine::ControlMode mode, double x, double y, double turn) {
     return;
   }
   if (!place_->type().drive) throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
-  if (!is_alive()) throw std::logic_error(fmt::format("\"{}\" is not in the world", place_->name));
+  if (!is_alive())
+    throw std::logic_error(
+        fmt::format("\"{}\" is not in the world: it is not yet born, or dead", place_->name));
   place_->world->set_command(place_->row(), {x, y, turn, mode});
 }
 
@@ -575,8 +578,8 @@ Simulation Simulation::make(engine::WorldSpec spec, const SimulationOptions& opt
                             engine::Registry registry) {
   if (!options.robots.empty() || !options.set.empty() || !options.search_path.empty())
     throw std::invalid_argument(
-        "SimulationOptions: robots, set and search_path apply to world files only; change the WorldSpec "
-        "instead");
+        "SimulationOptions: robots, set and search_path apply to world files only; for a WorldSpec, change "
+        "its members instead");
   restore_fp_environment();
   auto impl = std::make_unique<Impl>();
   impl->file = spec.title.empty() ? "world" : spec.title;
@@ -628,7 +631,8 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
       holds != impl->memories.end() &&
       !impl->holds.remember(holds->second, impl->world->spec().bodies.size()))
     throw InputError(fmt::format(
-        "{}: error: it stores held robots that its world does not have: the file is damaged", file.string()));
+        "{}: error: it lists robots as held (docs/live.md) that its world does not have: the file is damaged",
+        file.string()));
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
@@ -779,8 +783,10 @@ void Simulation::reset() {
 /// for a resumed run. call: name of the calling function, for the error.
 std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, std::string_view call) const {
   if (impl_->resumed_at)
-    throw std::logic_error(fmt::format(
-        "{}: the run was resumed from a checkpoint, which does not store how its bodies were placed", call));
+    throw std::logic_error(
+        fmt::format("{}: this needs the rules by which bodies were placed, and the run was resumed from a "
+                    "checkpoint, which does not store these rules",
+                    call));
   std::vector<engine::BodySpec> bodies = impl_->world->spec().bodies;
   if (impl_->place_again) impl_->place_again(bodies, seed);
   return bodies;

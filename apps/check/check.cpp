@@ -86,7 +86,9 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
   if (options.reach) {
     Variant& variant = add(1, options.tile_sizes_m.front(), Memory::kept, ", bodies beyond reach hidden");
     if (variant.world().spec().ranging == engine::RangingEngine::grid)
-      throw InputError("troupe check: error: --reach needs the exact ray engine, but the world has \"grid\"");
+      throw InputError(
+          "troupe check: error: --reach needs the exact ray engine, but this run uses the grid engine "
+          "(\"ranging\" of the world, or --raytracer)");
     variant.world().hide_beyond_reach(true);
   }
   return variants;

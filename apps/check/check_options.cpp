@@ -10,23 +10,23 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_check_footer = R"(
-Checks that the results of a world do not depend on the number of threads or the tile size. Loads one variant of the
-world for each combination of --threads and --tile-size, steps all variants side by side, and compares every component
-of the state after each tick. Stops at the first tick at which a variant differs from the first variant, and prints the
-component, the robot, the field and both values.
+Checks that the results of a world depend neither on the number of threads nor on the size of the tiles, the squares of
+the world that threads process. Runs one variant of the world for each combination of --threads and --tile-size, all
+side by side, and compares every component of the state after each tick. Stops at the first tick at which a variant
+differs from the first variant, and prints the component, the robot, the field and both values.
 
---amnesia adds two variants. In the first, all data that are not part of the state are overwritten with junk after each
-tick and derived again. In the second, the world is discarded after each tick and rebuilt from its description and its
-state, as in a resumed run. These variants find data that influence a later tick but are not part of the state.
+--amnesia adds two variants. In one, all data that are not part of the state are overwritten with junk after each tick
+and computed again. In the other, the world is discarded after each tick and rebuilt from its description and its state,
+as in a resumed run. These variants find data that influence a later tick but are not part of the state.
 
---reach adds a variant in which every device computes one robot at a time, while the bodies beyond the reach that the
-device declares are removed from the world and their state is junk. It finds a device that reads further than it
-declares. Slow, and only for worlds with "ranging": "exact".
+--reach adds a variant that finds devices that read further than the reach that they declare (docs/extending.md). In
+this variant, every device computes one robot at a time, while all bodies beyond the reach of the device are removed
+from the world and their state is junk. It is slow, and possible only for worlds with "ranging": "exact".
 
---controllers repeats every decision of the first variant twice from the same readings and memory: once in another
-order, on another thread and in storage filled with junk, and once with a newly constructed controller. It finds
-controllers that call rand(), keep a static variable, read the clock or leave a member uninitialised, and prints the
-field that differs. The check waits one second after the first decision, to detect clocks that count seconds.
+--controllers computes every decision of the first variant twice more, from the same readings and memory: once in
+another order, on another thread and in storage filled with junk, and once with a newly constructed controller. The
+option finds controllers that call rand(), keep a static variable, read the clock or leave a member uninitialised, and
+prints the field that differs. It waits one second after the first decision, to detect clocks that count seconds.
 docs/determinism.md describes what it cannot detect.
 
 The run ends as in troupe run: at --for S, else at the quit_time of the world.
@@ -60,7 +60,7 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
               split(text, [&](std::string_view item) { options.threads.push_back(thread_count(item)); });
             });
   add_value(check, "--tile-size", "M,...",
-            "Edge lengths of tiles to compare, m; auto: the automatic choice (default: auto,1.7)",
+            "Edge lengths of tiles to compare, m; auto: Troupe chooses (default: auto,1.7)",
             [&options](const std::string& text) {
               options.tile_sizes_m.clear();
               split(text, [&](std::string_view item) {

@@ -21,13 +21,14 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_diff_footer = R"(
-Compares two hash logs (troupe run --hash-log). Prints the first tick at which they differ, and the groups of the state
-that differ. The groups indicate the cause: if only the group sensor differs, ranging; if pose or velocity differs, the
-drives or the resolution of conflicts between motions; if memory differs, a controller. If one log begins later than the
-other, earlier ticks are not compared; if one log ends earlier, the logs differ.
+Compares two hash logs (troupe run --hash-log). Prints the first tick at which they differ, and which of the four groups
+of the state differ: pose, velocity, sensor and memory. These groups indicate the cause: if only sensor differs, range
+finding; if pose or velocity differs, the drives or the resolution of conflicts between motions; if memory differs, a
+controller. If one log begins later than the other, earlier ticks are not compared; if one log ends earlier, the logs
+differ.
 
 Also compares two recordings (troupe run --record), in the ticks and fields that both recordings have. Prints the first
-frame that differs, with component, entity, field, and both values in hexadecimal and decimal.
+frame that differs, with the component, the robot, the field, and both values in hexadecimal and decimal.
 
 Two files of different versions, compilers, flags or instruction sets are compared only with --across-domains, and two
 files of different worlds, seeds or options only with --across-runs. Numbers of threads and tile sizes may differ,

@@ -110,8 +110,9 @@ void print_differences(const RecordingReader& first, std::size_t i, const Record
                bodies == 1 ? "1 entity differs" : fmt::format("{} entities differ", bodies));
   }
   if (differences.empty())
-    fmt::print("the state hash is {}, not {}: the field that differs was not recorded in both\n",
-               hex(second.hashes()[j]), hex(first.hashes()[i]));
+    fmt::print(
+        "the state hash is {}, not {}: the state differs in a field that is not recorded in both files\n",
+        hex(second.hashes()[j]), hex(first.hashes()[i]));
 }
 
 /// Returns the recording that ends at least one recording interval before the other one; null if neither

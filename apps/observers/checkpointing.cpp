@@ -74,7 +74,8 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
                 options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");
               })
         ->needs(checkpoint);
-    add_value(app, "--wall-limit", "S", "Stop S seconds of real time after the program's start",
+    add_value(app, "--wall-limit", "S",
+              "Stop when S seconds of real time have passed since the program's start",
               [&options](const std::string& text) {
                 options.wall_limit_s = positive_seconds("--wall-limit", text, "a real time");
               });

@@ -53,7 +53,9 @@ Measures remembering(const fs::path& file, const Simulation& simulation, Measure
   };
   if (const auto saved = simulation.saved_memory(memory_name(measures))) {
     if (!measures.remember(*saved))
-      fail("measures with the same names have other parameters in the checkpoint: rename the measures");
+      fail(
+          "the checkpoint contains measures of the same names with other parameters: rename the measures of "
+          "this run");
   } else if (goes_on(file, simulation) && !measures.memory().empty()) {
     fail(
         "the table cannot be continued: the checkpoint was saved without these measures and has no data of "

@@ -36,8 +36,9 @@ constexpr const char* k_render_footer = R"(
 Draws a world, a checkpoint or a recording. By default, a world is drawn at its start, a checkpoint at the time at which
 it was saved, and a recording at its end. --at draws other times: a world is run and a checkpoint is resumed until then;
 of a recording, the last frame at or before the time is drawn. For worlds and checkpoints, --for S has the effect of
---at S, and a film ends at S. A recording needs no other file, but its pictures show only recorded fields (troupe run
---record-fields): scans need ranges, and outlines of stalled robots need stall.
+--at S, and a film (--film) ends at S. A recording needs no other file, but its pictures show only recorded fields
+(troupe run --record-fields): the layer scans needs the field ranges, and outlines of stalled robots need the field
+stall.
 )";
 
 constexpr const char* k_examples = R"(

@@ -17,10 +17,10 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_plot_footer = R"(
-Plots a measure over time. DIR is the folder of a sweep whose study has "series": true. At each time, a line shows the
-mean over all runs that have a value at this time; the band around the line shows one standard deviation of these runs
-above and below the mean. Without --by there is one line per combination of values of the parameters that vary between
-runs.
+Plots a measure over time, from the results of troupe sweep. DIR is the folder of the results (-o of troupe sweep); the
+study file must have "series": true. At each time, a line shows the mean over all runs that have a value at this time;
+the band around the line shows one standard deviation of these runs above and below the mean. Without --by there is one
+line per combination of values of the parameters that vary between runs.
 
 Needs python3 with matplotlib: the interpreter in TROUPE_PYTHON, else the first python3 on PATH.
 

@@ -25,15 +25,16 @@ must be given. The run ends with the first tick whose time is S or later.
 the same ticks as in the session. Without --for the run ends at the tick at which the session ended. The program exits
 with an error if the first line of the session describes another run, or if an act is not possible.
 
-Several worlds run side by side, each to its own end; in each turn, the world with the earliest time makes its next
-tick. All worlds are loaded before the first tick, and they do not interact. The names of outputs must then contain
-{world}, which is replaced by the name of the world: --hash-log {world}.log. A summary is printed for each world; with
---json, each summary is one line.
+Several worlds run side by side, each to its own end, and do not interact. All worlds are loaded before the first tick.
+Then, again and again, the world with the earliest simulated time makes its next tick. With several worlds, the names
+of outputs must contain {world}, which is replaced by the name of the world: --hash-log {world}.log. A summary is
+printed for each world; with --json, each summary is one line.
 
-A run is as fast as possible by default. --rate 1 limits it to real time, and --rate world to the speedup that the world
-sets.
+A run is as fast as possible by default. --rate 1 limits it to real time, and --rate world to the speed that the world
+file sets (rate in JSON, speedup in Stage's syntax).
 
-Outputs are checked before the first tick. Errors and warnings name the file and line: maze.world:41: error: ...
+Whether outputs can be written is checked before the first tick. Errors and warnings name the file and the line, as in
+maze.world:41: error: ...
 Results depend only on the world, --seed, --raytracer, --robots, --spare, --session and --set. They do not depend on
 --threads, --tile-size or --simd.
 
@@ -92,7 +93,8 @@ Examples:
 void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
-  add_value(app, "--tile-size", "M", "Edge length of the tiles that threads process, m (default: automatic)",
+  add_value(app, "--tile-size", "M",
+            "Edge length of the tiles (squares of the world that threads process), m (default: automatic)",
             [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
   options.outputs.add_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {
@@ -112,7 +114,7 @@ void add_session_option(CLI::App& app, RunOptions& options) {
 /// Adds the options that relate simulated time to real time (--rate, --clock).
 void add_clock_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--rate", "R|world",
-            "Limit to R times real time, or with world to the speedup that the world sets (default: none)",
+            "Limit to R times real time, or with world to the speed set in the world file (default: none)",
             [&options](const std::string& text) {
               constexpr double k_least = 0.001;
               const std::optional<double> rate = finite(text);
@@ -124,7 +126,7 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
               options.rate = rate.value_or(0);
             });
   app.add_flag("--clock", options.clock,
-               "Print the simulated time every 100 ticks, or at the interval that the world sets")
+               "Print the simulated time every 100 ticks, or at the interval that the world file sets")
       ->disable_flag_override();
 }
 

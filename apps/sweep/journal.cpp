@@ -31,10 +31,10 @@ std::string reason() { return std::generic_category().message(errno); }
 std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {"study", study}}.dump(); }
 
 [[noreturn]] void refuse_other_study(const fs::path& file) {
-  throw OutputError(
-      fmt::format("{}: error: these runs are of another study, of a world that was changed since, or of "
-                  "another version of the program: choose another folder with -o, or remove this folder",
-                  file.string()));
+  throw OutputError(fmt::format(
+      "{}: error: the folder contains runs of another study, of an earlier content of the world file, or of "
+      "another version of the program: choose another folder with -o, or remove this folder",
+      file.string()));
 }
 
 /// Returns the lines of a file, except a last line without a line break, which is incomplete.
@@ -123,7 +123,8 @@ std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::s
         outcomes.insert_or_assign(outcome.run, std::move(outcome));
       } catch (const Json::exception&) {
         throw OutputError(
-            fmt::format("{}:{}: error: not a line of a sweep journal", entry.path().string(), i + 1));
+            fmt::format("{}:{}: error: this is not a line that troupe sweep writes: the file is damaged",
+                        entry.path().string(), i + 1));
       }
   }
   return outcomes;

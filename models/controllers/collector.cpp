@@ -261,7 +261,8 @@ void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept
 engine::ControllerKind collector_controller() {
   return engine::make_controller_kind<Collector>(
       "collector",
-      "grip marked pucks, carry them to the nearest sink, and charge the power pack when it is low");
+      "grip pucks, which a fiducial finder recognises, carry them to the nearest sink, and charge the power "
+      "pack when it is low");
 }
 
 }  // namespace troupe::models

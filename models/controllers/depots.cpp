@@ -30,8 +30,8 @@ struct Source {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::capacity>("capacity", at_most(1e6),
-                                  "number of flags up to which the source refills its stock, at most what "
-                                  "its list of flags can hold");
+                                  "number of flags to which the source refills its stock; at most the number "
+                                  "that its device `flags` can hold");
       d.member<&Params::unused>(
           "unused", "no effect; accepted because Stage's worlds give this controller a second number");
     }

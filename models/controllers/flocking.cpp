@@ -104,7 +104,8 @@ struct Flocking {
 engine::ControllerKind pioneer_flocking_controller() {
   return engine::make_controller_kind<Flocking>(
       "pioneer_flocking",
-      "flock: drive where the sonars see free space, and turn to the heading of the nearest marked robot");
+      "flock: drive where the sonars see free space, and turn to the heading of the nearest robot that the "
+      "fiducial finder finds");
 }
 
 }  // namespace troupe::models

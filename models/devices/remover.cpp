@@ -109,7 +109,7 @@ struct Remover {
 }  // namespace
 
 DeviceKind remover_kind() {
-  return engine::make_device_kind<Remover>("remover", "removes bodies that come near it from the world");
+  return engine::make_device_kind<Remover>("remover", "removes from the world the bodies that come near it");
 }
 
 }  // namespace troupe::models

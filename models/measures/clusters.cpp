@@ -96,8 +96,8 @@ engine::MeasureKind clusters_measure() {
   return engine::make_measure_kind<ClusterCount>(
       "clusters", Unit::none, "number of clusters of pushable bodies",
       "The number of connected components of the graph that joins all pairs of pushable bodies whose origins "
-      "are at most `distance` apart. A body without neighbours is a cluster of one. The result does not "
-      "depend on which robots are measured.");
+      "are at most `distance` apart. A body without neighbours is a cluster of one. All pushable bodies "
+      "count, whatever robots `of` selects.");
 }
 
 engine::MeasureKind largest_cluster_measure() {

@@ -151,7 +151,8 @@ engine::MeasureKind coverage_measure() {
       "measuring began. Cells are squares with edges of length `cell`; the world's origin is a corner of "
       "four of them. A cell is free if its centre is within the bounds of the world and in no static "
       "obstacle, whatever the height of the obstacle. If the world has no bounds, the box around the static "
-      "scene and the robots at the start takes their place. Free cells that no robot can reach count too.");
+      "geometry and the robots at the start is used instead. Free cells that no robot can reach count as "
+      "free.");
 }
 
 }  // namespace troupe::models

@@ -356,13 +356,13 @@ engine::MeasureKind deaths_measure() {
   return engine::make_measure_kind<Deaths>(
       "deaths", Unit::none, "number of bodies of a type that have died",
       "The number of bodies of a type that have died, such as pucks that a remover took or robots whose "
-      "power packs ran empty. The result does not depend on which robots are measured.");
+      "power packs ran empty. All bodies of the type count, whatever robots `of` selects.");
 }
 
 engine::MeasureKind held_measure() {
   return engine::make_measure_kind<Held>("held", Unit::none, "number of robots stopped at the world's bounds",
                                          "The number of robots whose last motion would have left the bounds "
-                                         "of the world. The measure `stalls` counts them too.");
+                                         "of the world. The measure `stalls` counts these robots as well.");
 }
 
 engine::MeasureKind displacement_measure() {
@@ -377,7 +377,7 @@ engine::MeasureKind path_length_measure() {
       "path_length", Unit::meters, "mean length of the robots' paths",
       "The mean over the robots of the length of a robot's path. That is the sum, over all ticks since "
       "measuring began, of the straight-line distance between the robot's origin before and after the tick. "
-      "If a program moves a robot between two ticks, that move does not count.");
+      "If a program places a robot elsewhere between two ticks, this distance does not count.");
 }
 
 engine::MeasureKind mean_speed_measure() {

@@ -58,7 +58,8 @@ class Moved(Variant):
 
 
 def emulated(processor, threads, kind=Variant):
-    """A variant in which the program selects the kernels; it must select the processor's best instruction set."""
+    """A variant in which the program selects the instruction set for range finding; it must select the best one of the
+    processor."""
     return kind(f"{threads} thread{'s' if threads > 1 else ''}", FOLDER / "bin" / "troupe", threads,
                 emulator=("qemu-aarch64", "-L", SYSROOT, "-cpu", processor.cpu), simd=processor.kernels)
 
@@ -81,7 +82,7 @@ FUSED = re.compile(r"\t(fn?m(add|sub|ad|sb|la|ls)|fml[as]l[2bt]?|fcmla|fmmla)\t"
 
 
 def fused_instructions(text):
-    """The lines of objdump's output with a fused multiply-add."""
+    """The lines of objdump's output that contain a fused multiply-add."""
     return [line for line in text.splitlines() if FUSED.search(line)]
 
 

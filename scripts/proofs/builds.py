@@ -44,7 +44,7 @@ def planted_faults():
 
 
 def with_planted(name):
-    """Builds the program, and the one with the hostile scheduler, with one planted fault."""
+    """Builds the program and its variant with the hostile scheduler (variants.py), both with one planted fault."""
     sources = ROOT / "build" / "planted" / name
     files = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     for file in filter(None, files.split("\0")):

@@ -1,7 +1,8 @@
-"""Checks of random worlds: conditions that must not change results, as plain data, so that a failing check can be run again.
+"""Checks of random worlds: ways to run a world that must not change its results. They are plain data, so that a failing check can
+be run again.
 
-A check is {"check": name, ...}. Its runner compares the lines of hash logs, one per tick, with those of the plain run: one
-thread, automatic tiles, one step at a time.
+A check is a dict {"check": name, ...}. The runner (random_proof.py) compares the lines of its hash log, one per tick, with those
+of the plain run: one thread, automatic tile size, one tick per call.
 """
 
 import random
@@ -13,7 +14,7 @@ OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia", "reach": "--r
 
 
 def plan(seed, index, ticks, program_only=False, controllers=False):
-    """The checks for the world with this index."""
+    """The checks of the random world with this index."""
     draws = random.Random(f"checks {seed} {index}")
     chain = {"at": sorted(draws.sample(range(ticks), min(ticks, draws.choice((1, 2, 2, 3, 5))))),
              "threads": [draws.choice(THREADS) for _ in range(6)], "tiles": [draws.choice(TILES) for _ in range(6)]}
@@ -51,5 +52,5 @@ def difference(expected, got, whole=True):
         return tick, f"differs from tick {tick} on, in {', '.join(groups) or 'its form'}: expected {a}; got {b}"
     if whole and len(expected) - start != len(got):
         tick = int((expected[start:] or expected)[min(len(got), len(expected) - start - 1)].split()[0])
-        return tick, f"has {len(got)} lines from tick {start} on, the plain run {len(expected) - start}"
+        return tick, f"has {len(got)} lines from tick {start} on, the run on one thread has {len(expected) - start}"
     return None

@@ -1,4 +1,4 @@
-"""Counts the kinds in random worlds, and the events (born, dies, carried, ...) of each kind in their runs."""
+"""Counts the kinds of parts in random worlds, and the events (born, dies, carried, ...) of bodies with a part of each kind."""
 
 import re
 from collections import Counter

@@ -1,12 +1,13 @@
-"""Runs proofs: compares all runs of a world with its first run, line by line, and with the golden hash."""
+"""Runs proofs (variants.py): compares the hash logs of all runs of a world, line by line, with that of its first run, and the last
+hash with the golden hash, the expected one in worlds/golden_hashes.txt."""
 
 from .runs import Fault, difference, state_of
 from .table import Progress, print_row
 
 
 def hold(world, proofs, ticks, folder, golden=None):
-    """Runs the variants of the proofs in one world and prints one row of the table per proof. Yields each proof with its faults, as
-    texts. If `golden` is given, also compares the first run with the golden hash."""
+    """Runs the variants of the proofs in one world and prints one row of the table per proof. Yields each proof with a list of
+    the differences, as texts. If `golden` (read_golden()) is given, also compares the last hash of the first run with it."""
     progress = Progress(sum(len(proof.variants) for proof in proofs))
     expected = None
     for proof in proofs:

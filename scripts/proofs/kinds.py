@@ -1,4 +1,5 @@
-"""All kinds of parts of a world with the schemas of their parameters, as listed by the program."""
+"""All kinds of parts of a world (drives, sensors, devices, controllers, ...), each with the JSON Schema of its parameters, as
+`troupe describe --schema` prints them."""
 
 import json
 import subprocess

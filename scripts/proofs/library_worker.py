@@ -34,7 +34,7 @@ class Job:
         return troupe.Simulation(self.world, threads=threads, tile_size_m=tile or 0.0, name=self.name, **options)
 
     def steps(self, simulation, ticks, each=None):
-        """The lines of the ticks from the current one to `ticks`; a step that fails ends them with an error line."""
+        """The lines of a hash log, from the current tick to `ticks`. If a step fails, the last line states the error."""
         lines = [simulation.hash_log_line().strip()]
         while simulation.tick < ticks:
             tick = simulation.tick
@@ -77,7 +77,7 @@ class Job:
         yield self.steps(simulation, self.ticks)
 
     def steps_of(self, check):
-        """Several ticks per call; only the last tick of each call is compared."""
+        """Makes several ticks per call, and compares only the state after the last tick of each call."""
         simulation = self.simulation(check["threads"])
         while simulation.tick < self.ticks:
             try:

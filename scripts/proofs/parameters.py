@@ -1,4 +1,5 @@
-"""Random parameters of kinds: from their schemas, and for related parameters by a rule for the kind."""
+"""Random parameters of kinds. Each parameter follows its schema; parameters that depend on one another follow a rule of
+the kind."""
 
 import math
 
@@ -78,7 +79,7 @@ class Values:
         return int(self._draws.randint(max(low, 0), max(low, min(high, max(3, 2 * default)))))
 
     def _number(self, schema):
-        """A number, mostly near the default; sometimes a bound, if it is near and allowed."""
+        """A random number, mostly near the default; sometimes a bound of the schema, if the bound is near and allowed."""
         low, high = self._bounds(schema)
         default = schema.get("default", 0.5)
         default = default if isinstance(default, (int, float)) else 0.5

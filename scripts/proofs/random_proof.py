@@ -120,7 +120,7 @@ class Library:
 
 
 class Program:
-    """Runs checks with only the program: `troupe check`, and runs that are saved and resumed."""
+    """Runs checks without the Python module: with `troupe check`, and with runs that are saved and resumed."""
 
     program_only = True
 
@@ -231,7 +231,7 @@ class RandomProof:
                 break
             if time.monotonic() - shown > 60:
                 shown = time.monotonic()
-                self.say(f"  random worlds: {self.made} made, {self.differing} differ, {clock(shown - start)} gone")
+                self.say(f"  random worlds: {self.made} made, {self.differing} differ, {clock(shown - start)} minutes passed")
         self.took_s = time.monotonic() - start
         if self.made >= 20 and self.valid < LEAST_VALID * self.made:
             self.failed.append(f"random worlds: only {self.valid} of {self.made} could be loaded; the first of each sort: "

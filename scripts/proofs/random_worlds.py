@@ -1,7 +1,8 @@
-"""Random worlds: small ones, of everything that worlds may be made of (kinds.py).
+"""Makes small random worlds that contain every kind of part that a world can have (kinds.py).
 
-A world follows from (seed, index) alone. Each has a focus: a kind of part (drive, sensor, device or controller) and something
-that is to happen to a body that carries it; the foci go round, so that every pair comes up. All else is drawn.
+A world is determined by (seed, index). Each world has a focus: a kind of part (drive, sensor, device or controller) and an event
+that happens to a body with this part, such as its death. Successive worlds have different foci, so that every pair of kind and
+event occurs. Everything else in a world is random.
 """
 
 import math
@@ -366,7 +367,7 @@ class Generator(Parameters):
         return rounded(self.tick_s * self.draws.randint(low, max(low, high or self.ticks - 2)))
 
     def whom(self, many=True):
-        """A group of bodies, mostly of the focus."""
+        """A group of bodies; mostly of the type with the part of the focus."""
         populations = [each["name"] for each in self.world["populations"] if each["count"]]
         whom = {"population": "f"} if self.chance(0.7) else {"population": self.draws.choice(populations)}
         if self.chance(0.15):
@@ -376,7 +377,7 @@ class Generator(Parameters):
         return whom
 
     def _happenings(self, focus):
-        """Entries of `at`: those of the focus, and others."""
+        """Entries of `at`: those that cause the event of the focus, and others."""
         actions = self.kinds.actions
         meant = {"born": ["add"], "dies": ["remove"], "disabled": ["disable"], "enabled": ["disable", "enable"], "moved": ["move"],
                  "set": ["set"]}.get(focus, [])

@@ -10,7 +10,7 @@ GOLDEN = ROOT / "worlds" / "golden_hashes.txt"
 
 
 class Fault(Exception):
-    """An error because of which nothing could be proved or disproved."""
+    """Something that runs need is missing, invalid or failed, so that they could not be compared."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,8 @@ class Variant:
     simd: str = ""  # instruction set on which its kernels must run
 
     def lines(self, world, ticks, folder, robots=None):
-        """The lines of its hash log without the header, which may differ: one per tick, from tick 0."""
+        """Runs the world and returns the lines of the hash log, one per tick, from tick 0. The header is omitted, because it may
+        differ between variants."""
         log = folder / "run.log"
         source = ["run", *world.arguments, *(["--robots", robots] if robots is not None else [])]
         for end in (*self.restarts, ticks):

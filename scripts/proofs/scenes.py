@@ -103,7 +103,7 @@ class Scenes:
         return tuple(dict.fromkeys(runs))
 
     def slow(self):
-        """Worlds for which a run of a few seconds takes minutes."""
+        """Worlds of which a few simulated seconds take minutes to run."""
         return tuple(row["world"] for row in self.rows if row.get("slow"))
 
     def soaked(self):

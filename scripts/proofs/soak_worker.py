@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Repeatedly loads worlds, runs and resets them, saves and resumes them, and cuts recordings off, in one process without end.
+"""Repeatedly loads worlds, runs and resets them, saves and resumes them, and cuts recordings off, in one process until it is ended.
 Prints a line of counts, as JSON, about once a second. scripts/soak starts it.
 
     soak_worker.py FOLDER WORLD...    FOLDER: folder for its files

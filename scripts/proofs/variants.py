@@ -1,4 +1,5 @@
-"""Proofs: variants of a run that must not change any bit of its state."""
+"""The proofs of scripts/prove. A proof is a list of variants of a run, such as other numbers of threads, that must not change any
+bit of the state."""
 
 import pathlib
 import subprocess
@@ -21,7 +22,7 @@ class Proof:
 
 
 def hostile(name):
-    """A library of tests/hostile, built with the preset."""
+    """The file of a library of tests/hostile, which the preset release builds."""
     return ROOT / "build" / "release" / "hostile" / f"{name}.so"
 
 
@@ -32,7 +33,7 @@ def threads_and_tiles(program, threads, tiles):
 
 
 def scheduler(base):
-    """A parallel loop that shuffles tasks and sleeps in them (tests/hostile/parallel_shuffled.cpp)."""
+    """The program with a parallel loop that shuffles its tasks and sleeps in them (tests/hostile/parallel_shuffled.cpp)."""
     program = base.program.with_name("troupe_shuffled")
     variants = tuple(replace(base, label=f"shuffled tasks, {n} threads", program=program, threads=n, tile_m=tile)
                      for n, tile in ((1, 0), (2, 0), (3, 1.7), (8, 0)))
@@ -48,7 +49,7 @@ def allocator(base):
 
 
 def surroundings(base, folder):
-    """Fast maths, rounding, locale and working directory (tests/hostile/surroundings.cpp)."""
+    """A process with fast maths, another rounding mode, locale and working directory (tests/hostile/surroundings.cpp)."""
     locale = folder / "locale" / "de_DE.UTF-8"
     if not locale.exists():
         locale.parent.mkdir()
@@ -73,7 +74,7 @@ def plugin(base):
 
 
 def observers(base, folder):
-    """With all observers; each variant rewrites the files."""
+    """Runs that write all outputs; each variant replaces the files of the one before."""
     options = ("--record", folder / "all.h5", "--record-every", 0.1, "--record-fields", "all", "--force",
                "--measures", folder / "all.csv", "--measure-every", 0.1, "--events", folder / "events.csv",
                "--profile", folder / "profile.json", "--snapshot", folder / "last.png",
@@ -94,14 +95,14 @@ def restarts(base, ticks):
 
 
 def repetitions(base, ticks, count):
-    """The same ticks repeated from one checkpoint; two threads show races that eight hide."""
+    """The last ticks, repeated from one checkpoint, to find races between threads. Two threads show races that eight hide."""
     start = max(1, ticks - 50)
     variants = tuple(replace(base, label=f"stepped again, {i + 1}", threads=2, restarts=(start,)) for i in range(count))
     return Proof("T0 the same ticks again", f"{count} x {ticks - start} ticks from a checkpoint, 2 threads", variants)
 
 
 def instruction_sets(base):
-    """All instruction sets of the processor; a run on another one than requested is a fault."""
+    """One run on each instruction set of the processor. A run that uses another instruction set than requested is a fault."""
     flags = set()
     for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
         if line.startswith("flags"):

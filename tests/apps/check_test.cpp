@@ -236,7 +236,8 @@ TEST_F(CheckProgram, ReachNeedsTheExactRayEngine) {
   const Outcome outcome = troupe({"check", "room.world", "--for", "1", "--reach", "--raytracer", "grid"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.err,
-            "troupe check: error: --reach needs the exact ray engine, but the world has \"grid\"\n");
+            "troupe check: error: --reach needs the exact ray engine, but this run uses the grid engine "
+            "(\"ranging\" of the world, or --raytracer)\n");
 }
 
 struct Rogue {

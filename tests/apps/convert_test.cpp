@@ -86,8 +86,8 @@ TEST_F(ConvertCommand, NothingIsWrittenOfAWorldThatIsWrong) {
   write("w.json", R"({"troupe": 1,
  "ranging": "grid"})");
   EXPECT_EQ(refused({"convert", "w.json", "out.world"}).err,
-            "w.json:2: error: a .world file cannot express this: \"ranging\": choose the ray engine with "
-            "troupe run --raytracer\n");
+            "w.json:2: error: a .world file cannot express this: \"ranging\": remove this key, and choose "
+            "the ray engine with troupe run --raytracer\n");
 }
 
 TEST_F(ConvertCommand, SetReachesIntoWhatIsWritten) {

@@ -76,8 +76,10 @@ TEST_F(GoneOnWith, AnotherTableIsRefusedAndLeftAsItIs) {
       const CsvFile csv(file, "tick,a", 10);
       ADD_FAILURE() << other;
     } catch (const OutputError& error) {
-      EXPECT_THAT(error.what(),
-                  HasSubstr("t.csv: error: cannot be written: to continue it after the checkpoint, "));
+      EXPECT_THAT(
+          error.what(),
+          HasSubstr(
+              "t.csv: error: cannot be written: this table cannot be continued after the checkpoint, "));
     }
     EXPECT_EQ(content(file), other);
   }

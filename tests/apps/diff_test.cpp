@@ -96,9 +96,8 @@ TEST_F(Diff, OtherDomainsAreComparedOnlyWhenToldTo) {
   const std::string clang = header("GNU 12.2.0; Release -O3", "Clang 14.0.6; Debug -Og") + lines(0, 3);
   EXPECT_EQ(error_of(clang),
             "b.log:2: error: compiler is \"Clang 14.0.6\", but in a.log \"GNU 12.2.0\": the results may "
-            "differ; --across-domains compares them anyway\n"
-            "b.log:2: error: flags is \"Debug -Og\", but in a.log \"Release -O3\": the results may differ; "
-            "--across-domains compares them anyway\n");
+            "differ; --across-domains compares the files anyway\nb.log:2: error: flags is \"Debug -Og\", but "
+            "in a.log \"Release -O3\": the results may differ; --across-domains compares the files anyway\n");
   EXPECT_THAT(error_of(header("x86_64", "aarch64") + lines(0, 3)),
               HasSubstr("instruction set is \"aarch64\""));
   EXPECT_THAT(error_of(header("0.1.0", "0.2.0") + lines(0, 3)), HasSubstr("version is \"troupe 0.2.0\""));
@@ -118,8 +117,7 @@ TEST_F(Diff, OtherRunsAreComparedOnlyWhenToldTo) {
   const std::string seed = header("# seed: 1", "# seed: 7") + lines(0, 3);
   EXPECT_EQ(error_of(seed),
             "b.log:4: error: seed is \"7\", but in a.log \"1\": these are different runs; --across-runs "
-            "compares them "
-            "anyway\n");
+            "compares the files anyway\n");
   EXPECT_THAT(
       error_of(header("room", "hall") + lines(0, 3)),
       StartsWith(

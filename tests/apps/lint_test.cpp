@@ -128,7 +128,7 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
       R"({"name": "eye", "kind": "ranger", "pose": {"z_m": 1.5}, "transducers": [{"range_max_m": 5}]})";
   EXPECT_THAT(findings("high.json", json_world(high)),
               ElementsAre("high.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: it is at a height "
-                          "of 1.5 m, but visible bodies are at 0 to 1 m",
+                          "of 1.5 m, but bodies that rangers see are at 0 to 1 m",
                           "high.json: 1 finding"));
   expect_nothing("tall.json", json_world(high, "2"));
 
@@ -144,15 +144,13 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
   const std::string alone =
       "define bot position( size [0.4 0.4 0.3]\n"
       "  ranger( pose [0 0 -0.2 0] sensor( range [0 5] ) ) )\nbot()\n";
-  EXPECT_THAT(
-      findings("alone.world", alone),
-      ElementsAre(
-          "alone.world:2: warning: sensor \"ranger:0\" of \"bot\" sees nothing: no other visible body "
-          "is at its height, 0.11 m",
-          "alone.world: 1 finding"));
+  EXPECT_THAT(findings("alone.world", alone),
+              ElementsAre("alone.world:2: warning: sensor \"ranger:0\" of \"bot\" sees nothing: no other "
+                          "body that rangers see is at its height, 0.11 m",
+                          "alone.world: 1 finding"));
   expect_nothing("two.world", alone + "bot( pose [2 0 0 0] )\n");
   EXPECT_THAT(findings("invisible.world", alone + "model( pose [2 0 0 0] ranger_return -1 )\n"),
-              Contains(HasSubstr("sees nothing: no other visible body is at its height")));
+              Contains(HasSubstr("sees nothing: no other body that rangers see is at its height")));
 }
 
 TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
@@ -170,23 +168,26 @@ TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
   };
   // No finder finds its own body.
   EXPECT_THAT(findings("none.json", world("", "")),
-              ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: no other body has a "
-                          "fiducial_return with the finder's key, 0",
+              ElementsAre("none.json:4: warning: sensor \"eye\" of \"bot\" sees nothing: no other body with "
+                          "a fiducial_return has the fiducial_key of the finder, 0",
                           "none.json: 1 finding"));
   const std::string marked = ", \"fiducial_return\": 2";
   expect_nothing("post.json", world(marked, ""));
-  EXPECT_THAT(findings("key.json", world(marked, ", \"key\": 3")),
-              Contains(HasSubstr("no other body has a fiducial_return with the finder's key, 3")));
+  EXPECT_THAT(
+      findings("key.json", world(marked, ", \"key\": 3")),
+      Contains(HasSubstr("no other body with a fiducial_return has the fiducial_key of the finder, 3")));
   expect_nothing("keys.json", world(marked + ", \"fiducial_key\": 3", ", \"key\": 3"));
 
   const std::string high = R"(, "pose": {"z_m": 0.9})";
-  EXPECT_THAT(findings("high.json", world(marked, high)),
-              Contains(HasSubstr("sees nothing: it is at a height of 0.9 m, but marked bodies are at 0 to "
-                                 "0.5 m")));
+  EXPECT_THAT(
+      findings("high.json", world(marked, high)),
+      Contains(HasSubstr(
+          "sees nothing: it is at a height of 0.9 m, but bodies with a fiducial_return are at 0 to 0.5 m")));
   expect_nothing("flat.json", world(marked, high + ", \"ignore_zloc\": true"));
   // At this height there is but its own mark.
-  EXPECT_THAT(findings("own.json", world(marked, R"(, "pose": {"z_m": 0.2})", "0.6")),
-              Contains(HasSubstr("sees nothing: no other marked body is at its height, 0.2 m")));
+  EXPECT_THAT(
+      findings("own.json", world(marked, R"(, "pose": {"z_m": 0.2})", "0.6")),
+      Contains(HasSubstr("sees nothing: no other body with a fiducial_return is at its height, 0.2 m")));
 }
 
 TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
@@ -218,20 +219,21 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
                "model( pose [6 0 0 0] color \"blue\"\n  color_rgba [0 1 0 1]\n  alwayson 1\n"
                "  update_interval 200\n  scount 3 )\n"
                "fiducial( pose [8 0 0 0] alwayson 1 update_interval 200 )\n"),
-      ElementsAre("w.world:1: warning: paused: this property affects only Stage's window",
-                  "w.world:2: warning: \"size\" has no effect: line 4 sets it again",
-                  "w.world:3: warning: a position has no property \"blobs\"; the property is ignored",
-                  "w.world:3: warning: friction: this property has no effect in Troupe",
-                  "w.world:5: warning: friction: this property has no effect in Troupe",
-                  "w.world:6: warning: \"wheelbase\" has no effect: only a car has a wheelbase",
-                  "w.world:9: warning: \"color_rgba\" has no effect: \"color\" is also given",
-                  "w.world:10: warning: \"alwayson\" has no effect: this model senses nothing",
-                  "w.world:11: warning: \"update_interval\" has no effect: this model neither senses nor "
-                  "drives",
-                  "w.world:12: warning: scount: this property is obsolete, ignored as in Stage",
-                  "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body has a "
-                  "fiducial_return with the finder's key, 0",
-                  "w.world: 11 findings"));
+      ElementsAre(
+          "w.world:1: warning: paused: this property affects only Stage's window",
+          "w.world:2: warning: \"size\" has no effect: line 4 sets it again",
+          "w.world:3: warning: a position has no property \"blobs\"; the property is ignored",
+          "w.world:3: warning: friction: this property has no effect in Troupe",
+          "w.world:5: warning: friction: this property has no effect in Troupe",
+          "w.world:6: warning: \"wheelbase\" has no effect: only a model with drive \"car\" has a wheelbase",
+          "w.world:9: warning: \"color_rgba\" has no effect: \"color\" is also given",
+          "w.world:10: warning: \"alwayson\" has no effect: this model has no sensor",
+          "w.world:11: warning: \"update_interval\" has no effect: this model has neither a sensor nor a "
+          "drive",
+          "w.world:12: warning: scount: this property is obsolete, ignored as in Stage",
+          "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body with a fiducial_return has "
+          "the fiducial_key of the finder, 0",
+          "w.world: 11 findings"));
 }
 
 TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {

@@ -215,8 +215,9 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
                     HasSubstr("; troupe run --record-fields selects the fields that are recorded\n")));
   EXPECT_EQ(refusal({"run.h5", "--camera", "follow:missing"}),
             "run.h5: error: there is no model \"missing\" to follow\n");
-  EXPECT_THAT(refusal({"run.h5", "--camera", "window"}),
-              HasSubstr("run.h5: error: the world has no window; other cameras"));
+  EXPECT_THAT(
+      refusal({"run.h5", "--camera", "window"}),
+      HasSubstr("run.h5: error: the camera \"window\" needs a world file with a window; other cameras"));
   EXPECT_EQ(
       refusal({"run.h5", "--seed", "3"}),
       "run.h5: error: --seed is only for worlds, and this is a recording; --at selects one of its times\n");
@@ -254,7 +255,7 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render", "room.world", "-o", "none/q.png"},
        "none/q.png: error: cannot be written: there is no folder none"},
       {{"render", "room.world", "-o", "q.png", "--camera", "window"},
-       "room.world: error: the world has no window"},
+       "room.world: error: the camera \"window\" needs a world file with a window"},
   };
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = troupe(arguments);

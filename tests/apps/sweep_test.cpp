@@ -149,7 +149,8 @@ TEST_F(Sweep, DoesNotMixStudies) {
   write("w.json", other);
   const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("out/runs-1-of-1.jsonl: error: these runs are of another study"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("out/runs-1-of-1.jsonl: error: the folder contains runs of another study"));
   EXPECT_EQ(table("out"), before);
 }
 

@@ -298,11 +298,8 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
                           "these measures and has no data of their earlier ticks; choose another file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(
-      outcome.err,
-      HasSubstr(
-          "m.csv: error: cannot be written: to continue it after the checkpoint, its first line must be "
-          "tick,time_s,order"));
+  EXPECT_THAT(outcome.err, HasSubstr("m.csv: error: cannot be written: this table cannot be continued after "
+                                     "the checkpoint, because its first line is not tick,time_s,order"));
   EXPECT_EQ(read("m.csv"), before);
 }
 

@@ -446,11 +446,10 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "pushes", 2)),
               HasSubstr("\"pushes\" cannot change while the world runs"));
   const FieldTable& ranger = test::registry().device("ranger")->params;
-  EXPECT_THAT(
-      doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
-                    get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
-      HasSubstr("device \"eye\": \"set\" must keep the number and layout of its readings and state fields, "
-                "and the devices that it uses"));
+  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
+                            get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
+              HasSubstr("device \"eye\": \"set\" must not change the number or layout of the readings and "
+                        "state fields, or the devices that it uses"));
 
   const auto failing = [&](FaultSpec spec) {
     return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });

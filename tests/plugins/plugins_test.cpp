@@ -162,9 +162,9 @@ TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
               Not(HasSubstr(".so")))
       << "a name is no path";
   write("libgo.so", "");
-  EXPECT_THAT(
-      error_of(stage_world("go"), options({folder_})),
-      EndsWith(" (the file name of a plug-in has no \"lib\": " + (folder_ / "libgo.so").string() + ")"));
+  EXPECT_THAT(error_of(stage_world("go"), options({folder_})),
+              EndsWith(" (the file name of a plug-in does not begin with \"lib\": rename " +
+                       (folder_ / "libgo.so").string() + ")"));
 }
 
 TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
@@ -174,10 +174,9 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
   EXPECT_THAT(error_of("of_stage"),
               AllOf(testing::StartsWith(about("of_stage") + "is a controller of Stage (it has Init"),
                     HasSubstr("docs/controllers.md")));
-  EXPECT_EQ(error_of("nothing"),
-            about("nothing") +
-                "is not a Troupe plug-in: it has no symbol troupe_plugin, which TROUPE_CONTROLLER and "
-                "TROUPE_DEVICE define");
+  EXPECT_EQ(error_of("nothing"), about("nothing") +
+                                     "is not a Troupe plug-in: it has no symbol troupe_plugin, which the "
+                                     "macros TROUPE_CONTROLLER and TROUPE_DEVICE define");
   EXPECT_THAT(
       error_of("undefined_symbol"),
       AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),

@@ -517,7 +517,7 @@ class Tables(InAFolder):
     def test_of_one_name_are_told_apart_by_their_types(self):
         world = troupe.Simulation(ROOM)
         world.step()
-        with self.assertRaisesRegex(ValueError, "robots of 2 types have a component .*; give one of the types: .*bot"):
+        with self.assertRaisesRegex(ValueError, "robots of 2 types have the component .*; give the parameter type, one of: .*bot"):
             world.table("ranger/eye")
         eyes = world.table("ranger/eye", "bot")
         self.assertEqual(eyes.type, "bot")

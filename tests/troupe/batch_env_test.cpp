@@ -353,7 +353,7 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       k_name, [](auto&, auto& t) { t.arrays[0].parts[0].field = "rangs"; }, "did you mean \"ranges\"?");
   is_wrong(
       k_name, [](auto&, auto& t) { t.arrays[2].parts[0].name = "gaol"; },
-      "no model is named \"gaol0\", the target of \"r0\"; allowed are the name of a model, or a name that");
+      "there is no model \"gaol0\", which would be the target of robot \"r0\"; give the name of one model");
   is_wrong(
       k_name, [](auto&, auto& t) { t.actions[0].command = "forwards"; }, "unknown command of a drive");
   is_wrong(

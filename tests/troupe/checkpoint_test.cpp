@@ -338,8 +338,9 @@ TEST_F(Checkpoint, OfAnotherVersionIsResumedOnlyWhereThatIsWanted) {
                          ": error: troupe 0.0.1 wrote this checkpoint, but this program is troupe "));
   const Simulation resumed = Simulation::resume(file_, {.across_versions = true});
   EXPECT_EQ(resumed.state_hash(), simulation.state_hash());
-  EXPECT_THAT(resumed.warnings(),
-              ::testing::ElementsAre(HasSubstr("run.h5: warning: written by troupe 0.0.1 (")));
+  EXPECT_THAT(
+      resumed.warnings(),
+      ::testing::ElementsAre(HasSubstr("run.h5: warning: the checkpoint was written by troupe 0.0.1 (")));
 
   made_by(here.substr(0, here.find(" (")) + " (another compiler)");
   EXPECT_THAT(

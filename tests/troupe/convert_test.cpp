@@ -246,7 +246,7 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
           HasSubstr("w.json:6: error: a .world file cannot express this: type \"bot\": device \"fid\": "
                     "the value of \"most_targets\""),
           HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": device \"pack\""),
-          HasSubstr("the absence of device \"power\"")));
+          HasSubstr("that it has no device \"power\": read back")));
 }
 
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {
@@ -296,10 +296,8 @@ position( name "n" pose [0 5 0 0]
   other_seed.set = {{"/seed", "8"}};
   convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world",
           other_seed);
-  EXPECT_THAT(
-      found,
-      ElementsAre(HasSubstr(
-          "controller \"dynamic\": with this seed it adds other parts to its model than the type has")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds random parts to its model, and "
+                                           "with the seed of this world not those that the type has")));
 }
 
 TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {
@@ -375,14 +373,13 @@ TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
   convert(json, "w.world");
   EXPECT_THAT(found, IsEmpty());
   EXPECT_THAT(warnings,
-              ElementsAre(HasSubstr("w.json:3: warning: type \"bot\": device \"eye\": its heading is "
-                                    "wrapped into half a turn")));
+              ElementsAre(HasSubstr(
+                  "w.json:3: warning: type \"bot\": device \"eye\": its heading is changed by whole turns")));
 }
 
 TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {
   convert(write("w.world", "model( name \"caf\xe9\" )\n"), "w.json");
-  EXPECT_THAT(found,
-              ElementsAre(HasSubstr("is not UTF-8, which JSON requires; the text begins with \"caf\"")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("is not UTF-8, which JSON requires; it begins with \"caf\"")));
 }
 
 }  // namespace

@@ -351,12 +351,11 @@ TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
       {"on_tick()", [&](Model&) { simulation.on_tick(nullptr); }},
       {"subscribe()", [&](Model&) { all.subscribe(); }}};
   for (const auto& act : acts)
-    EXPECT_EQ(
-        refused_in_for_each(simulation, act.second),
-        act.first +
-            " is not allowed in for_each(), here for \"r0\": its calls run in parallel and may change only "
-            "the commands of their own robot; collect such changes and apply them after "
-            "for_each()");
+    EXPECT_EQ(refused_in_for_each(simulation, act.second),
+              act.first +
+                  " is not allowed in for_each(), here for \"r0\": for_each() calls the function for several "
+                  "robots at once, and each call may change only the commands of its own robot; collect "
+                  "other changes and apply them after for_each()");
   EXPECT_EQ(simulation.state_hash(), before);
   EXPECT_THAT(refused_in_for_each(simulation, [&](Model&) { other.set_speed(1, 0); }),
               HasSubstr("a command for \"r2\" is not allowed in for_each(), here for \"r0\""));

@@ -86,24 +86,21 @@ std::vector<Style> styles() {
        true,
        {"demo.world:10: warning: properties without effect, docs/stage-worlds.md says why: threads",
         "demo.world:7: warning: without effect on the run, because only Stage's window uses them: paused, "
-        "window, "
-        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
+        "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
       {"follow.world",
        2,
        1,
        2,
        true,
        {"follow.world:8: warning: without effect on the run, because only Stage's window uses them: window, "
-        "gui_nose, "
-        "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"blocks.world",
        3,
        2,
        2,
        true,
        {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline, color_rgba of a sensor",
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
         "inc/figure.inc:6: warning: obsolete properties, ignored as in Stage: laser_return, "
         "blobfinder_return"}},
       {"noise.world",
@@ -112,8 +109,7 @@ std::vector<Style> styles() {
        1,
        false,
        {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline"}},
+        "gui_nose, gui_grid, gui_move, gui_outline"}},
       {"disc.world",
        2,
        1,
@@ -121,25 +117,23 @@ std::vector<Style> styles() {
        false,
        {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
         "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline"}},
+        "gui_nose, gui_grid, gui_move, gui_outline"}},
       {"camera.world",
        2,
        1,
        1,
        false,
-       {"camera.world:11: warning: \"watts\" of a camera has no effect: its power draw follows from what it "
-        "does",
+       {"camera.world:11: warning: \"watts\" of a camera has no effect: Troupe computes the power that it "
+        "draws, docs/stage-worlds.md",
         "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline"}},
+        "gui_nose, gui_grid, gui_move, gui_outline"}},
       {"arms.world",
        5,
        3,
        4,
        true,
-       {"arms.world:13: warning: the name \"puck\" is already taken; a lookup finds the last model with this "
-        "name"}},
+       {"arms.world:13: warning: the name \"puck\" is already taken; a look-up by this name finds the last "
+        "model that has it"}},
       {"layers.world",
        3,
        1,
@@ -155,8 +149,7 @@ std::vector<Style> styles() {
        true,
        {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
         "everything.world:10: warning: without effect on the run, because only Stage's window uses them: "
-        "window, gui_nose, "
-        "gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+        "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"odometry.world",
        4,
        3,
@@ -169,8 +162,7 @@ std::vector<Style> styles() {
         "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with "
         "a height of 0.02 m",
         "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline, color_rgba of a sensor",
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
         "odometry.world:7: warning: obsolete properties, ignored as in Stage: interval_real, gui_disable, "
         "channel_count of a blobfinder, channels of a blobfinder, width of a camera, height of a camera, "
         "horizfov of a camera, size3"}},
@@ -184,36 +176,32 @@ std::vector<Style> styles() {
         "lab.world:12: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as [x "
         "y heading]",
         "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline, color_rgba of a sensor",
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
         "inc/beacons.inc:2: warning: obsolete properties, ignored as in Stage: laser_return"}},
       {"charging.world",
        10,
        6,
        6,
        true,
-       {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: its power draw follows from what "
-        "it does",
+       {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: Troupe computes the power that it "
+        "draws, docs/stage-worlds.md",
         "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
         "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline"}},
+        "gui_nose, gui_grid, gui_move, gui_outline"}},
       {"forage.world",
        9,
        4,
        5,
        true,
        {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline, color_rgba of a sensor"}},
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"forage2.world",
        9,
        3,
        3,
        true,
        {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline, color_rgba of a sensor"}},
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"flock.world",
        17,
        16,
@@ -221,16 +209,14 @@ std::vector<Style> styles() {
        true,
        {"flock.world:7: warning: properties without effect, docs/stage-worlds.md says why: threads",
         "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline, color_rgba of a sensor"}},
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"city.world",
        4,
        3,
        2,
        true,
        {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
-        "gui_nose, gui_grid, "
-        "gui_move, gui_outline, color_rgba of a sensor"}},
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"units.world", 2, 1, 1, true},
       {"old_swarm.world",
        10,

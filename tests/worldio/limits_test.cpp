@@ -148,8 +148,10 @@ TEST_F(Limits, MacrosOnMacros) {
 }
 
 TEST_F(Limits, PointsThatAreNotThere) {
-  EXPECT_THAT(refusal("w.world", repeated("model( block( points 99999 point[0] [0 0] ) )\n", 50)),
-              HasSubstr("w.world:1: error: \"points\" is 99999, but the block has far fewer points"));
+  EXPECT_THAT(
+      refusal("w.world", repeated("model( block( points 99999 point[0] [0 0] ) )\n", 50)),
+      HasSubstr(
+          "w.world:1: error: \"points\" is 99999, but the block gives far fewer corners \"point[...]\""));
 }
 
 TEST_F(Limits, OutlinesOfRobotsThatCrossThemselves) {

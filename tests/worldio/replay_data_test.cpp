@@ -249,7 +249,7 @@ TEST_F(Replay, RefusesARecordingWithoutWhatItNeeds) {
               HasSubstr("run.h5: error: unknown field \"ranges\"; known: pose/"));
   EXPECT_THAT(error_of(record(0.5, {}, R"({"troupe": 1, "types": {"wall": {"size_m": [4, 0.1, 1]}},
                                           "models": [{"name": "w", "type": "wall"}]})")),
-              HasSubstr("run.h5: error: has no body that moves, senses or decides"));
+              HasSubstr("run.h5: error: has only static bodies, so there is nothing to show"));
 }
 
 // A crane whose arm goes up by 0.3 m/s from 1 s on and turns a hand that looks around; ants in reserve.

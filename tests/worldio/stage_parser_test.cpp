@@ -257,9 +257,9 @@ TEST_F(StageParser, LexicalErrors) {
            "w.world:8: error: a tuple must end with ] on the line on which it begins",
            "w.world:9: error: a tuple cannot hold a tuple",
            "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
-           "w.world:11: error: the value 5 belongs to no property",
+           "w.world:11: error: no property name is before the value 5; a property is written: name value",
            "w.world:12: error: this ] has no matching [",
-           "w.world:13: error: this tuple belongs to no property"}));
+           "w.world:13: error: no property name is before this tuple; a property is written: name [1 2 3]"}));
 }
 
 TEST_F(StageParser, TuplesStickToTheirBracket) {
@@ -297,9 +297,11 @@ TEST_F(StageParser, DefineInABodyIsAnError) {
 
 TEST_F(StageParser, IncompleteDefines) {
   load("define 5\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: define needs a name and a base: define robot position( ... )",
-                          "w.world:1: error: the value 5 belongs to no property"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: define needs a name and a base: define robot position( ... )",
+          "w.world:1: error: no property name is before the value 5; a property is written: name value"));
   load("define b model\nquit_time 5");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: define b needs a body in ( )"));
 }

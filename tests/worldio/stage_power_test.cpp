@@ -58,8 +58,8 @@ TEST_F(StagePowerTest, WhatModelsDrawGoesToTheNearestPack) {
       "  model( watts 4 )\n"  // does not run
       "  model( joules 9 model( watts 8 alwayson 1 model( watts 16 ctrl \"source 3\" ) ) )\n"
       ")\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: \"watts\" of a position has no effect: its power "
-                                      "draw follows from what it does"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: \"watts\" of a position has no effect: Troupe "
+                                      "computes the power that it draws, docs/stage-worlds.md"));
   std::vector<const DeviceSpec*> packs;
   for (const DeviceSpec& device : found)
     if (device.kind == "power_pack") packs.push_back(&device);
@@ -92,8 +92,9 @@ TEST_F(StagePowerTest, GiversAndTakersHaveContacts) {
 
 TEST_F(StagePowerTest, WarnsOfContactsThatAreOfNoUse) {
   EXPECT_EQ(devices("model( joules -1 give_watts 500 )").size(), 2);
-  EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: warning: a model gives energy only while it "
-                                                "runs: it needs \"alwayson 1\" or \"ctrl\"")));
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("w.world:1: warning: \"give_watts\" has no effect: a model gives energy "
+                                    "only while it runs, for which it needs \"alwayson 1\" or \"ctrl\"")));
   EXPECT_THAT(devices("model( take_watts 70 )"), testing::IsEmpty());
   EXPECT_THAT(messages(), ElementsAre(HasSubstr("have no effect without \"joules\"")));
   EXPECT_THAT(devices("model( when_empty \"nothing\" )"), testing::IsEmpty());

@@ -161,21 +161,20 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
       "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 )\n");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "w.world:6: warning: a window has no property \"wibble\"; the property is ignored",
-          "w.world:2: warning: properties without effect, docs/stage-worlds.md says why: "
-          "threads, friction",
-          "w.world:3: warning: without effect on the run, because only Stage's window uses them: paused, "
-          "window, gui_nose",
-          "w.world:5: warning: obsolete properties, ignored as in Stage: interval_real, polygons, "
-          "polygon[k].points"));
+      ElementsAre("w.world:6: warning: a window has no property \"wibble\"; the property is ignored",
+                  "w.world:2: warning: properties without effect, docs/stage-worlds.md says why: "
+                  "threads, friction",
+                  "w.world:3: warning: without effect on the run, because only Stage's window uses them: "
+                  "paused, window, gui_nose",
+                  "w.world:5: warning: obsolete properties, ignored as in Stage: interval_real, polygons, "
+                  "polygon[k].points"));
 }
 
 TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
   ASSERT_EQ(test_registry().device("actuator"), nullptr);
   load("\n\n\n\nactuator( max_speed 2 )\nactuator()\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: this program does not implement an actuator; the "
-                                      "model is only a body (and 1 more)"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: Troupe does not implement an actuator: this model "
+                                      "is a body that neither senses nor acts (and 1 more)"));
 }
 
 TEST_F(StageWorld, MacrosThatNoModelUsesAreNotChecked) {
@@ -255,10 +254,10 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
       "model( name [\"a\"] )");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "w.world:2: warning: the name \"x\" is already taken; a lookup finds the last model with this name",
-          "w.world:3: warning: \"name\" is empty; a generated name is used instead (and 1 more)",
-          "w.world:5: error: \"name\" needs one value, not a tuple"));
+      ElementsAre("w.world:2: warning: the name \"x\" is already taken; a look-up by this name finds the "
+                  "last model that has it",
+                  "w.world:3: warning: \"name\" is empty; a generated name is used instead (and 1 more)",
+                  "w.world:5: error: \"name\" needs one value, not a tuple"));
   EXPECT_EQ(name_of(spec, 3), "model:3");
 }
 
@@ -343,7 +342,7 @@ TEST_F(StageWorld, BlocksDiscardWhatCameBeforeUnlessABitmapDid) {
   const auto spec = load("model( size [4 2 1]\n boundary 1" + block + "model( boundary 1 bitmap \"dot.png\"" +
                          block + "ranger( boundary 1 sensor()" + block);
   EXPECT_THAT(messages(), ElementsAre("w.world:2: warning: \"boundary\" has no effect: as in Stage, the "
-                                      "blocks of a model without a bitmap replace it"));
+                                      "walls are not added to a model that has blocks and no \"bitmap\""));
   EXPECT_THAT(type_of(spec, 1).parts[0].solids, SizeIs(1));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(6));
   EXPECT_THAT(type_of(spec, 3).parts[0].solids, SizeIs(5));
@@ -398,7 +397,8 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
       "plan()\nplan( size [1 1 30] pose [0 0 0 90] )\nplan( bitmap_unknown 1 )\n"
       "plan( block( points 3 point[1] [1 0] point[2] [1 1] z [0 1] ) )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:4: warning: only the height of \"size\" is used: the map is 2 m x 1 m",
+              ElementsAre("w.world:4: warning: only the height (third value) of \"size\" is used; the ROS "
+                          "map itself says that it is 2 m x 1 m",
                           "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks, "
                           "because the map is not stretched to \"size\""));
   const engine::PartSpec& plan = type_of(spec, 1).parts[0];
@@ -422,7 +422,7 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
   EXPECT_THAT(messages(),
               ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m, found \"0\"",
                           "b.yaml:2: error: cannot read the image no.pgm",
-                          "w.world:3: error: the map c.yml has no occupied cell",
+                          "w.world:3: error: the ROS map c.yml has no occupied cell",
                           "w.world:4: error: cannot read the map d.yml"));
 }
 
@@ -872,8 +872,8 @@ TEST_F(StageWorld, RefusesWrongArguments) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world:1: error: \"ctrl\" names no controller; known: expand, expand_pioneer, expand_swarm, "
-          "script, source, wander",
+          "w.world:1: error: \"ctrl\" is empty; it must name a controller: expand, expand_pioneer, "
+          "expand_swarm, script, source, wander",
           "w.world:2: error: controller \"wander\" takes at most 5 arguments",
           "w.world:3: error: controller \"expand\" has no parameter \"spede\"; known: speed, gain, "
           "clearance, "
@@ -980,9 +980,9 @@ TEST_F(StageOwnWorld, Simple) {
   const auto spec = open("simple.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("simple.world:12: warning: without effect on the run, because only Stage's window uses "
-                  "them: paused, "
-                  "window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
+      ElementsAre(
+          "simple.world:12: warning: without effect on the run, because only Stage's window uses them: "
+          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
   EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type);
@@ -1013,12 +1013,13 @@ TEST_F(StageOwnWorld, Simple) {
 
 TEST_F(StageOwnWorld, PioneerWalle) {
   const auto spec = open("pioneer_walle.world");
-  EXPECT_THAT(messages(),
-              ElementsAre("pioneer_walle.world:10: warning: without effect on the run, because only Stage's "
-                          "window uses them: paused, "
-                          "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-                          "walle.inc:14: warning: obsolete properties, ignored as in Stage: laser_return, "
-                          "blobfinder_return"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "pioneer_walle.world:10: warning: without effect on the run, because only Stage's window uses "
+          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+          "walle.inc:14: warning: obsolete properties, ignored as in Stage: laser_return, "
+          "blobfinder_return"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(7));
   expect_box(bounds_of(type_of(spec, 2).parts[0].solids), -0.26, 0.18, -0.19, 0.19);
@@ -1032,9 +1033,8 @@ TEST_F(StageOwnWorld, Roomba) {
   EXPECT_THAT(
       messages(),
       ElementsAre("irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
-                  "roomba.world:11: warning: without effect on the run, because only Stage's window "
-                  "uses them: paused, window, "
-                  "gui_nose, gui_grid, gui_move, gui_outline"));
+                  "roomba.world:11: warning: without effect on the run, because only Stage's window uses "
+                  "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
   EXPECT_THAT(part_names(type_of(spec, 2)), ElementsAre("", "bumper:0"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids[0].contours[0], SizeIs(16));
@@ -1043,9 +1043,11 @@ TEST_F(StageOwnWorld, Roomba) {
 
 TEST_F(StageOwnWorld, SensorNoiseDemo) {
   const auto spec = open("sensor_noise_demo.world");
-  EXPECT_THAT(messages(), ElementsAre("sensor_noise_demo.world:9: warning: without effect on the run, "
-                                      "because only Stage's window uses them: window, "
-                                      "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "sensor_noise_demo.world:9: warning: without effect on the run, because only Stage's window uses "
+          "them: window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
   const engine::TypeSpec& robot = type_of(spec, 2);
   EXPECT_FALSE(robot.devices[0].active);
@@ -1063,8 +1065,7 @@ TEST_F(StageOwnWorld, Cave) {
           "benchmark/cave.world:15: warning: properties without effect, docs/stage-worlds.md says why: "
           "threads",
           "benchmark/cave.world:13: warning: without effect on the run, because only Stage's window uses "
-          "them: "
-          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
   ASSERT_THAT(spec.types, SizeIs(3));  // 100 robots in ten colours share one
   EXPECT_EQ(spec.types[2].name, "rob");
@@ -1088,8 +1089,7 @@ TEST_F(StageOwnWorld, Hospital) {
           "benchmark/hospital.world:16: warning: properties without effect, docs/stage-worlds.md says why: "
           "threads",
           "benchmark/hospital.world:13: warning: without effect on the run, because only Stage's window uses "
-          "them: "
-          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(1002));
   EXPECT_THAT(spec.types, SizeIs(3));
   EXPECT_EQ(name_of(spec, 1), "model:1");
@@ -1110,14 +1110,14 @@ TEST_F(StageOwnWorld, Hospital) {
 
 TEST_F(StageOwnWorld, LspTest) {
   const auto spec = open("lsp_test.world");
-  EXPECT_THAT(messages(),
-              ElementsAre("lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-                          "lsp_test.world:11: warning: without effect on the run, because only Stage's "
-                          "window uses them: paused, window, "
-                          "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-                          "lsp_test.world:9: warning: obsolete properties, ignored as in Stage: "
-                          "interval_real, channel_count of a "
-                          "blobfinder, channels of a blobfinder"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
+                  "lsp_test.world:11: warning: without effect on the run, because only Stage's window uses "
+                  "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+                  "lsp_test.world:9: warning: obsolete properties, ignored as in Stage: "
+                  "interval_real, channel_count of a "
+                  "blobfinder, channels of a blobfinder"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
   EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type) << "only their fiducial_return differs";
   EXPECT_EQ(fiducial_of(spec, BodyId(2), 0), 1);
@@ -1141,8 +1141,7 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
           "pioneer_flocking.world:16: warning: properties without effect, docs/stage-worlds.md says why: "
           "threads",
           "pioneer_flocking.world:10: warning: without effect on the run, because only Stage's window uses "
-          "them: "
-          "paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
+          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
   EXPECT_THAT(spec.types, SizeIs(3));
   EXPECT_EQ(spec.types[2].name, "flocker");

@@ -276,8 +276,8 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
         return;
       }
       if (*index > list->size() || (*index == list->size() && !last)) {
-        diagnostics.error(where,
-                          fmt::format("{} has {} entries: there is no {}", parent, list->size(), path));
+        diagnostics.error(where, fmt::format("{} has {} entries, counted from 0: there is no {}", parent,
+                                             list->size(), path));
         return;
       }
       if (*index == list->size()) list->emplace_back();

@@ -37,7 +37,7 @@ std::string text_of(const std::string& text) {
     const std::size_t bytes = character_bytes(rest);
     if (bytes == 0)
       throw std::runtime_error(
-          fmt::format("a text of the world is not UTF-8, which JSON requires; the text begins with \"{}\"",
+          fmt::format("a name or text in the world is not UTF-8, which JSON requires; it begins with \"{}\"",
                       text.substr(0, text.size() - rest.size())));
     const char c = rest.front();
     if (c == '"' || c == '\\')

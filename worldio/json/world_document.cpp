@@ -367,9 +367,10 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   d.template choice<Image, &ImageDocument::unknown>("unknown", k_unknown,
                                                     "ROS map: how unknown cells are treated")
       .when(has_map);
-  d.template choice<Image, &ImageDocument::margins>("margins", k_margins,
-                                                    "what is scaled to the size; trim: the bounding box of "
-                                                    "the solid pixels, keep: the whole image")
+  d.template choice<Image, &ImageDocument::margins>(
+       "margins", k_margins,
+       "the part of the image that is scaled to `size`; trim: the bounding box of the solid pixels, keep: "
+       "the whole image")
       .when(is_plan ? has_no_map : has_plain_image);
   DocumentKey& boundary = d.template value<Image, &ImageDocument::boundary>(
       "boundary", "adds four walls just inside the edges of the box");
@@ -464,7 +465,7 @@ void describe_body(DocumentKeys<P>& d) {
   describe_image<P, &P::image>(
       d, "path of an image, or of the YAML file of a ROS map, relative to the world file", false);
   const auto no_image = [](const JsonNode& object) { return !has_image(object); };
-  d.template value<&P::fit>("fit", "true: all blocks together are scaled to the size, as in Stage")
+  d.template value<&P::fit>("fit", "true: all blocks together are scaled to fill the box `size`, as in Stage")
       .when(no_image);
   d.template value<&P::origin>("origin", "pose of the centre of the image or of the scaled blocks")
       .when([](const JsonNode& object) { return has_image(object) || is_fitted(object); });
@@ -872,7 +873,8 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   d.other<&WorldDocument::window>(Form::block, "window", "the view that --camera window draws").block =
       &window_fields();
   d.value<&WorldDocument::mortal>("mortal",
-                                  "true: programs may always remove and disable bodies, docs/lives.md");
+                                  "true: programs may remove and disable bodies, even if nothing else in the "
+                                  "world file adds, removes or disables bodies, docs/lives.md");
   d.choice<&WorldDocument::overlaps>(
       "overlaps", k_checks, "whether a model that overlaps something at the start is an error or a warning");
   d.choice<&WorldDocument::same_names>("same_names", k_checks,

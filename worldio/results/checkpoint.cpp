@@ -165,10 +165,11 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     const Hdf5Dataset dataset = group.dataset(hdf5_name(field.name));
     if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns} ||
         dataset.element() != field.element)
-      dataset.fail(fmt::format(
-          "has {} {} per body, but the world has {} {}: --set must not change the shape of the state",
-          dataset.row_values(), engine::element_name(dataset.element()), field.columns,
-          engine::element_name(field.element)));
+      dataset.fail(
+          fmt::format("has {} {} per body, but the world has {} {}: --set must not change the number or type "
+                      "of the values in the state",
+                      dataset.row_values(), engine::element_name(dataset.element()), field.columns,
+                      engine::element_name(field.element)));
     const std::size_t width = bytes_of(field);
     if (width == 0) continue;
     std::vector<std::byte> values(dataset.values() * engine::element_size(field.element));
@@ -288,7 +289,8 @@ void Checkpoint::restore(engine::World& world) const {
     for (const std::uint32_t id : hdf5_.group("bodies").dataset("subscribed").read<std::uint32_t>()) {
       if (id >= world.spec().bodies.size() || !world.row(BodyId(id)).valid())
         throw InputError(
-            fmt::format("{}: error: /bodies/subscribed names a body without a sensor", file_.string()));
+            fmt::format("{}: error: /bodies/subscribed names a body without a sensor: the file is damaged",
+                        file_.string()));
       world.subscribe(BodyId(id));
     }
     const auto fill = [this](std::span<StateTable> tables) { restore_tables(tables); };

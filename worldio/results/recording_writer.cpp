@@ -209,7 +209,7 @@ void RecordingWriter::create_outputs() {
   Hdf5Dataset alive = group_at(file_, state)
                           .create_extendible("alive", Element::u8, {bodies_.size()},
                                              chunks(batch_frames_, {bodies_.size()}, 1));
-  describe(alive, "", "", "1: the body is there");
+  describe(alive, "", "", "1: the body is in the world; 0: it is not yet born, or dead");
   add_output(std::move(alive), bodies_.size(), std::byte{1});
 
   Hdf5Group frames = file_.create_group("frames");
@@ -219,9 +219,10 @@ void RecordingWriter::create_outputs() {
     frame_outputs_.push_back(frames.create_extendible(name, element, {}, chunks));
     describe(frame_outputs_.back(), unit, "", text);
   };
-  add("tick", Element::u64, "", "of the world; a frame is whole where it is not 2^64 - 1");
-  add("time_s", Element::f64, "s", "on the world's clock");
-  add("hash", Element::u64, "", "of the whole state");
+  add("tick", Element::u64, "",
+      "tick of the world at which the frame was recorded; 2^64 - 1: the frame is incomplete");
+  add("time_s", Element::f64, "s", "simulated time of the frame");
+  add("hash", Element::u64, "", "hash of the whole state");
 }
 
 void RecordingWriter::open_outputs() {

@@ -68,9 +68,9 @@ StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& ki
   if (flag(model, "boundary")) {
     add_boundary(size, solids);
     if (is_default && !blocks.empty())
-      values_.warning(
-          values_.where(*model.find(document_, "boundary")),
-          "\"boundary\" has no effect: as in Stage, the blocks of a model without a bitmap replace it");
+      values_.warning(values_.where(*model.find(document_, "boundary")),
+                      "\"boundary\" has no effect: as in Stage, the walls are not added to a model that has "
+                      "blocks and no \"bitmap\"");
   }
   if (is_default && !blocks.empty()) solids.clear();
   const bool is_all_blocks = solids.empty() && frame.empty();
@@ -86,8 +86,9 @@ void StageBodies::check_map(const StageModel& model, const FloorImage& map, cons
   const Eigen::Vector2d& size_m = map.place->size_m;
   if (const StageProperty* property = model.find(document_, "size"); property && size.head<2>() != size_m)
     values_.warning(values_.where(*property),
-                    fmt::format("only the height of \"size\" is used: the map is {:g} m x {:g} m", size_m.x(),
-                                size_m.y()));
+                    fmt::format("only the height (third value) of \"size\" is used; the ROS map itself says "
+                                "that it is {:g} m x {:g} m",
+                                size_m.x(), size_m.y()));
   if (!blocks.empty())
     values_.error(blocks.front().where,
                   "a model whose \"bitmap\" is a ROS map cannot have blocks, because the map is not "
@@ -109,7 +110,7 @@ const FloorImage* StageBodies::read_image(const StageProperty& property, engine:
   values_.error(
       values_.where(property),
       image->place
-          ? fmt::format("the map {} has no occupied cell", path.string())
+          ? fmt::format("the ROS map {} has no occupied cell", path.string())
           : fmt::format("the image {} has no solid pixel; pixels darker than half are solid", path.string()));
   return nullptr;
 }
@@ -132,8 +133,9 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   std::int64_t written = 0;
   for (const StageEntity* layer : block.layers) written += layer->properties.count;
   if (*count > written + k_most_missing) {
-    values_.error(values_.where(*points),
-                  fmt::format("\"points\" is {}, but the block has far fewer points", *count));
+    values_.error(
+        values_.where(*points),
+        fmt::format("\"points\" is {}, but the block gives far fewer corners \"point[...]\"", *count));
     return;
   }
   std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));

@@ -502,7 +502,7 @@ std::vector<engine::ControllerSpec> StageKinds::controllers(const StageModel& mo
 std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view call, Where where) {
   const std::vector<std::string_view> words = words_of(call);
   if (words.empty()) {
-    values_.error(where, fmt::format("\"ctrl\" names no controller; known: {}",
+    values_.error(where, fmt::format("\"ctrl\" is empty; it must name a controller: {}",
                                      comma_list(registry_.controller_names())));
     return {};
   }

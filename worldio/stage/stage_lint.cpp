@@ -47,9 +47,10 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (!model) return;
   if (model->type == "window") add(window_only_, model->where, "window");
   if (macros_.is_only_a_body(model->type))
-    values_.warning_once(model->where,
-                         fmt::format("this program does not implement {}; the model is only a body",
-                                     with_article(model->type)));
+    values_.warning_once(
+        model->where,
+        fmt::format("Troupe does not implement {}: this model is a body that neither senses nor acts",
+                    with_article(model->type)));
   if (values_.thorough()) check_overruled(*model);
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
@@ -109,18 +110,19 @@ void StageLint::check_overruled(const StageModel& model) {
   const bool has_energy =
       model.find(document_, "watts") || model.find(document_, "give_watts") ||
       (is_position && (model.find(document_, "joules") || model.find(document_, "kjoules")));
-  if (is_model && !runs && !has_energy) report("alwayson", "this model senses nothing");
+  if (is_model && !runs && !has_energy) report("alwayson", "this model has no sensor");
   if (is_model && !runs && !is_position && !model.find(document_, "ctrl"))
-    report("update_interval", "this model neither senses nor drives");
+    report("update_interval", "this model has neither a sensor nor a drive");
   const std::vector<StageModel::Child> children = model.children(document_);
   const bool has_sensors = std::ranges::any_of(
       children, [&](const StageModel::Child& child) { return document_.word(*child.entity) == "sensor"; });
   if (!model.alias.empty() && has_sensors)
     for (const std::string_view key : {"samples", "fov", "range", "range_min", "range_max"})
-      report(key, "the sensors inside this model have their own");
+      report(key, "the sensor( ) blocks in this model set it");
   if (!is_position) return;
   const StageProperty* drive = model.find(document_, "drive");
-  if (!drive || values_.text(*drive) != "car") report("wheelbase", "only a car has a wheelbase");
+  if (!drive || values_.text(*drive) != "car")
+    report("wheelbase", "only a model with drive \"car\" has a wheelbase");
 }
 
 void StageLint::finish() {

@@ -346,7 +346,8 @@ class Parser {
         return false;
       }
       case Kind::tuple_open:
-        errors_.add(token.where(), "this tuple belongs to no property");
+        errors_.add(token.where(),
+                    "no property name is before this tuple; a property is written: name [1 2 3]");
         static_cast<void>(tuple());
         return false;
       case Kind::tuple_close:
@@ -354,7 +355,9 @@ class Parser {
         ++at_;
         return false;
       default:
-        errors_.add(token.where(), fmt::format("the value {} belongs to no property", shown(token)));
+        errors_.add(token.where(),
+                    fmt::format("no property name is before the value {}; a property is written: name value",
+                                shown(token)));
         ++at_;
         return false;
     }

@@ -70,7 +70,9 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   else if (constant > 0)
     values_.warning_once(
         values_.where(*model.find(document_, "watts")),
-        fmt::format("\"watts\" of a {} has no effect: its power draw follows from what it does", model.type));
+        fmt::format(
+            "\"watts\" of a {} has no effect: Troupe computes the power that it draws, docs/stage-worlds.md",
+            model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
     if (!(kg >= 0 && kg <= engine::k_most_mass_kg))
@@ -161,7 +163,8 @@ void StagePower::read_contact(const StageModel& model, std::uint32_t part, TypeS
   set(kind->params, contact.params, "take", take);
   if (give > 0 && !contact.active)
     values_.warning_once(values_.where(*model.find(document_, "give_watts")),
-                         "a model gives energy only while it runs: it needs \"alwayson 1\" or \"ctrl\"");
+                         "\"give_watts\" has no effect: a model gives energy only while it runs, for which "
+                         "it needs \"alwayson 1\" or \"ctrl\"");
   type.devices.push_back(std::move(contact));
 }
 
@@ -170,7 +173,7 @@ void StagePower::finish(TypeSpec& type) {
     if (device.kind != "power_contact" || pack_of(type, device.part)) return false;
     values_.warning_once(device.where,
                          "\"give_watts\" and \"take_watts\" have no effect without \"joules\" or "
-                         "\"joules_capacity\" on the model or on one that carries it");
+                         "\"joules_capacity\" in this model or in a model around it");
     return true;
   });
   const bool is_controlled = !type.controllers.empty();

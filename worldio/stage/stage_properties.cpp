@@ -47,7 +47,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "threadpool", obsolete, ""},
 
     {"model", "name", honoured,
-     "a name that begins with `/` is global: it is not put below the name of the parent"},
+     "a name that begins with `/` is global: the name of the parent is not put in front of it"},
     {"model", "pose", honoured,
      "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning"},
     {"model", "size", honoured,
@@ -56,8 +56,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "origin", honoured, "offset of the body from `pose`; it does not move the children"},
     {"model", "update_interval", fixed, "time between two updates, ms; 0: every tick (with 0, Stage hangs)"},
     {"model", "color", fixed,
-     "X11 name, or \"random\": a random colour that depends on the seed and the body, for a child on the "
-     "seed and its name"},
+     "X11 name, or \"random\": a random colour; that of a top-level model depends on the seed and the id of "
+     "its body, that of a child on the seed and its name"},
     {"model", "color_rgba", honoured, "used if `color` is not given"},
     {"model", "bitmap", fixed,
      "an image whose solid pixels, stretched to `size`, are the body, or the YAML file of a ROS map; whole "
@@ -82,7 +82,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "number that fiducial finders read; 0: they do not find the model"},
     {"model", "fiducial_key", honoured, "only fiducial finders with the same key find the model"},
     {"model", "gripper_return", fixed,
-     "1: grippers sense the model and can hold it; they take the whole body, which does not jump"},
+     "1: grippers sense the model and can hold it. A gripper takes the whole body of which the model is a "
+     "part, and holds it where it is; in Stage, the gripped model jumps into the middle of the gripper"},
     {"model", "blob_return", fixed,
      "0: blob finders do not see the colour of the model; Stage never reads this property"},
     {"model", "ctrl", fixed, "names a controller of Troupe with its arguments: `\"expand speed=0.2\"`"},
@@ -92,14 +93,15 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "map_resolution", no_effect, "Stage stores it and does not use it"},
     {"model", "debug", no_effect, "in Stage, it prints a line"},
     {"model", "mass", honoured,
-     "kg; for a top-level `position`, whose drive draws 1 W, plus 10 W per kg and m/s"},
+     "kg; used for a top-level `position`: its drive draws 1 W, plus 10 W for each kg times each m/s of its "
+     "speed"},
     {"model", "watts", fixed,
      "power that the model draws while it runs, W, whatever the length of a tick; no effect for model types "
      "whose power follows from what they do: position, ranger (0.2 W per sensor), blobfinder (2 W), bumper "
      "(0.1 W), actuator (2 W), camera (100 W)"},
     {"model", "joules", fixed,
-     "energy of a full power pack, J; below 0: the pack never runs out. An empty pack stops the parts that "
-     "it supplies: see `when_empty`"},
+     "gives the model a power pack, which is full at the start and then holds this energy, J; below 0: the "
+     "pack never runs out. An empty pack stops the parts that it supplies: see `when_empty`"},
     {"model", "kjoules", fixed, "as `joules`, in kJ"},
     {"model", "joules_capacity", honoured,
      "capacity of the power pack, J; without `joules`, the pack is empty at the start"},
@@ -174,10 +176,12 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "update comes before the first motion. Turn rates (a) are not wrapped at 180 degrees per second"},
     {"position", "acceleration_bounds", fixed,
      "[xmin xmax ymin ymax zmin zmax amin amax]: bounds of commanded accelerations, not of speeds, as in "
-     "Stage; in Troupe also for a car, and each acceleration acts for the whole time since the last update"},
+     "Stage. In Troupe, they also apply to a car, and each commanded acceleration acts for the whole time "
+     "since the last update"},
     {"position", "localization", fixed,
      "\"gps\" or \"odom\"; anything else is an error. In Troupe, odometry counts the true motion: it does "
-     "not change while the robot is stalled, misses no tick between updates, and counts motion to the left"},
+     "not change while the robot is stalled, and includes sideways motion and the motion in ticks between "
+     "updates"},
     {"position", "localization_origin", honoured,
      "origin of the estimated poses with \"odom\"; \"gps\" ignores it, as in Stage, with a warning, unless "
      "`gps_origin` is 1"},
@@ -203,8 +207,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"sensor", "samples", honoured,
      "number of beams; a single beam points straight ahead; for cones see `beam_width`"},
     {"sensor", "noise", fixed,
-     "[variance share angle], each 0 or above; readings stay within 0 and the maximum, and the random "
-     "numbers follow from the seed"},
+     "[variance share angle], each 0 or above; readings stay within 0 and the maximum, and the random errors "
+     "depend only on the seed"},
     {"sensor", "beam_width", honoured,
      "added by Troupe: opening angle of each beam, which reads the nearest surface within it; default 0"},
     {"sensor", "apply_range_min", honoured,
@@ -214,28 +218,30 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"sensor", "view", obsolete, ""},
 
     {"laser", "samples", honoured,
-     "number of beams, default 180; in older files, a `laser` is a ranger without `sensor` blocks: it has "
-     "the properties of its only sensor itself"},
+     "number of beams, default 180. A `laser` occurs in older files: it is a ranger with one sensor, whose "
+     "properties are written in the `laser` itself, without a `sensor` block"},
     {"laser", "fov", honoured, "default 180 degrees"},
     {"laser", "range", honoured, "[min max], instead of `range_min` and `range_max`"},
     {"laser", "range_min", honoured, "default 0; stored but not applied"},
     {"laser", "range_max", honoured, "default 8 m"},
     {"sonar", "samples", honoured,
-     "number of beams, default 1; in older files, a `sonar` is a ranger without `sensor` blocks: it has the "
-     "properties of its only sensor itself"},
+     "number of beams, default 1. A `sonar` occurs in older files: it is a ranger with one sensor, whose "
+     "properties are written in the `sonar` itself, without a `sensor` block"},
     {"sonar", "fov", honoured, "default 0.1 rad"},
     {"sonar", "range", honoured, "[min max], instead of `range_min` and `range_max`"},
     {"sonar", "range_min", honoured, "default 0; stored but not applied"},
     {"sonar", "range_max", honoured, "default 5 m"},
 
     {"fiducial", "range_min", honoured,
-     "as in Stage, it is stored but not applied, unless `apply_range_min` is 1"},
+     "lower limit of the distance; as in Stage, it is stored but not applied, unless `apply_range_min` is 1"},
     {"fiducial", "apply_range_min", honoured,
      "added by Troupe: 1: targets nearer than `range_min` are not found"},
     {"fiducial", "range_max", honoured, "targets whose origins are nearer than this are found"},
     {"fiducial", "range_max_id", honoured, "the numbers of targets nearer than this are read"},
     {"fiducial", "fov", honoured, "opening angle, in `unit_angle`"},
-    {"fiducial", "ignore_zloc", fixed, "a body behind a target does not hide it"},
+    {"fiducial", "ignore_zloc", fixed,
+     "1: targets wholly above or below the finder's height are found too; unlike in Stage, a body behind "
+     "such a target does not hide it"},
 
     {"radio", "essid", honoured,
      "added by Troupe, like all properties of `radio`: radios hear only radios with the same `essid`"},
@@ -302,7 +308,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"actuator", "start_position", fixed,
      "position at the start relative to the pose of the model, m or rad; in Stage, it overwrites the pose"},
 
-    {"camera", "resolution", fixed, "[width height], pixels; any size, where Stage's window limits it"},
+    {"camera", "resolution", fixed,
+     "[width height], pixels; any size (in Stage, the size of its window is the limit)"},
     {"camera", "range", honoured, "[near far]"},
     {"camera", "fov", honoured, "[horizontal vertical], degrees, whatever `unit_angle` says"},
     {"camera", "pantilt", fixed,

@@ -71,8 +71,8 @@ class RoundTrip {
   bool is_turned(Where where, const std::string& owner, double a, double b) {
     if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
     const std::string text = fmt::format(
-        "type \"{}\": {}: its heading is wrapped into half a turn, as in Stage; the state hashes of a run "
-        "may differ",
+        "type \"{}\": {}: its heading is changed by whole turns to at most half a turn, as in Stage; the "
+        "state hashes of a run may differ from those of the original world",
         type_.name, owner);
     if (told_.insert(text).second) diagnostics_.warning(where, text);
     return true;
@@ -126,7 +126,7 @@ void RoundTrip::check_devices() {
     const auto other = std::ranges::find(back_.devices, device.name, &DeviceSpec::name);
     if (other == back_.devices.end() || other->kind != device.kind)
       lacks(device.where,
-            fmt::format("device \"{}\", a {}: Stage has no such device, or gives it another name",
+            fmt::format("its device \"{}\" of kind {}: Stage has no such device, or gives it another name",
                         device.name, device.kind));
     else
       check_device(device, *other);
@@ -134,8 +134,8 @@ void RoundTrip::check_devices() {
   for (const DeviceSpec& device : back_.devices)
     if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
       lacks(type_.parts.front().where,
-            fmt::format("the absence of device \"{}\": reading the file adds such a {}", device.name,
-                        device.kind));
+            fmt::format("that it has no device \"{}\": read back, the file gives it one, of kind {}",
+                        device.name, device.kind));
   // The order of devices of one kind matters, because controllers choose among them in this order.
   for (const engine::DeviceKind& kind : registry_.devices) {
     const auto names = [&](const TypeSpec& type) {
@@ -211,12 +211,13 @@ void RoundTrip::check_bodies() {
     for (const engine::ControllerSpec& controller : type_.controllers)
       if (stage_addition(controller.kind))
         return lacks(controller.where,
-                     fmt::format("controller \"{}\": with this seed it adds other parts to its model than "
-                                 "the type has",
+                     fmt::format("controller \"{}\": it adds random parts to its model, and with the seed of "
+                                 "this world not those that the type has",
                                  controller.kind));
-    return lacks(type_.parts.front().where,
-                 fmt::format("the number of parts with a body, {}: reading the file gives another number",
-                             parts.size()));
+    return lacks(
+        type_.parts.front().where,
+        fmt::format("its number of parts with a body, which is {}: read back, the file gives another number",
+                    parts.size()));
   }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const PartSpec& a = *parts[p];
@@ -226,7 +227,9 @@ void RoundTrip::check_bodies() {
     if (parts[p] == &type_.parts.front() && a.returns.fiducial != 0 && returns.fiducial != 0)
       returns.fiducial = a.returns.fiducial;
     if (a.returns != returns)
-      lacks(a.where, owner + ": its \"obstacle\", its returns or its \"fiducial_key\"");
+      lacks(a.where, owner +
+                         ": its \"obstacle\", its \"fiducial_key\", or one of \"ranger_return\", "
+                         "\"fiducial_return\", \"gripper_return\" and \"blob_return\"");
     check_size(a, b, owner);
     if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": \"floor_plan\"");
     if (a.color && a.color != b.color) lacks(a.where, owner + ": \"color\"");
@@ -235,9 +238,10 @@ void RoundTrip::check_bodies() {
       lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
     else if (*off > 0)
       diagnostics_.warning(
-          a.where, fmt::format("type \"{}\": {}: its outline is rounded by at most {:.2g} m, because Stage "
-                               "centres bodies; the state hashes of a run may differ",
-                               type_.name, owner, *off));
+          a.where,
+          fmt::format("type \"{}\": {}: its outline is rounded by at most {:.2g} m, because Stage centres "
+                      "bodies; the state hashes of a run may differ from those of the original world",
+                      type_.name, owner, *off));
   }
 }
 
@@ -248,9 +252,9 @@ void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::stri
   if ((a.size - b.size).cwiseAbs().maxCoeff() > k_rounding_m)
     lacks(a.where, owner + ": an \"extent_m\" that differs from the extent of the outline");
   else
-    diagnostics_.warning(
-        a.where, fmt::format("type \"{}\": {}: its extent is rounded; the state hashes of a run may differ",
-                             type_.name, owner));
+    diagnostics_.warning(a.where, fmt::format("type \"{}\": {}: its extent is rounded; the state hashes of a "
+                                              "run may differ from those of the original world",
+                                              type_.name, owner));
 }
 
 }  // namespace
@@ -264,8 +268,9 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
   if (!same_bits(spec.tick_s, back.tick_s))
     lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
   if (spec.bodies.size() != back.bodies.size())
-    return lacks(whole, fmt::format("the number of bodies, {}: reading the file gives another number",
-                                    spec.bodies.size()));
+    return lacks(whole,
+                 fmt::format("the number of bodies, which is {}: read back, the file gives another number",
+                             spec.bodies.size()));
   std::set<std::pair<std::uint32_t, std::uint32_t>> types;
   for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
     const engine::BodySpec& body = spec.bodies[b];

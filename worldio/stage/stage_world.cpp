@@ -296,8 +296,9 @@ void StageWorld::add_body(const StageEntity& entity) {
   if (names_.add(body.name, id) != id)
     values_.warning_once(
         own[k_name] ? values_.where(*own[k_name]) : body.where,
-        fmt::format("the name \"{}\" is already taken; a lookup finds the last model with this name",
-                    spec_->names.text(body.name)));
+        fmt::format(
+            "the name \"{}\" is already taken; a look-up by this name finds the last model that has it",
+            spec_->names.text(body.name)));
   spec_->bodies.push_back(body);
 }
 

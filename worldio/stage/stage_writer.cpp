@@ -108,11 +108,12 @@ class WorldText {
 
 void WorldText::refuse_what_stage_lacks() {
   if (spec_.ranging != engine::RangingEngine::exact)
-    lacks("ranging", "choose the ray engine with troupe run --raytracer");
-  if (spec_.record) lacks("record", "record with troupe run --record");
-  if (!spec_.measures.empty()) lacks("measures", "choose measures with troupe run --measure");
+    lacks("ranging", "remove this key, and choose the ray engine with troupe run --raytracer");
+  if (spec_.record) lacks("record", "remove this key, and record with troupe run --record");
+  if (!spec_.measures.empty())
+    lacks("measures", "remove this key, and choose measures with troupe run --measure");
   if (spec_.measure_every_s != WorldSpec().measure_every_s)
-    lacks("measure_every", "set the interval with troupe run --measure-every");
+    lacks("measure_every", "remove this key, and set the interval with troupe run --measure-every");
   if (!spec_.reserves.empty())
     lacks(says("populations") ? "populations" : "models",
           "Stage has no \"reserve\" of bodies that are born later");

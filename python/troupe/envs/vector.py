@@ -101,7 +101,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         begins = self._is_over
         if self.autoreset_mode == AutoresetMode.DISABLED and begins.any():
             raise RuntimeError(
-                f"copies {np.flatnonzero(begins).tolist()} are over: call reset(options={{'reset_mask': ...}}) first"
+                f"the episodes of copies {np.flatnonzero(begins).tolist()} have ended: call reset(options={{'reset_mask': ...}}) first"
             )
         table = np.asarray(actions)
         if table.shape != self.action_space.shape:
