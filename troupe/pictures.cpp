@@ -38,9 +38,7 @@ constexpr std::array<PictureLayer, 24> k_layers = {{
     {"stalls", true, "a red outline with a white rim around robots whose motion is blocked"},
     {"scale", true, "a scale bar; in perspective the distance between grid lines"},
     {"clock", true, "the simulated time"},
-    {"speed", false,
-     "speed as a multiple of real time: in a film, the speed of the film; in a single picture, the speed of "
-     "the run"},
+    {"speed", false, "speed of the film, or of the run in a single picture, as a multiple of real time"},
     {"legend", true, "the colour scale of --color-by, with the unit"},
     {"bounds", true, "the outline of the world's bounds, if it has them"},
     {"types", false, "a legend of the types of robots: colour, name and number of robots"},

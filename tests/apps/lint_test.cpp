@@ -94,12 +94,14 @@ TEST_F(LintTest, ReportsFloorPlansThatBlockNothingAndWhoStandsInThem) {
           "w.world:1: warning: floor plan \"cave\" blocks no robot: it is not an obstacle",
           "w.world:5: warning: \"in\" starts inside a wall of floor plan \"cave\", which does not block it",
           "w.world: 2 findings"));
-  EXPECT_THAT(findings("high.world",
-                       "model( name \"cave\" pose [5 0 3 0] size [4 4 1] bitmap \"gate.pgm\" )\n"
-                       "position( size [0.4 0.4 0.25] )\n"),
-              ElementsAre("high.world:1: warning: floor plan \"cave\" blocks no robot: its height is 3 to 4 "
-                          "m, but the robots are at 0 to 0.25 m",
-                          "high.world: 1 finding"));
+  EXPECT_THAT(
+      findings("high.world",
+               "model( name \"cave\" pose [5 0 3 0] size [4 4 1] bitmap \"gate.pgm\" )\n"
+               "position( size [0.4 0.4 0.25] )\n"),
+      ElementsAre(
+          "high.world:1: warning: floor plan \"cave\" blocks no robot: its walls are at a height of 3 to 4 "
+          "m, but the robots are at 0 to 0.25 m",
+          "high.world: 1 finding"));
   EXPECT_THAT(
       findings("ghost.world",
                "model( name \"cave\" pose [5 0 0 0] size [4 4 1] bitmap \"gate.pgm\" )\n"

@@ -242,7 +242,7 @@ TEST(ControllerCheck, CatchesAFieldThatStartLeavesUnset) {
   ASSERT_THAT(findings, ElementsAre(is_finding("starts_half/1", "memory unset", Repeat::start)));
   EXPECT_EQ(finding_text(swarm.world, findings[0]),
             "controller \"starts_half/1\": memory unset of \"r0\" (id 1) is 0xa5a5a5a5 (-1515870811) when "
-            "started in storage that held other bytes, not 0x5a5a5a5a (1515870810)");
+            "its memory is initialised in storage that held other bytes, not 0x5a5a5a5a (1515870810)");
 }
 
 TEST(ControllerCheck, OurOwnControllersAreFunctions) {

@@ -449,7 +449,7 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
                             get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
               HasSubstr("device \"eye\": \"set\" must not change the number or layout of the readings and "
-                        "state fields, or the devices that it uses"));
+                        "state fields, or the devices that a controller uses"));
 
   const auto failing = [&](FaultSpec spec) {
     return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });

@@ -245,7 +245,8 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
                     "transducers: the value of \"noise_relative\""),
           HasSubstr("w.json:6: error: a .world file cannot express this: type \"bot\": device \"fid\": "
                     "the value of \"most_targets\""),
-          HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": device \"pack\""),
+          HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": its device "
+                    "\"pack\" of kind power_pack: Stage has no such device"),
           HasSubstr("that it has no device \"power\": read back")));
 }
 
