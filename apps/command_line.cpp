@@ -4,6 +4,8 @@
 #include "apps/commands.hpp"
 #include "apps/exit_code.hpp"
 #include "apps/options.hpp"
+#include "apps/ranks/ranks.hpp"
+#include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/version.hpp"
@@ -130,9 +132,10 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
       if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return told(app.exit(error));
-      fmt::print(stderr, "{}", usage_text(app, error));
+      print_common_error(usage_text(app, error));
       return k_bad_input;
     }
+    if (python_is_wanted()) run_in_python(argc, argv);
     return told(run_command(app, commands, limit));
   } catch (const InputError& error) {
     fmt::print(stderr, "{}\n", error.what());

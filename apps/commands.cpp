@@ -11,12 +11,13 @@
 #include "apps/manual.hpp"
 #include "apps/pictures/render.hpp"
 #include "apps/plot/plot.hpp"
+#include "apps/ranks/ranks.hpp"
 #include "apps/repair.hpp"
 #include "apps/replay.hpp"
 #include "apps/run/run.hpp"
 #include "apps/run/run_options.hpp"
 #include "apps/sweep/sweep.hpp"
-#include "apps/view/view_command.hpp"
+#include "apps/view_command.hpp"
 #include "troupe/registry.hpp"
 
 #include <memory>
@@ -31,8 +32,34 @@ ProgramCommand row(const char* name, const char* help, void (*add_options)(CLI::
   return {.name = name,
           .help = help,
           .add_options = [options, add_options](CLI::App& command) { add_options(command, *options); },
-          .run = [options, run] { return run(*options); },
+          .run = [options, run, name] { return is_refused_on_ranks(name) ? k_bad_input : run(*options); },
           .options = options};
+}
+
+/// row() for a command that itself joins a launcher such as mpirun.
+template <class Options>
+ProgramCommand row_of_any(const char* name, const char* help, void (*add_options)(CLI::App&, Options&),
+                          ExitCode (*run)(const Options&)) {
+  ProgramCommand command = row(name, help, add_options, run);
+  command.run = [options = std::any_cast<std::shared_ptr<Options>>(command.options), run] {
+    return run(*options);
+  };
+  return command;
+}
+
+/// row() for a command that uses all processes of a launcher such as mpirun.
+template <class Options>
+ProgramCommand row_of_ranks(const char* name, const char* help, void (*add_options)(CLI::App&, Options&),
+                            ExitCode (*run)(const Options&)) {
+  ProgramCommand command = row(name, help, add_options, run);
+  command.run = [options = std::any_cast<std::shared_ptr<Options>>(command.options), run] {
+    return on_ranks(*options, [&](const SimulationOptions& simulation) {
+      Options own = *options;
+      own.simulation = simulation;
+      return run(own);
+    });
+  };
+  return command;
 }
 
 ExitCode check_shipped(const CheckOptions& options) { return check(options, make_registry()); }
@@ -41,14 +68,15 @@ ExitCode check_shipped(const CheckOptions& options) { return check(options, make
 
 std::vector<ProgramCommand> program_commands() {
   return {
-      row("run", "Run a world and print a summary", add_run_options, run),
-      row("resume", "Continue a run from a checkpoint", add_resume_options, run),
+      row_of_ranks("run", "Run a world and print a summary", add_run_options, run),
+      row_of_ranks("resume", "Continue a run from a checkpoint", add_resume_options, run),
       row("view", "Watch and steer a world in a browser", add_view_options, view_world),
-      row("sweep", "Run a world many times with varied parameters and seeds, and tabulate the results",
-          add_sweep_options, sweep),
+      row_of_any("sweep", "Run a world many times with varied parameters and seeds, and tabulate the results",
+                 add_sweep_options, sweep),
       row("plot", "Plot a measure of a sweep over time", add_plot_options, plot),
-      row("check", "Check that results do not depend on the number of threads or the tile size",
-          add_check_options, check_shipped),
+      row_of_ranks("check",
+                   "Check that results do not depend on the number of threads or ranks or the tile size",
+                   add_check_options, check_shipped),
       row("diff", "Find the first tick at which two hash logs or recordings differ", add_diff_options, diff),
       row("repair", "Make a truncated recording readable for standard HDF5 tools", add_repair_options,
           repair),

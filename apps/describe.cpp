@@ -183,6 +183,20 @@ std::string state_text(const engine::DeviceKind& kind) {
   return text;
 }
 
+/// Returns, as text, which data of other bodies a device reads, and which bodies its effects change.
+std::string others_text(const engine::DeviceKind& kind) {
+  std::string text;
+  if (!kind.reads.empty())
+    text += fmt::format("  reads of other bodies, besides their places: {}\n", fmt::join(kind.reads, ", "));
+  if (kind.apply != nullptr) {
+    constexpr std::array<std::string_view, 3> k_scopes{
+        "its own body, a target within its reach, and what these carry or are carried by",
+        "its own body, a target anywhere in the world, and what these carry or are carried by", "any body"};
+    text += fmt::format("  changes: {}\n", k_scopes[static_cast<std::size_t>(kind.scope)]);
+  }
+  return text.empty() ? text : "other bodies\n" + text + "\n";
+}
+
 template <class Kind>
 std::string kind_text(std::string_view group, const Kind& kind) {
   return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
@@ -204,12 +218,13 @@ std::string properties_text(std::string_view heading, std::string_view type) {
 
 std::string model_text(const Registry& registry, const engine::ModelKind& kind) {
   const engine::DeviceKind* device = registry.device(kind.device);
-  std::string text = fmt::format("model {}: {}\n\n  default size {} x {} x {} m, {}\n\n", kind.name,
-                                 kind.text, kind.size.x(), kind.size.y(), kind.size.z(),
-                                 kind.has_default_body ? "a box unless it has blocks or a bitmap"
-                                 : device && device->body != nullptr
-                                     ? "with the body of its kind unless it has blocks or a bitmap"
-                                     : "without a body");
+  std::string text =
+      fmt::format("model {}: {}\n\n  default size {} x {} x {} m, {}\n\n", kind.name, kind.text,
+                  kind.size.x(), kind.size.y(), kind.size.z(),
+                  kind.has_default_body ? "a box unless it has blocks or a bitmap"
+                  : device && device->body != nullptr
+                      ? "with the shape that the device defines unless it has blocks or a bitmap"
+                      : "without a body");
   if (kind.name != "model") text += properties_text("properties in a Stage world", kind.name);
   if (kind.name == "ranger") text += properties_text("properties of each sensor( ) block in it", "sensor");
   return text + properties_text("properties of every model", "model") +
@@ -232,9 +247,11 @@ std::string wrapped(std::string_view text) {
 
 std::string measure_text(const engine::MeasureKind& kind) {
   const std::string_view symbol = engine::unit_suffixes(kind.unit).front().symbol;
-  return fmt::format("measure {}{}: {}\n\n{}\n{}\n", kind.name,
+  return fmt::format("measure {}{}: {}\n\n{}{}\n{}\n", kind.name,
                      symbol.empty() ? std::string() : fmt::format(" ({})", symbol), kind.text,
-                     wrapped(kind.definition), fields_text(kind.params));
+                     wrapped(kind.definition),
+                     kind.formula.empty() ? std::string() : fmt::format("\n    {}\n", kind.formula),
+                     fields_text(kind.params));
 }
 
 /// Returns the description of a preset: its parameters are those of its kind of controller, with other
@@ -277,11 +294,12 @@ std::string list_kinds(const Registry& registry) {
 std::string describe_kind(const Registry& registry, std::string_view name) {
   std::string text;  // parameters in JSON, then properties in Stage world files
   if (const auto* kind = registry.device(name))
-    text += kind_text(kind->is_sensor() ? "sensor" : "device", *kind) + state_text(*kind);
+    text +=
+        kind_text(kind->is_sensor() ? "sensor" : "device", *kind) + state_text(*kind) + others_text(*kind);
   if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
   if (const auto* kind = registry.controller(name)) text += kind_text("controller", *kind);
   if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
-  if (const auto* kind = registry.measure(name)) text += measure_text(*kind);
+  if (const auto kind = registry.find_measure(name)) text += measure_text(**kind);
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.find("\n  key ") != std::string::npos)
     text += "Defaults and ranges are in the first unit of a key; JSON also accepts the units in brackets.\n";

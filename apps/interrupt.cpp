@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
 #include <string>
 
 namespace troupe::apps {
@@ -13,7 +14,8 @@ namespace {
 // A signal handler may set lock-free flags, remove a file and raise a signal, but not lock or allocate.
 std::atomic<bool> requested = false;
 std::atomic<bool> has_doomed = false;
-static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<std::uint32_t> saves = 0;  // how often SIGUSR1 has arrived
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::uint32_t>::is_always_lock_free);
 std::array<char, 4096> doomed{};  // name of the file to remove; written only while has_doomed is false
 
 void handle(int signal) {
@@ -34,6 +36,16 @@ void stop_on_signals() {
 }
 
 bool stop_requested() { return requested; }
+
+void count_save_requests() {
+  saves = 0;
+  struct sigaction action {};
+  action.sa_handler = [](int) { saves.fetch_add(1, std::memory_order_relaxed); };
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGUSR1, &action, nullptr);
+}
+
+std::uint32_t save_requests() { return saves; }
 
 void remove_when_killed(const std::filesystem::path& file) {
   const std::string& name = file.native();

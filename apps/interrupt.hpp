@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 namespace troupe::apps {
@@ -10,6 +11,10 @@ namespace troupe::apps {
 void stop_on_signals();
 /// Whether Ctrl-C or SIGTERM has arrived.
 bool stop_requested();
+/// Counts SIGUSR1 from now on; the signal then does not end the program.
+void count_save_requests();
+/// How often SIGUSR1 has arrived since count_save_requests().
+std::uint32_t save_requests();
 /// Sets the file that a second signal removes before it ends the program, such as an unfinished film. The
 /// file replaces the previous one. Empty: no file; a name of 4,096 bytes or more has the same effect.
 void remove_when_killed(const std::filesystem::path& file);

@@ -1,5 +1,6 @@
 #include "apps/options.hpp"
 
+#include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "partition/parallel.hpp"
@@ -103,6 +104,13 @@ unsigned thread_count(std::string_view text) {
   return *threads;
 }
 
+unsigned rank_count(std::string_view text) {
+  const auto ranks = number<unsigned>(text);
+  if (!ranks || *ranks < 1 || *ranks > k_most_ranks)
+    refuse("--ranks", text, fmt::format("a number of ranks, 1 to {}", k_most_ranks));
+  return *ranks;
+}
+
 double tile_size_m(std::string_view text) {
   const auto size = finite(text);
   if (!size || *size <= 0)
@@ -149,7 +157,28 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_set_option(app, "Change a value of the world: a JSON pointer and a value; repeatable",
                  options.simulation.set);
   add_plugin_path_option(app, options.simulation.plugin_path);
+  add_controller_option(app, options.simulation.scripts);
   add_simd_option(app);
+}
+
+void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
+  add_value(app, "--rank-seed", "N",
+            "Delay and shuffle the messages between ranks, and let robots change their ranks",
+            [&options](const std::string& text) {
+              options.simulation.rank_seed = number<std::uint64_t>(text);
+              if (!options.simulation.rank_seed)
+                refuse("--rank-seed", text, "a whole number from 0 to 2^64 - 1");
+            })
+      ->group("Advanced");
+}
+
+void add_rank_limit_option(CLI::App& app, WorldOptions& options) {
+  add_value(app, "--rank-limit", "S",
+            "Under mpirun: longest wait for another rank, s of real time (default: 600)",
+            [&options](const std::string& text) {
+              options.rank_limit_s = positive_seconds("--rank-limit", text, "a time");
+            })
+      ->group("Advanced");
 }
 
 void add_end_option(CLI::App& app, WorldOptions& options) {

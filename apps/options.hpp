@@ -46,6 +46,8 @@ double positive_seconds(const char* option, const std::string& text, std::string
 /// refuse() for invalid values.
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);
+/// Converts a value of --ranks. Throws as refuse() for invalid values.
+unsigned rank_count(std::string_view text);
 
 /// Adds an option with one value. name: as typed, `--for`; value: placeholder of the value in the help; help:
 /// its line in the help; set: is called with the text of the value, which it converts. CLI11's own
@@ -62,12 +64,13 @@ struct WorldOptions {
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
+  double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, s
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
 /// must outlive `app`.
 void add_world_options(CLI::App& app, WorldOptions& options);
-/// Adds --for, --seed, --raytracer, --robots, --spare, --set, --plugin-path and --simd. Parsing fills
-/// `options`, which must outlive `app`.
+/// Adds --for, --seed, --raytracer, --robots, --spare, --set, --plugin-path, --controller and --simd. Parsing
+/// fills `options`, which must outlive `app`.
 void add_run_settings(CLI::App& app, WorldOptions& options);
 /// Add --for or --set. `troupe resume` has these two options of add_run_settings() as well.
 void add_end_option(CLI::App& app, WorldOptions& options);
@@ -81,6 +84,10 @@ void add_simd_option(CLI::App& app);
 /// Selects the instruction set that the environment variable TROUPE_SIMD names, if it is set. Throws
 /// InputError if this computer cannot run it or if the name is unknown.
 void obey_simd_variable();
+/// Adds --rank-seed, which sets SimulationOptions::rank_seed.
+void add_rank_seed_option(CLI::App& app, WorldOptions& options);
+/// Adds --rank-limit.
+void add_rank_limit_option(CLI::App& app, WorldOptions& options);
 /// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
 /// Returns the folders in `given`, then those in the environment variable TROUPE_PLUGIN_PATH, then those in

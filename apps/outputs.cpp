@@ -2,6 +2,7 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/options.hpp"
+#include "troupe/effective_options.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -39,8 +40,7 @@ std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
 /// enough, because the states of two runs may be equal for a while.
 void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   const auto is_free = [](std::string_view key) {
-    return key == "threads" || key == "tile_m" || key == "simd" || key == "resumed_at_tick" ||
-           key.starts_with("set ") || key.starts_with("plugin ");
+    return changes_no_result(key) || key.starts_with("set ") || key.starts_with("plugin ");
   };
   for (const auto& [key, value] : simulation.effective_options()) {
     const auto& entries = log.header().entries;

@@ -77,18 +77,21 @@ std::size_t room(double max_mb) {
   return left > 0 ? static_cast<std::size_t>(left / 4 * 3) : 0;
 }
 
-void tell(const fs::path& page, double mb, double max_mb, const worldio::ReplayData& data) {
+std::string contents_of(const fs::path& page, double mb, double max_mb, const worldio::ReplayData& data) {
   std::string bodies = number_of(data.robots, "robot");
   if (data.others > 0)
     bodies += fmt::format(" and {} other {}", data.others, data.others == 1 ? "body" : "bodies");
-  fmt::print("{}: {}, {}{}, {:.1f} MB\n", page.string(), bodies, number_of(data.frames, "frame"),
-             data.frames > 1 ? fmt::format(" every {:.6g} s", data.every_s) : "", mb);
+  std::string text =
+      fmt::format("{}: {}, {}{}, {:.1f} MB\n", page.string(), bodies, number_of(data.frames, "frame"),
+                  data.frames > 1 ? fmt::format(" every {:.6g} s", data.every_s) : "", mb);
   if (data.stride > 1)
-    fmt::print("{}: every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n", page.string(),
-               ordinal(data.stride), data.recorded, max_mb);
+    text += fmt::format("{}: every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n",
+                        page.string(), ordinal(data.stride), data.recorded, max_mb);
   if (data.at_rest)
-    fmt::print("{}: moving parts are drawn at rest: record their positions with --record-fields joint\n",
-               page.string());
+    text +=
+        fmt::format("{}: moving parts are drawn at rest: record their positions with --record-fields joint\n",
+                    page.string());
+  return text;
 }
 
 void check(const ReplayOptions& options, const fs::path& page) {
@@ -125,7 +128,7 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
             [&options](const std::string& text) { options.fields = names_of(text); });
 }
 
-ExitCode replay(const ReplayOptions& options) {
+std::string write_replay_page(const ReplayOptions& options) {
   const fs::path page =
       options.page.empty() ? fs::path(options.recording).replace_extension(".html") : options.page;
   const std::size_t mark = k_replay_page.find(k_mark);
@@ -153,12 +156,20 @@ ExitCode replay(const ReplayOptions& options) {
     worldio::write_whole(page,
                          {k_replay_page.substr(0, mark), text, k_replay_page.substr(mark + k_mark.size())});
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "{}: error: cannot be written: {}\n", page.string(), error.code().message());
-    return k_failed;
+    refuse_output(page, error.code().message());
   }
   const double mb = static_cast<double>(k_replay_page.size() - k_mark.size() + text.size()) / k_bytes_mb;
-  tell(page, mb, options.max_mb, data);
-  return k_finished;
+  return contents_of(page, mb, options.max_mb, data);
+}
+
+ExitCode replay(const ReplayOptions& options) {
+  try {
+    fmt::print("{}", write_replay_page(options));
+    return k_finished;
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_failed;
+  }
 }
 
 }  // namespace troupe::apps

@@ -25,8 +25,11 @@ struct ReplayOptions {
 /// Adds the options of `replay`; parsing fills `options`, which must outlive `command`.
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 
-/// `troupe replay RECORDING -o FILE.html`: writes a self-contained page that plays the recording in a
-/// browser. Throws InputError if the file is not a recording or does not have the data that the page needs.
+/// Writes a self-contained page that plays the recording in a browser. Returns what the page contains, as
+/// lines of text for people. Throws InputError if the file is not a recording or does not have the data that
+/// the page needs, or if the page exists, and OutputError if writing fails.
+std::string write_replay_page(const ReplayOptions& options);
+/// `troupe replay RECORDING -o FILE.html`: write_replay_page(). Prints what the page contains.
 ExitCode replay(const ReplayOptions& options);
 
 }  // namespace troupe::apps

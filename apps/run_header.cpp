@@ -1,22 +1,23 @@
 #include "apps/run_header.hpp"
 
 #include "base/diagnostics.hpp"
+#include "troupe/effective_options.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
 #include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace troupe::apps {
 namespace {
 
-// Entries that are not compared, because they change no result. "version" is one of them because
-// compare_domains() compares it part by part.
-constexpr std::array k_free = {
-    "version",       "threads",        "tile_m", "simd", "kind", "layout", "record_every_ticks",
-    "record_fields", "resumed_at_tick"};
+// Entries that are not compared, besides options that change no result: they describe the file. "version" is
+// one of them because compare_domains() compares it part by part.
+constexpr std::array<std::string_view, 5> k_free = {"version", "kind", "layout", "record_every_ticks",
+                                                    "record_fields"};
 
 /// A part of a version line, such as the compiler, on which results may depend.
 struct DomainPart {
@@ -63,7 +64,8 @@ class Unlike {
     std::set<std::string> keys;
     for (const RunHeader* header : {&first_, &second_})
       for (const auto& [key, entry] : header->entries) keys.insert(key);
-    for (const char* free : k_free) keys.erase(free);
+    for (const std::string_view free : k_free) keys.erase(std::string(free));
+    std::erase_if(keys, changes_no_result);
     for (const std::string& key : keys) {
       std::string a = value(first_, key);
       std::string b = value(second_, key);

@@ -1,7 +1,7 @@
 # cmake --install: the program, the libraries with their headers in the layout of the source tree (under include/troupe,
 # so that both `#include <troupe/troupe.hpp>` and the headers' own `#include "base/pose.hpp"` work), the worlds, the
 # documentation, and a package for find_package(troupe). The component `development` contains what other programs need to
-# build, `program` the rest; cpack makes a Debian package of each.
+# build, `mpi` the modules for MPI, `program` the rest; cpack makes a Debian package of each.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -10,7 +10,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/troupe)
 set(header_dir ${CMAKE_INSTALL_INCLUDEDIR}/troupe)
 
 set(libraries)
-foreach(folder base partition engine sensors models worldio render troupe)
+foreach(folder base partition engine sensors models worldio render troupe live)
   if(TARGET troupe_${folder})
     list(APPEND libraries troupe_${folder})
   endif()
@@ -57,6 +57,9 @@ set(CPACK_PACKAGE_CONTACT "The Troupe authors")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL program development)
+if(troupe_mpi_modules)
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+endif()
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -68,6 +71,20 @@ if(TROUPE_RENDER)
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # loaded with the first picture
 endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg, libcairo2, python3-matplotlib")  # films, PDFs, troupe plot
+
+# Only one of the MPIs is needed, so the dependencies cannot come from dpkg-shlibdeps.
+set(mpi_libraries)
+if(openmpi IN_LIST troupe_mpi_modules)
+  list(APPEND mpi_libraries libopenmpi3)
+endif()
+if(mpich IN_LIST troupe_mpi_modules)
+  list(APPEND mpi_libraries libmpich12)
+endif()
+list(JOIN mpi_libraries " | " mpi_libraries)
+set(CPACK_DEBIAN_MPI_PACKAGE_NAME troupe-mpi)
+set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "troupe (= ${PROJECT_VERSION}), libc6, ${mpi_libraries}")
+set(CPACK_DEBIAN_MPI_PACKAGE_SUGGESTS "openmpi-bin, mpich")  # their mpirun
+set(CPACK_DEBIAN_MPI_DESCRIPTION "${PROJECT_DESCRIPTION}: modules for one world on several processes")
 
 # The dependencies in troupeConfig.cmake.
 set(needed libeigen3-dev libfmt-dev libhwy-dev libpng-dev zlib1g-dev libyaml-cpp-dev)

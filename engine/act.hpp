@@ -25,9 +25,10 @@ struct Act {
     remove,   ///< removes a body from the world
     disable,  ///< stops the devices, controllers and drive of a body
     enable,   ///< lets a disabled body run again
+    set,      ///< changes the parameters in `setting` for all bodies of the type `whom`
   };
   Kind kind = Kind::move;  ///< kind of action; its name is in k_acts
-  std::string whom;        ///< name of a body; for `add`, of a population
+  std::string whom;        ///< name of a body; for `add`, of a population; for `set`, of a type
   Pose pose;               ///< for `move` and `add`: new pose of the body, world frame, m and rad
   /// For `speed` and `hold`: the speeds [forward, left, turn], m/s and rad/s, body frame. As in
   /// Model::set_speed, turn is the steering angle, rad, for a car.
@@ -36,11 +37,13 @@ struct Act {
   /// For `command`: the fields of the device's command struct to set. Each has a name, and one number per
   /// column.
   std::vector<std::pair<std::string, std::vector<double>>> values;
+  /// For `set`: the parameters that change, as for Simulation::set().
+  std::string setting;
 
   friend bool operator==(const Act&, const Act&) = default;
 };
 /// The names of Act::Kind in files and messages, in its order.
-inline constexpr std::array<std::string_view, 9> k_acts{"move", "speed",  "hold",    "release", "command",
-                                                        "add",  "remove", "disable", "enable"};
+inline constexpr std::array<std::string_view, 10> k_acts{"move", "speed",  "hold",    "release", "command",
+                                                         "add",  "remove", "disable", "enable",  "set"};
 
 }  // namespace troupe::engine

@@ -1,84 +1,156 @@
-#include "engine/world.hpp"
+#include "engine/blinkers.hpp"
 
+#include "engine/step_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <limits>
-#include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace troupe::engine {
 
-/// The data of the test mode hide_beyond_reach(): copies of the data of the hidden rows, and a spatial index
-/// without these rows.
-struct World::Blinkers {
-  explicit Blinkers(const World& world)
-      : transforms(world.transforms_),
-        outlines(world.outlines_),
-        radii(world.row_radii_),
-        shapes(world.row_shapes_),
-        tables(world.tables_),
-        index(world.geometry_) {}
+Blinkers::Blinkers(WorldState& state)
+    : state_(state),
+      transforms_(state.transforms),
+      outlines_(state.outlines),
+      radii_(state.radii),
+      shapes_(state.shapes),
+      tables_(state.tables),
+      index_(state.geometry) {}
 
-  // Copies of the world's members. Only the elements of hidden rows are used.
-  std::vector<Transform> transforms;
-  std::vector<Vec2> outlines;
-  std::vector<double> radii;
-  std::vector<const partition::ObstacleShape*> shapes;
-  std::vector<StateTable> tables;
-  partition::BodyIndex index;
-  partition::Parallel serial{1};
-  std::vector<Row> hidden;
-};
-
-void World::BlinkersDeleter::operator()(Blinkers* blinkers) const { delete blinkers; }
-
-void World::hide_beyond_reach(bool on) {
-  if (on && (parallel_.threads() != 1 || ray_grid_))
-    throw std::invalid_argument("hide_beyond_reach() needs a world with one thread and the exact ray engine");
-  blinkers_.reset(on ? new Blinkers(*this) : nullptr);
+/// For each state table, whether a kind of device may read the rows of other bodies in it: the tables of
+/// places (SensingView), and those that the kind declares.
+std::vector<std::uint8_t> Blinkers::tables_read_by(const DeviceKind& kind) const {
+  std::vector<std::uint8_t> reads(state_.tables.size(), 0);
+  const auto declares = [&](std::string_view name) {
+    return std::ranges::find(kind.reads, name) != kind.reads.end();
+  };
+  reads[WorldState::k_pose] = 1;
+  for (const auto& table : {state_.carrier_table, state_.life_table})
+    if (table) reads[*table] = 1;
+  const bool runs = declares(k_runs_of_others);
+  reads[WorldState::k_velocity] = declares(k_velocity_of_others);
+  reads[WorldState::k_command] = runs || declares(k_command_of_others);
+  if (state_.condition_table) reads[*state_.condition_table] = runs;
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
+    if (std::ranges::find(state_.row_types, t) == state_.row_types.end())
+      continue;  // such a type has no tables
+    for (const BodyType::Joint& joint : state_.types[t].joints) reads[joint.table] = 1;
+    for (const BodyType::Device& device : state_.types[t].devices) {
+      const std::span<const StateField> fields = state_.tables[device.table].fields();
+      reads[device.table] = declares(device.kind->name) || (runs && device.kind->is_spent != nullptr) ||
+                            (!fields.empty() && declares(fields.front().name));
+      if (device.command_table)
+        reads[*device.command_table] = declares(std::string(device.kind->name) + "/command");
+    }
+  }
+  return reads;
 }
 
-void World::hide_from(Row row, double reach) {
-  Blinkers& b = *blinkers_;
+void Blinkers::hide_from(Row row, const DeviceKind& kind, double reach) {
+  const auto [reads, is_new] = reads_.try_emplace(&kind);
+  if (is_new) reads->second = tables_read_by(kind);
   constexpr double k_slack_m = 1e-6;  // for the rounding of a distance and a radius
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-  static const partition::ObstacleShape k_no_shape;
-  const Vec2 origin = transform(row).position;
-  b.hidden.clear();
-  for (std::size_t r = 0; r < rows(); ++r) {
+  const Vec2 origin = state_.view.transform(row).position;
+  hidden_.clear();
+  for (std::size_t r = 0; r < state_.row_count(); ++r) {
     const Row other(r);
-    if (same_tree(other, row) || !is_there(other)) continue;
-    if ((transform(other).position - origin).norm() - row_radii_[r] > reach + k_slack_m)
-      b.hidden.push_back(other);
+    if (state_.view.same_tree(other, row) || !state_.view.is_there(other)) continue;
+    if ((state_.view.transform(other).position - origin).norm() - state_.radii[r] > reach + k_slack_m)
+      hidden_.push_back(other);
   }
-  for (const Row other : b.hidden) {
+  for (const Row other : hidden_) {
     const std::size_t r = other.index();
-    b.transforms[r] =
-        std::exchange(transforms_[r], Transform({k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan})));
-    b.radii[r] = std::exchange(row_radii_[r], partition::k_not_there);
-    b.shapes[r] = std::exchange(row_shapes_[r], &k_no_shape);
-    for (std::size_t v = outline_begins_[r]; v < outline_begins_[r] + type(other).outline_vertices.size();
-         ++v)
-      b.outlines[v] = std::exchange(outlines_[v], Vec2(k_nan, k_nan));
-    for_tables_of(other, [&](std::size_t t, std::size_t at) {
-      b.tables[t].copy_row(at, tables_[t]);
-      tables_[t].fill_row(at, std::byte{0xff});  // a floating-point field is then NaN
+    transforms_[r] =
+        std::exchange(state_.transforms[r], Transform({k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan})));
+    radii_[r] = std::exchange(state_.radii[r], partition::k_not_there);
+    shapes_[r] = std::exchange(state_.shapes[r], &k_no_shape);
+    for (std::size_t v = state_.outline_begins[r];
+         v < state_.outline_begins[r] + state_.type(other).outline_vertices.size(); ++v)
+      outlines_[v] = std::exchange(state_.outlines[v], Vec2(k_nan, k_nan));
+    state_.for_tables_of(other, [&](std::size_t t, std::size_t at) {
+      tables_[t].copy_row(at, state_.tables[t]);
+      state_.tables[t].fill_row(at, std::byte{0xff});  // a floating-point field is then NaN
     });
   }
-  std::swap(index_, b.index);
-  index_.rebuild(transforms_, row_radii_, b.serial);
+  for_other_tables(row, reads->second, [&](std::size_t t, std::size_t at) {
+    tables_[t].copy_row(at, state_.tables[t]);
+    state_.tables[t].fill_row(at, std::byte{0xff});
+  });
+  std::swap(state_.index, index_);
+  state_.index.rebuild(state_.transforms, state_.radii, serial_);
 }
 
-void World::show_hidden() {
-  Blinkers& b = *blinkers_;
-  std::swap(index_, b.index);
-  for (const Row other : b.hidden) {
+/// Calls visit(t, i) for each row i of a table t that belongs to another body than that of `row`, if the body
+/// is visible and the table is not one of those in `reads`.
+template <class Visit>
+void Blinkers::for_other_tables(Row row, std::span<const std::uint8_t> reads, Visit&& visit) {
+  std::size_t hidden = 0;  // hidden rows are in ascending order
+  for (std::size_t r = 0; r < state_.row_count(); ++r) {
+    const std::vector<Row>& all = hidden_;
+    if (hidden < all.size() && all[hidden].index() == r) {
+      ++hidden;
+      continue;
+    }
+    if (r == row.index()) continue;
+    state_.for_tables_of(Row(r), [&](std::size_t t, std::size_t at) {
+      if (reads[t] == 0) visit(t, at);
+    });
+  }
+}
+
+void Blinkers::show_hidden(Row row, const DeviceKind& kind) {
+  std::swap(state_.index, index_);
+  for_other_tables(row, reads_[&kind],
+                   [&](std::size_t t, std::size_t at) { state_.tables[t].copy_row(at, tables_[t]); });
+  for (const Row other : hidden_) {
     const std::size_t r = other.index();
-    transforms_[r] = b.transforms[r];
-    row_radii_[r] = b.radii[r];
-    row_shapes_[r] = b.shapes[r];
-    for (std::size_t v = outline_begins_[r]; v < outline_begins_[r] + type(other).outline_vertices.size();
-         ++v)
-      outlines_[v] = b.outlines[v];
-    for_tables_of(other, [&](std::size_t t, std::size_t at) { tables_[t].copy_row(at, b.tables[t]); });
+    state_.transforms[r] = transforms_[r];
+    state_.radii[r] = radii_[r];
+    state_.shapes[r] = shapes_[r];
+    for (std::size_t v = state_.outline_begins[r];
+         v < state_.outline_begins[r] + state_.type(other).outline_vertices.size(); ++v)
+      state_.outlines[v] = outlines_[v];
+    state_.for_tables_of(other,
+                         [&](std::size_t t, std::size_t at) { state_.tables[t].copy_row(at, tables_[t]); });
+  }
+}
+
+void Blinkers::begin_effect(const Effect& effect) {
+  before_ = state_.tables;
+  inside_ = trees_of(effect);
+}
+
+/// For each row, whether it is in the tree of the source or of the target of an effect.
+std::vector<std::uint8_t> Blinkers::trees_of(const Effect& effect) const {
+  const Row source = state_.view.row(effect.source);
+  const bool has_target = effect.target.valid() && effect.target.index() < state_.rows.size() &&
+                          state_.view.row(effect.target).valid();
+  const Row target = has_target ? state_.view.row(effect.target) : source;
+  std::vector<std::uint8_t> inside(state_.row_count());
+  for (std::size_t r = 0; r < inside.size(); ++r)
+    inside[r] = state_.view.same_tree(Row(r), source) || state_.view.same_tree(Row(r), target);
+  return inside;
+}
+
+void Blinkers::end_effect(const BodyType::Device& device, const Effect& effect) {
+  if (device.kind->scope == ApplyScope::anything) return;
+  const std::vector<std::uint8_t> inside = trees_of(effect);
+  for (std::size_t r = 0; r < inside.size(); ++r) {
+    if (inside_[r] != 0 || inside[r] != 0) continue;
+    state_.for_tables_of(Row(r), [&](std::size_t t, std::size_t at) {
+      if (state_.tables[t].hash_row(at) == before_[t].hash_row(at)) return;
+      throw StepError(
+          fmt::format("tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", which "
+                      "is outside the "
+                      "scope that its kind declares",
+                      state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
+                      state_.tables[t].component(), state_.spec.name(state_.bodies[r])));
+    });
   }
 }
 

@@ -300,11 +300,14 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& wa
                   then.row(batch.slots[taken.rows[i].index()]));
   }
 
+  // A collective controller gets the same batch again, because its result may depend on the whole batch.
+  const bool is_collective = controller.kind->is_collective;
   std::vector<Row> backwards = taken.rows;
-  std::ranges::sort(backwards, std::ranges::greater{});
+  if (!is_collective) std::ranges::sort(backwards, std::ranges::greater{});
   const std::span<const Row> rows = backwards;
-  for (std::size_t first = 0; first < rows.size(); first += k_batch) {
-    batch.rows = rows.subspan(first, std::min(k_batch, rows.size() - first));
+  const std::size_t most = is_collective ? rows.size() : k_batch;
+  for (std::size_t first = 0; first < rows.size(); first += most) {
+    batch.rows = rows.subspan(first, std::min(most, rows.size() - first));
     spoil_stack();
     call_kind(world_, batch.rows, controller, [&] { controller.kind->decide(controller.data, batch); });
   }

@@ -49,7 +49,7 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 /// C may also have the following hooks of DeviceKind, without the argument `data`. If C has a State, the
 /// hooks marked "row" may take a State& instead of the table and the slot:
 ///
-///     std::uint64_t sense(const DeviceBatch&) const;
+///     std::uint64_t sense(const SenseBatch&) const;                      // or a const DeviceBatch&
 ///     void act(const DeviceBatch&) const;
 ///     void joints_moved(const DeviceBatch&) const;
 ///     void start(StateTable&, std::size_t slot) const;                   // row
@@ -64,6 +64,8 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///     double reach_m() const;
 ///     static std::vector<DeviceKind::Fixture> body(const Params&);
 ///     static constexpr std::array<std::string_view, N> joints;
+///     static constexpr std::array<std::string_view, N> reads;
+///     static constexpr ApplyScope scope;
 ///     static constexpr bool carries, drives, needs_supply, shows_color;
 ///     static constexpr FrameLayer layer;
 template <class C>
@@ -71,6 +73,8 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
   DeviceKind kind{.name = name, .text = text};
   if constexpr (requires { typename C::Params; }) kind.params = described<typename C::Params>();
   if constexpr (requires { C::joints; }) kind.joints.assign(std::begin(C::joints), std::end(C::joints));
+  if constexpr (requires { C::reads; }) kind.reads.assign(std::begin(C::reads), std::end(C::reads));
+  if constexpr (requires { C::scope; }) kind.scope = C::scope;
   if constexpr (requires { C::carries; }) kind.carries = C::carries;
   if constexpr (requires { C::drives; }) kind.drives = C::drives;
   if constexpr (requires { C::needs_supply; }) kind.needs_supply = C::needs_supply;
@@ -115,7 +119,7 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
         device.start(state.as<typename C::State>(slot));
     };
   if constexpr (requires { &C::sense; })
-    kind.sense = [](const DeviceBatch& batch) -> std::uint64_t {
+    kind.sense = [](const SenseBatch& batch) -> std::uint64_t {
       return std::any_cast<C>(&batch.data)->sense(batch);
     };
   if constexpr (requires { &C::act; })

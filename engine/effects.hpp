@@ -58,6 +58,8 @@ class Effects {
   void emit(const Effect& effect);
   /// Returns the effects emitted since the last clear(), sorted by (source, device, sequence).
   std::span<const Effect> sorted();
+  /// The effects emitted since the last clear(), in any order.
+  std::span<const Effect> emitted() const { return {effects_.get(), count_}; }
   void clear() { count_ = 0; }                ///< removes all effects; keeps the memory
   bool empty() const { return count_ == 0; }  ///< whether there are no effects
 

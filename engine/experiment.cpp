@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/random.hpp"
+#include "engine/replica.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
 
@@ -81,6 +82,16 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
          });
 }
 
+/// Returns the parameters of a type that a setting changes.
+Record& params_of(TypeSpec& type, const SettingSpec& setting) {
+  switch (setting.of) {
+    case Of::drive: return type.drive->params;
+    case Of::device: return type.devices[setting.index].params;
+    case Of::controller: break;
+  }
+  return type.controllers[setting.index].params;
+}
+
 constexpr std::string_view k_keeps_shape =
     "\"set\" must not change the number or layout of the readings and state fields, or the devices that a "
     "controller uses";
@@ -111,19 +122,19 @@ std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics
       return rows;
     }
   }
-  for (std::size_t b = 1; b < body_rows_.size(); ++b) {
-    const Row row = body_rows_[b];
+  for (std::size_t b = 1; b < state_.rows.size(); ++b) {
+    const Row row = state_.rows[b];
     if (!row.valid() || group.by == By::model) continue;
     if (group.by == By::type ? type(row).name == group.name
-                             : is_of_population(spec_.names, spec_.bodies[b].name, group.name))
+                             : is_of_population(state_.spec.names, state_.spec.bodies[b].name, group.name))
       rows.push_back(row);
   }
   if (!rows.empty()) return rows;
   std::set<std::string> known;
-  for (std::size_t b = 1; b < body_rows_.size(); ++b) {
-    const Row row = body_rows_[b];
+  for (std::size_t b = 1; b < state_.rows.size(); ++b) {
+    const Row row = state_.rows[b];
     if (!row.valid()) continue;
-    const std::string name = spec_.name(BodyId(b));
+    const std::string name = state_.spec.name(BodyId(b));
     if (group.by == By::type) known.insert(type(row).name);
     if (group.by == By::model) known.insert(name);
     if (group.by == By::population && without_number(name).size() < name.size())
@@ -137,10 +148,10 @@ std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics
 
 void World::build_experiment(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
-  const ExperimentSpec& spec = spec_.experiment;
+  const ExperimentSpec& spec = state_.spec.experiment;
   e.interventions.resize(spec.at.size());
   for (std::size_t i = 0; i < spec.at.size(); ++i) {
-    e.interventions[i].tick = ticks_until(spec.at[i].time_s, spec_.tick_s);
+    e.interventions[i].tick = ticks_until(spec.at[i].time_s, state_.spec.tick_s);
     e.interventions[i].spec = i;
     e.interventions[i].stream = stream_id("at", std::to_string(i));
   }
@@ -163,7 +174,8 @@ void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   e.faults.clear();
   e.first_fault_events.clear();
-  for (std::size_t i = 0; i < spec_.experiment.faults.size(); ++i) build_fault(i, registry, diagnostics);
+  for (std::size_t i = 0; i < state_.spec.experiment.faults.size(); ++i)
+    build_fault(i, registry, diagnostics);
   diagnostics.throw_if_errors();
   std::ranges::make_heap(e.first_fault_events, is_later);
   e.fault_events.reserve(e.first_fault_events.size());
@@ -171,7 +183,7 @@ void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
 
 void World::build_intervention(Experiment::Intervention& intervention, const Registry& registry,
                                std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics) {
-  const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
   const auto error = [&](const std::string& what) {
     diagnostics.error(spec.where, fmt::format("at {:g} s: {}", spec.time_s, what));
   };
@@ -185,25 +197,26 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
       intervention.reserve = *reserve;
     } else {
       std::vector<std::string_view> known;
-      for (const ReserveSpec& each : spec_.reserves) known.push_back(each.population);
+      for (const ReserveSpec& each : state_.spec.reserves) known.push_back(each.population);
       error(known.empty() ? fmt::format("no body can be added to \"{}\": no population has a \"reserve\"",
                                         spec.whom.name)
                           : unknown_name("population with a reserve", spec.whom.name, known));
     }
-    if (!spec.pose && !spec.region && !spec_.bounds)
+    if (!spec.pose && !spec.region && !state_.spec.bounds)
       error("\"add\" needs \"region_m\" or \"pose\", because the world has no bounds");
     return;
   }
   intervention.whom = rows_of(spec.whom, spec.where, diagnostics);
-  if (spec.action == Action::move && !bounds().contains(spec.pose->position()))
+  if (spec.action == Action::move && !state_.bounds().contains(spec.pose->position()))
     error(fmt::format("\"{}\" would be moved outside the world's bounds", spec.whom.name));
 }
 
 Result<> World::build_setting(const SettingSpec& setting, const Registry& registry,
                               std::map<std::uint32_t, TypeSpec>& types,
                               Experiment::Intervention& intervention) {
-  TypeSpec& spec = types.try_emplace(setting.type.value, spec_.types[setting.type.index()]).first->second;
-  const BodyType& type = types_[setting.type.index()];
+  TypeSpec& spec =
+      types.try_emplace(setting.type.value, state_.spec.types[setting.type.index()]).first->second;
+  const BodyType& type = state_.types[setting.type.index()];
   if (setting.of == Of::drive) {
     Record params = changed(spec.drive->params, setting);
     if (const Result<> checked = check_change(*type.drive->kind, spec.drive->params, params); !checked)
@@ -221,7 +234,7 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
     if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
       return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
     device.params = std::move(params);
-    Result<DeviceKind::Prepared> prepared = prepare_device(*now.kind, device, spec_, spec);
+    Result<DeviceKind::Prepared> prepared = prepare_device(*now.kind, device, state_.spec, spec);
     if (!prepared) return Error{fmt::format("{} {}", owner, prepared.error().text)};
     if (!same_shape(*prepared, now.prepared)) return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
     intervention.device = *std::move(prepared);
@@ -232,8 +245,8 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
   std::vector<bool> claimed(type.devices.size(), false);  // by an earlier controller
   for (std::size_t c = 0; c <= setting.index; ++c) {
     const ControllerSpec& controller = spec.controllers[c];
-    Result<ControllerKind::Prepared> prepared =
-        prepare_controller(*registry.controller(controller.kind), controller, spec_, spec, type, claimed);
+    Result<ControllerKind::Prepared> prepared = prepare_controller(
+        *registry.controller(controller.kind), controller, state_.spec, spec, type, claimed);
     if (!prepared) return Error{fmt::format("controller \"{}\" {}", controller.kind, prepared.error().text)};
     if (c < setting.index) continue;
     if (prepared->devices != type.controllers[c].devices)
@@ -244,15 +257,16 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
 }
 
 void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics) {
-  const FaultSpec& spec = spec_.experiment.faults[at];
+  const FaultSpec& spec = state_.spec.experiment.faults[at];
   std::vector<Row> rows = rows_of(spec.whom, spec.where, diagnostics);
-  std::erase_if(rows, [&](Row row) { return !spec_.starts(body(row)); });
+  std::erase_if(rows, [&](Row row) { return !state_.spec.starts(body(row)); });
   const std::uint32_t chooses = stream_id("fault", fmt::format("{}", at));
   experiment_.candidates.clear();
   for (const Row row : rows)
-    experiment_.candidates.push_back({key_of({spec_.seed, chooses, body(row).value, 0}), body(row), row});
+    experiment_.candidates.push_back(
+        {key_of({state_.spec.seed, chooses, body(row).value, 0}), body(row), row});
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
-  const std::uint64_t from = ticks_until(spec.from_s, spec_.tick_s);
+  const std::uint64_t from = ticks_until(spec.from_s, state_.spec.tick_s);
   for (const FaultSpec::Impairment& impairment : spec.impairments) {
     const FaultKind* kind = registry.fault(impairment.kind);
     if (kind == nullptr) {
@@ -264,11 +278,11 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
     const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));
     std::map<std::uint32_t, std::uint32_t> faults;  // by type: device indices differ between types
     for (const Experiment::Candidate& candidate : chosen) {
-      const std::uint32_t t = row_types_[candidate.row.index()];
+      const std::uint32_t t = state_.row_types[candidate.row.index()];
       const auto [known, is_new] =
           faults.try_emplace(t, static_cast<std::uint32_t>(experiment_.faults.size()));
       if (is_new) {
-        const Result<Impairment> made = kind->prepare(impairment.params, types_[t]);
+        const Result<Impairment> made = kind->prepare(impairment.params, state_.types[t]);
         if (!made)
           diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, made.error().text));
         experiment_.faults.push_back({made ? *made : Impairment(), stream});
@@ -280,12 +294,12 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
 }
 
 void World::build_conditions() {
-  const bool any = std::ranges::any_of(spec_.experiment.at, [](const auto& at) {
+  const bool any = std::ranges::any_of(state_.spec.experiment.at, [](const auto& at) {
     return at.action == Action::disable || at.action == Action::enable;
   });
-  if (!any && spec_.experiment.faults.empty() && !spec_.mortal) return;
-  condition_table_ = tables_.size();
-  tables_.emplace_back(
+  if (!any && state_.spec.experiment.faults.empty() && !state_.spec.mortal) return;
+  state_.condition_table = state_.tables.size();
+  state_.tables.emplace_back(
       "condition", HashGroup::memory, StateTable::Layout::rows,
       sparse({{"speed", Element::f64, 1, "",
                "factor on the velocity of its drive; 0: the velocity is not changed",
@@ -296,19 +310,18 @@ void World::build_conditions() {
                "why its devices, controllers and drive are stopped; bit 0: disabled, bit 1: "
                "dropped out; 0: they run",
                offsetof(Condition, out)}}),
-      row_bodies_, sizeof(Condition));
+      state_.bodies, sizeof(Condition));
 }
 
 // ---- Running
 
 void World::derive_experiment() {
   Experiment& e = experiment_;
-  while (e.next > 0)  // undo the settings, the last one first
-    if (Experiment::Intervention& done = e.interventions[--e.next]; is_setting(done)) swap_setting(done);
-  for (; e.next < e.interventions.size() && e.interventions[e.next].tick < tick_; ++e.next)
+  swap_settings_back(std::exchange(e.next, 0));
+  for (; e.next < e.interventions.size() && e.interventions[e.next].tick < state_.now.tick; ++e.next)
     if (Experiment::Intervention& due = e.interventions[e.next]; is_setting(due)) swap_setting(due);
   e.fault_events = e.first_fault_events;
-  while (!e.fault_events.empty() && e.fault_events.front().tick < tick_) take_fault_event();
+  while (!e.fault_events.empty() && e.fault_events.front().tick < state_.now.tick) take_fault_event();
   find_due();
 }
 
@@ -319,9 +332,9 @@ void World::find_due() {
 }
 
 bool World::conditions_hold() const {
-  if (!condition_table_) return true;
+  if (!state_.condition_table) return true;
   for (std::size_t r = 0; r < rows(); ++r) {
-    const Condition& now = condition(Row(r));
+    const Condition& now = state_.condition(Row(r));
     if (!(now.speed >= 0 && now.speed <= 1) || now.out > (Condition::k_disabled | Condition::k_dropped_out))
       return false;
     if (!now.is_sound() && presence(Row(r)) != Presence::there) return false;
@@ -330,12 +343,13 @@ bool World::conditions_hold() const {
 }
 
 void World::count_impaired() {
-  impaired_ = 0;
-  for (std::size_t r = 0; condition_table_ && r < rows(); ++r) impaired_ += !condition(Row(r)).is_sound();
+  state_.now.impaired = 0;
+  for (std::size_t r = 0; state_.condition_table && r < rows(); ++r)
+    state_.now.impaired += !state_.condition(Row(r)).is_sound();
 }
 
 double World::speed_scale(Row row) const {
-  const double speed = condition(row).speed;
+  const double speed = state_.condition(row).speed;
   return speed == 0 ? 1 : speed;
 }
 
@@ -344,20 +358,20 @@ double World::speed_scale(Row row) const {
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
-  while (e.next < e.interventions.size() && e.interventions[e.next].tick <= tick_)
+  while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick)
     is_other_crowd = carry_out(e.interventions[e.next++]) || is_other_crowd;
-  while (!e.fault_events.empty() && e.fault_events.front().tick <= tick_)
+  while (!e.fault_events.empty() && e.fault_events.front().tick <= state_.now.tick)
     apply_fault_event(take_fault_event());
   find_due();
   if (!is_other_crowd) return;
-  count_stalls();
+  movement_.count_stalls();
   index_bodies();
 }
 
 /// Applies an intervention. Returns true if bodies were born or died; the caller must then rebuild the
 /// spatial index.
 bool World::carry_out(Experiment::Intervention& intervention) {
-  const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
   if (spec.action == Action::set) {
     swap_setting(intervention);
     return false;
@@ -368,13 +382,14 @@ bool World::carry_out(Experiment::Intervention& intervention) {
     if (is_there(placed.row) && !carrier(placed.row)) set_poses({&placed, 1});
     return false;
   }
-  const auto is_disabled = [&](Row row) { return (condition(row).out & Condition::k_disabled) != 0; };
+  const auto is_disabled = [&](Row row) { return (state_.condition(row).out & Condition::k_disabled) != 0; };
   experiment_.candidates.clear();
   for (const Row row : intervention.whom) {
     if (!is_there(row)) continue;
     if (spec.action != Action::remove && is_disabled(row) != (spec.action == Action::enable)) continue;
     const BodyId id = body(row);
-    const Random random(spec_.seed, intervention.stream, id.value, static_cast<std::uint32_t>(tick_));
+    const Random random(state_.spec.seed, intervention.stream, id.value,
+                        static_cast<std::uint32_t>(state_.now.tick));
     experiment_.candidates.push_back({key_of(random), id, row});
   }
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
@@ -389,20 +404,21 @@ bool World::carry_out(Experiment::Intervention& intervention) {
 }
 
 void World::toggle_disabled(Row row) {
-  Condition& now = condition(row);
-  impaired_ -= !now.is_sound();
+  Condition& now = state_.condition(row);
+  state_.now.impaired -= !now.is_sound();
   now.out ^= Condition::k_disabled;
-  impaired_ += !now.is_sound();
+  state_.now.impaired += !now.is_sound();
 }
 
 bool World::set_disabled(Row row, bool disabled) {
   require_whole();
-  if (!condition_table_)
+  if (!state_.condition_table)
     throw std::logic_error(
         fmt::format("\"{}\" cannot be disabled: the world needs \"mortal\": true, faults, or an intervention "
                     "\"disable\" or \"enable\"",
-                    spec_.name(body(row))));
-  if (!is_there(row) || ((condition(row).out & Condition::k_disabled) != 0) == disabled) return false;
+                    state_.spec.name(body(row))));
+  if (!is_there(row) || ((state_.condition(row).out & Condition::k_disabled) != 0) == disabled) return false;
+  touch();
   toggle_disabled(row);
   return true;
 }
@@ -426,7 +442,7 @@ std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
 /// Adds the bodies of an intervention `add`. Ends early if one body finds no free position in k_trials draws.
 /// Returns whether any body was added.
 bool World::add(const Experiment::Intervention& intervention) {
-  const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
   const std::uint32_t trials = spec.pose ? 1 : k_trials;
   const std::int64_t left = static_cast<std::int64_t>(unborn(intervention.reserve));
   const auto count = static_cast<std::uint32_t>(std::min(spec.whom.count.value_or(left), left));
@@ -442,29 +458,100 @@ bool World::add(const Experiment::Intervention& intervention) {
 
 Pose World::place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
                          std::uint32_t trial) const {
-  const InterventionSpec& spec = spec_.experiment.at[intervention.spec];
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
   if (spec.pose) return *spec.pose;
-  const Box box = spec.region.value_or(bounds());
-  Random random(spec_.seed, intervention.stream, number, trial);
+  const Box box = spec.region.value_or(state_.bounds());
+  Random random(state_.spec.seed, intervention.stream, number, trial);
   const double x = random.uniform(box.min.x(), box.max.x());
   const double y = random.uniform(box.min.y(), box.max.y());
   return {x, y, 0, random.uniform(-k_pi, k_pi)};
 }
 
 bool World::is_setting(const Experiment::Intervention& intervention) const {
-  return spec_.experiment.at[intervention.spec].action == Action::set;
+  return state_.spec.experiment.at[intervention.spec].action == Action::set;
 }
 
 /// Applies a setting that is not applied, or undoes one that is. It swaps the prepared data of the
 /// intervention with the present data of the type, so that no memory is allocated during a run.
 void World::swap_setting(Experiment::Intervention& intervention) {
-  const SettingSpec& setting = *spec_.experiment.at[intervention.spec].setting;
-  BodyType& type = types_[setting.type.index()];
+  const SettingSpec& setting = *state_.spec.experiment.at[intervention.spec].setting;
+  BodyType& type = state_.types[setting.type.index()];
   switch (setting.of) {
     case Of::drive: std::swap(type.drive->data, intervention.data); break;
     case Of::device: std::swap(type.devices[setting.index].prepared, intervention.device); break;
     case Of::controller: std::swap(type.controllers[setting.index].data, intervention.data); break;
   }
+}
+
+/// Undoes the settings among the first `count` interventions, the last one first.
+void World::swap_settings_back(std::size_t count) {
+  while (count > 0)
+    if (Experiment::Intervention& done = experiment_.interventions[--count]; is_setting(done))
+      swap_setting(done);
+}
+
+TypeSpec World::present_type(TypeId type) const {
+  TypeSpec spec = state_.spec.types[type.index()];
+  for (std::size_t i = 0; i < experiment_.next; ++i) {
+    const InterventionSpec& done = state_.spec.experiment.at[experiment_.interventions[i].spec];
+    if (done.action != Action::set || done.setting->type != type) continue;
+    Record& params = params_of(spec, *done.setting);
+    params = changed(params, *done.setting);
+  }
+  return spec;
+}
+
+Result<> World::set(const SettingSpec& setting, const Registry& registry) {
+  require_whole();
+  Experiment& e = experiment_;
+  std::vector<InterventionSpec>& at = state_.spec.experiment.at;
+  // After all interventions of this tick, as in a world that is resumed from a checkpoint of this tick.
+  const auto after =
+      std::ranges::upper_bound(e.interventions, state_.now.tick, {}, &Experiment::Intervention::tick);
+  const auto place = static_cast<std::size_t>(after - e.interventions.begin());
+  // Every setting is compiled again, because each contains the values of those before it.
+  std::vector<Experiment::Intervention> compiled(e.interventions.size() + 1);
+  std::map<std::uint32_t, TypeSpec> types;
+  for (std::size_t i = 0; i < compiled.size(); ++i) {
+    const InterventionSpec* const spec =
+        i == place ? nullptr : &at[e.interventions[i < place ? i : i - 1].spec];
+    if (spec && spec->action != Action::set) continue;
+    const Result<> built = build_setting(spec ? *spec->setting : setting, registry, types, compiled[i]);
+    if (!built && spec)
+      return Error{
+          fmt::format("the change at {:g} s would not be possible: {}", spec->time_s, built.error().text)};
+    if (!built) return built.error();
+  }
+  swap_settings_back(e.next);
+  if (e.made++ == 0) e.declared = e.interventions;
+  e.interventions.insert(after,
+                         {.tick = state_.now.tick, .spec = at.size(), .whom = {}, .data = {}, .device = {}});
+  InterventionSpec& added = at.emplace_back();
+  added.time_s = static_cast<double>(state_.now.tick) * state_.spec.tick_s;
+  added.action = Action::set;
+  added.setting = setting;
+  for (std::size_t i = 0; i < compiled.size(); ++i) {
+    if (!is_setting(e.interventions[i])) continue;
+    e.interventions[i].data = std::move(compiled[i].data);
+    e.interventions[i].device = std::move(compiled[i].device);
+  }
+  // Interventions of this tick that are still due are applied before it, by the next step.
+  if (place == e.next) ++e.next;
+  for (std::size_t i = 0; i < e.next; ++i)
+    if (is_setting(e.interventions[i])) swap_setting(e.interventions[i]);
+  find_due();
+  if (replica_ != nullptr) replica_->set(setting);
+  return {};
+}
+
+/// Undoes what set() has changed.
+void World::forget_settings() {
+  Experiment& e = experiment_;
+  if (e.made == 0) return;
+  swap_settings_back(std::exchange(e.next, 0));
+  e.interventions = std::exchange(e.declared, {});
+  std::vector<InterventionSpec>& at = state_.spec.experiment.at;
+  at.erase(at.end() - static_cast<std::ptrdiff_t>(std::exchange(e.made, 0)), at.end());
 }
 
 /// The tick at whose end a fault occurs next in a body. A fault without a rate (Impairment::per_s) occurs at
@@ -473,9 +560,9 @@ void World::swap_setting(Experiment::Intervention& intervention) {
 std::uint64_t World::next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const {
   const Experiment::Fault& f = experiment_.faults[fault];
   if (!(f.impairment.per_s > 0)) return from;
-  Random random(spec_.seed, f.stream, body.value, static_cast<std::uint32_t>(from));
-  return from +
-         std::max<std::uint64_t>(1, ticks_until(random.exponential() / f.impairment.per_s, spec_.tick_s));
+  Random random(state_.spec.seed, f.stream, body.value, static_cast<std::uint32_t>(from));
+  return from + std::max<std::uint64_t>(
+                    1, ticks_until(random.exponential() / f.impairment.per_s, state_.spec.tick_s));
 }
 
 /// Removes the earliest fault event from the heap and returns it. Inserts the event that follows it in the
@@ -490,7 +577,7 @@ Experiment::FaultEvent World::take_fault_event() {
   FaultEvent next = now;
   next.begins = !now.begins;
   if (now.begins && impairment.drops_out && impairment.lasts_s > 0) {
-    next.tick = now.tick + period_ticks(impairment.lasts_s, spec_.tick_s);
+    next.tick = now.tick + period_ticks(impairment.lasts_s, state_.spec.tick_s);
     push(heap, next);
   } else if (!now.begins && impairment.per_s > 0) {
     next.tick = next_fault_tick(now.fault, now.body, now.tick);
@@ -502,20 +589,21 @@ Experiment::FaultEvent World::take_fault_event() {
 void World::apply_fault_event(const Experiment::FaultEvent& event) {
   if (!is_there(event.row)) return;
   const Impairment& impairment = experiment_.faults[event.fault].impairment;
-  Condition& now = condition(event.row);
-  impaired_ -= !now.is_sound();
+  Condition& now = state_.condition(event.row);
+  state_.now.impaired -= !now.is_sound();
   if (event.begins) {
     now.dead |= impairment.dead;
     if (impairment.speed != 1) {
       now.speed = speed_scale(event.row) * impairment.speed;
-      Velocity& v = as<Velocity>(k_velocity)[event.row.index()];  // acceleration limits start from it
+      Velocity& v = state_.as<Velocity>(
+          WorldState::k_velocity)[event.row.index()];  // acceleration limits start from it
       v = {v.x * impairment.speed, v.y * impairment.speed, v.turn * impairment.speed};
     }
     if (impairment.drops_out) now.out |= Condition::k_dropped_out;
   } else {
     now.out &= static_cast<std::uint8_t>(~Condition::k_dropped_out);
   }
-  impaired_ += !now.is_sound();
+  state_.now.impaired += !now.is_sound();
 }
 
 }  // namespace troupe::engine

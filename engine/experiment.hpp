@@ -13,21 +13,6 @@
 
 namespace troupe::engine {
 
-/// The impairments of a body: a row of the component `condition`, all zero for an unimpaired body.
-struct Condition {
-  /// The reasons why all devices, controllers and the drive of a body are stopped; both may apply.
-  enum Out : std::uint8_t {
-    k_disabled = 1,     ///< an intervention or a program disabled it, until it is enabled again
-    k_dropped_out = 2,  ///< a fault stopped it, until the fault ends
-  };
-  double speed = 0;        ///< factor on the velocity of its drive; 0: the velocity is not changed
-  std::uint32_t dead = 0;  ///< devices that do not work: bit d for device d of the type
-  std::uint8_t out = 0;    ///< bits of Out; any bit stops devices, controllers and drive
-
-  /// Whether the body is unimpaired.
-  bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
-};
-
 /// The compiled interventions and faults of a world, and which of them are applied next. These data are not
 /// state, because they follow from the spec and the tick.
 struct Experiment {
@@ -48,6 +33,9 @@ struct Experiment {
   };
   std::vector<Intervention> interventions;  ///< sorted by tick; within a tick in the order of the file
   std::size_t next = 0;                     ///< index of the next intervention to be applied
+  std::size_t made = 0;  ///< number of settings that World::set() added at the end of ExperimentSpec::at
+  /// The interventions of the world file alone, none of which is applied; empty while `made` is 0.
+  std::vector<Intervention> declared;
 
   /// One impairment of a FaultSpec, for the bodies of one type.
   struct Fault {

@@ -1,7 +1,7 @@
 #include "engine/kinds.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -28,14 +28,31 @@ std::vector<StateField> command_fields() {
        offsetof(Command, off), true}};
 }
 
-BodyId DeviceBatch::body(std::size_t i) const { return world.body(rows[i]); }
-std::size_t DeviceBatch::slot(std::size_t i) const { return world.slot(rows[i]); }
+BodyId DeviceBatch::body(std::size_t i) const { return view.body(rows[i]); }
+std::size_t DeviceBatch::slot(std::size_t i) const { return view.slot(rows[i]); }
 Random DeviceBatch::random(std::size_t i) const {
-  return {world.spec().seed, stream, body(i).value, static_cast<std::uint32_t>(world.tick())};
+  return {view.spec().seed, stream, body(i).value, static_cast<std::uint32_t>(view.tick())};
 }
 Random DeviceBatch::random(std::size_t i, std::string_view name) const {
   const auto own = static_cast<std::uint32_t>(mix(stream, stream_id("device", name)));
-  return {world.spec().seed, own, body(i).value, static_cast<std::uint32_t>(world.tick())};
+  return {view.spec().seed, own, body(i).value, static_cast<std::uint32_t>(view.tick())};
+}
+Mount DeviceBatch::mount(std::size_t i) const {
+  return view.mount(rows[i], view.type(rows[i]).devices[device].joint);
+}
+const Velocity& DeviceBatch::velocity(std::size_t i) const { return view.velocity(rows[i]); }
+const Command& DeviceBatch::command(std::size_t i) const { return view.command(rows[i]); }
+bool DeviceBatch::senses(std::size_t i, std::size_t its_device) const {
+  return view.senses(rows[i], view.type(rows[i]).devices[its_device]);
+}
+bool DeviceBatch::is_on(std::size_t i, std::size_t its_device) const {
+  return view.is_on(rows[i], view.type(rows[i]).devices[its_device]);
+}
+bool DeviceBatch::runs(std::size_t i, std::size_t its_device) const {
+  return view.runs(rows[i], view.type(rows[i]).devices[its_device]);
+}
+const StateTable& DeviceBatch::percepts(std::size_t its_device) const {
+  return view.percepts(view.type(rows.front()).devices[its_device]);
 }
 
 Eigen::Vector3d DeviceView::at(double x, double y, double z) const {
@@ -62,6 +79,14 @@ Result<const ControllerKind*> Registry::find_controller(std::string_view name) c
   if (const ControllerKind* kind = find(controllers, name)) return kind;
   std::string unknown = unknown_name("controller", name, controller_names());
   if (plugged_controllers && !preset(name)) return plugged_controllers(name, std::move(unknown));
+  return Error{std::move(unknown)};
+}
+Result<const MeasureKind*> Registry::find_measure(std::string_view name) const {
+  if (const MeasureKind* kind = measure(name)) return kind;
+  std::vector<std::string_view> known;
+  for (const MeasureKind& kind : measures) known.push_back(kind.name);
+  std::string unknown = unknown_name("measure", name, std::move(known));
+  if (plugged_measures) return plugged_measures(name, std::move(unknown));
   return Error{std::move(unknown)};
 }
 std::vector<std::string_view> Registry::controller_names() const {

@@ -27,9 +27,13 @@
 
 namespace troupe::engine {
 
+class CommittedView;
+class Links;
+class SensingView;
 class World;
+struct Command;
 struct Frame;
-struct Links;
+struct Velocity;
 struct Registry;
 struct TypeSpec;
 struct WorldSpec;
@@ -56,9 +60,10 @@ struct ModelKind {
 };
 
 /// The argument of the hooks of a device: rows of one body type whose device senses or acts in a tick, with
-/// their data. The argument `i` of the functions is an index into `rows`.
+/// their data. The argument `i` of the functions is an index into `rows`. engine/sensing_view.hpp has the
+/// functions of `view`.
 struct DeviceBatch {
-  const World& world;          ///< the world; in the hook `sense`, its state is that of the last tick
+  const SensingView& view;     ///< the world: constants, and where all bodies are
   const std::any& data;        ///< result of DeviceKind::prepare
   std::span<const Row> rows;   ///< rows of the batch; all of one type
   StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
@@ -79,6 +84,21 @@ struct DeviceBatch {
   /// Transform from the body frame to the world frame, including the displacement of the joint that the
   /// device is mounted on.
   Mount mount(std::size_t i) const;
+  /// Velocity that the drive of the row's body computed last, body frame, m/s and rad/s. Drives run before
+  /// the devices of their body act.
+  const Velocity& velocity(std::size_t i) const;
+  /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
+  const Command& command(std::size_t i) const;
+  /// Whether a device of the row's body (an index into BodyType::devices) is active or subscribed to
+  /// (World::subscribe()).
+  bool senses(std::size_t i, std::size_t its_device) const;
+  /// Whether a device of the row's body is switched on: no controller has switched it off.
+  bool is_on(std::size_t i, std::size_t its_device) const;
+  /// Whether a device of the row's body runs in the ticks in which it is due: senses() and is_on() are true,
+  /// it works, and it has power.
+  bool runs(std::size_t i, std::size_t its_device) const;
+  /// State of another device of the same bodies, by slot. A hook may read the slots of `rows` alone.
+  const StateTable& percepts(std::size_t its_device) const;
   /// Present pose of joint n relative to its rest pose, m and rad. Here and below, n counts the joints that
   /// the device moves (DeviceKind::joints), from 0.
   const Pose& joint(std::size_t i, std::size_t n) const;
@@ -109,6 +129,12 @@ struct DeviceBatch {
   void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
     effects.emit({body(i), device, sequence, k_death, whose});
   }
+};
+
+/// The argument of the hook `sense`. It also has the velocities, commands and device states of all bodies:
+/// those that the last tick committed. Classes may declare `sense(const DeviceBatch&)` if they read none.
+struct SenseBatch : DeviceBatch {
+  const CommittedView& committed;  ///< the same world as `view`, with these data
 };
 
 /// A fan of beams of a ranging sensor that start at one place.
@@ -163,6 +189,19 @@ enum class FrameLayer : std::uint8_t {
   grips,   ///< gripper beams and held bodies: Frame::grips
 };
 
+/// The bodies that an effect of a device may change.
+enum class ApplyScope : std::uint8_t {
+  trees,       ///< the source, the target, and bodies that move together with them; the target was in reach
+  any_target,  ///< the same bodies, but the target may be anywhere in the world
+  anything,    ///< any body
+};
+
+// Names for DeviceKind::reads.
+inline constexpr std::string_view k_velocity_of_others = "velocity";  ///< velocities of drives
+inline constexpr std::string_view k_command_of_others = "command";    ///< commands to drives
+/// Whether devices run: CommittedView::runs(), senses(), is_on(), works() and is_supplied().
+inline constexpr std::string_view k_runs_of_others = "runs";
+
 /// A kind of device: a sensor, which only reads the world, or another device (gripper, light, power pack),
 /// which takes commands and acts. A device is mounted on a part of a body and has a state of its own.
 struct DeviceKind {
@@ -183,6 +222,14 @@ struct DeviceKind {
     Solid solid;              ///< device frame
     std::int32_t joint = -1;  ///< index of the device's joint that moves the solid; -1: none
   };
+  /// What `sense` and `act` read of other bodies besides their places (SensingView). Each name is one of the
+  /// k_..._of_others above, `KIND` for the states of devices of a kind, `KIND/command` for the commands to
+  /// such devices, or the name of a field for the states of all devices that begin with this field. If
+  /// several ranks compute a world, these data are sent to all of them. Tests enforce this:
+  /// World::hide_beyond_reach().
+  std::vector<std::string_view> reads;
+  /// The bodies that `apply` may change. Tests enforce this: World::hide_beyond_reach().
+  ApplyScope scope = ApplyScope::anything;
   /// Returns the solids that the device adds to its body. Null: it adds none.
   std::vector<Fixture> (*body)(const Record& params) = nullptr;
   /// A device compiled from its parameters: the data of its hooks and the layout of its state.
@@ -194,8 +241,8 @@ struct DeviceKind {
     std::size_t command_bytes = 0;     ///< size of the command struct; 0: the device takes no commands
     /// Radius of a disc around the body's origin, m. `sense` and `act` must not read the data of a body whose
     /// enclosing circle is outside the disc, except for bodies that move together with the device's own body
-    /// (World::same_tree()). For bodies with joints, the engine adds BodyType::joint_reach to the radius.
-    /// Tests enforce this: World::hide_beyond_reach().
+    /// (SensingView::same_tree()). For bodies with joints, the engine adds BodyType::joint_reach to the
+    /// radius. Tests enforce this: World::hide_beyond_reach().
     double reach_m = 0;
     /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
     /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
@@ -236,7 +283,7 @@ struct DeviceKind {
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
   /// Called in the phase `sense`: writes the percepts of every row of the batch. It must read only the state
   /// at the end of the last tick. Returns the number of rays cast. Null: the device senses nothing.
-  std::uint64_t (*sense)(const DeviceBatch& batch) = nullptr;
+  std::uint64_t (*sense)(const SenseBatch& batch) = nullptr;
   /// Called together with the drives, before the controllers decide: executes the commands of the previous
   /// tick. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
@@ -508,6 +555,11 @@ struct ControllerKind {
   FieldTable params;        ///< its parameters
   bool needs_drive = true;  ///< false: bodies without a drive may have it too
   bool switches = false;    ///< it switches its devices: Actions::switch_device
+  /// True: all robots of a type that decide in a tick are in one batch, in the order of their ids, and
+  /// `decide` is called on the thread that steps the world, after all other controllers; if several ranks
+  /// compute the world, on rank 0. The result may then depend on all robots of the batch. For controllers in
+  /// other languages, whose calls are slow.
+  bool is_collective = false;
   /// Fields of the memory struct of each robot. The engine owns its bytes.
   std::vector<StateField> memory;
   std::size_t memory_bytes = 0;  ///< size of that struct; 0: it has no memory
@@ -565,8 +617,12 @@ struct Registry {
   /// plug-ins.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
-  /// A callback that finds sensors and other devices of plug-ins; otherwise like `plugged_controllers`.
+  /// Callbacks that find sensors and other devices, and measures, of plug-ins; otherwise like
+  /// `plugged_controllers`.
+  ///@{
   std::function<Result<const DeviceKind*>(std::string_view name, std::string unknown)> plugged_devices;
+  std::function<Result<const MeasureKind*>(std::string_view name, std::string unknown)> plugged_measures;
+  ///@}
 
   /// The kind of this name in the lists above, or for devices and controllers also of a plug-in; null if
   /// there is none. The pointer is valid as long as the lists are not changed.
@@ -582,9 +638,12 @@ struct Registry {
   /// The controller kind of this name, in the lists or in a plug-in; never null. If there is none, the error
   /// is `unknown controller "hover"; known: expand, ...`.
   Result<const ControllerKind*> find_controller(std::string_view name) const;
+  /// The measure of this name, in the list or in a plug-in; never null. If there is none, the error is
+  /// `unknown measure "stals"; known: alive, ...`.
+  Result<const MeasureKind*> find_measure(std::string_view name) const;
   /// Names of the controllers and presets in the lists, sorted.
   std::vector<std::string_view> controller_names() const;
-  /// The preset, measure or fault of this name; null if there is none.
+  /// The preset, measure or fault of this name in the lists; null if there is none.
   ///@{
   const Preset* preset(std::string_view name) const;
   const MeasureKind* measure(std::string_view name) const;

@@ -3,30 +3,26 @@
 #include "base/ids.hpp"
 #include "engine/mount.hpp"
 #include "engine/shape_buffer.hpp"
+#include "engine/world_state.hpp"
+#include "partition/parallel.hpp"
+#include "partition/placed_shape.hpp"
 
 #include <atomic>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace troupe::engine {
 
-/// A row of the component `carrier`: all zero if the body is not carried.
-struct Carried {
-  std::uint32_t carrier = 0;  ///< id of the carrier plus 1; 0: the body is not carried
-  std::uint32_t joint = 0;    ///< index of the carrier's joint that holds the body, plus 1; 0: none
-  /// Pose of the carried body, m and rad, in the frame of the carrier. If `joint` is not 0, that frame is
-  /// displaced by the present motion of the joint from rest.
-  Pose pose;
-};
-
 /// The joints of bodies, and the *trees* of bodies that carry one another. The root of a tree is its body
-/// that is not carried. All members are derived from the state components `joint/...` and `carrier`. The
-/// lists are empty if no type of the world has joints or can pick up bodies.
+/// that is not carried. This part of World writes the components `joint/...` and `carrier`. The lists are
+/// empty if no type of the world has joints or can pick up bodies.
 ///
 /// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
 /// resolution, the shape of a root is that of its whole tree, in the root's frame, and the shape of a carried
 /// body is empty.
-struct Links {
+class Links {
+ public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no row
   /// The state of a joint's motion in this tick.
   enum class Goal : std::uint8_t {
@@ -36,41 +32,106 @@ struct Links {
     refused,  ///< the motion was blocked: the joint is at its old pose
   };
 
+  /// Both must outlive the object.
+  Links(WorldState& state, partition::Parallel& parallel) : state_(state), parallel_(parallel) {}
+  Links(const Links&) = delete;
+  Links& operator=(const Links&) = delete;
+
+  /// Allocates the lists, once, after the rows of the state were made.
+  void build();
+  /// Computes all data that are derived from the tables, except the shapes of trees: see reshape().
+  void derive();
+  /// Overwrites all derived data with junk, for the amnesia test.
+  void forget();
+  /// Whether the tables of joints and carriers are consistent. Poses must be finite, carriers and the joints
+  /// that hold their cargo must exist, and no body may carry itself, directly or through others.
+  bool hold() const;
+
+  /// Whether any body type in the world has joints or can pick up bodies.
+  bool any() const { return !composites_.empty(); }
+  std::span<const std::uint32_t> composites() const { return composites_; }  ///< rows of composite bodies
+  /// Row of lowest id among the bodies that a row carries directly; k_none: none.
+  std::uint32_t first_cargo(Row row) const { return first_cargo_[row.index()]; }
+
+  /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts.
+  void rest_joints(Row row);
+  /// Updates the obstacle shape and the radius of a row (WorldState::shapes, radii). The root of a tree has
+  /// the shape of its whole tree; a carried body has an empty shape.
+  void reshape(std::uint32_t row);
+  /// Attaches `cargo` to a joint of a carrier: see World::attach().
+  bool attach(Row cargo, Row carrier, std::int32_t joint);
+  /// Detaches a body from its carrier, if it has one; its pose stays.
+  void release(Row cargo);
+
+  // ---- in a tick
+  /// Sets the goal of a joint in this tick, relative to rest, m and rad. Thread-safe for different rows.
+  void ask(Row row, std::size_t joint, const Pose& to);
+  /// Arguments of a call of ask().
+  struct AskedGoal {
+    std::uint32_t row;    ///< row of the body
+    std::uint32_t joint;  ///< index of the joint
+    Pose goal;            ///< goal of the joint, relative to rest
+  };
+  /// The calls of ask() for these rows in this tick, as long as no joint has moved; one per joint.
+  std::vector<AskedGoal> asked_goals(RowRange rows) const;
+  Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }  ///< state of its motion
+  /// Carries out the motions that were asked for, or blocks them. longest_motion: bound on the distance that
+  /// any body has moved since the spatial index was built, m.
+  void resolve_joints(double longest_motion);
+  /// Whether a joint had a goal in this tick. Clears the answer.
+  bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
+  void clear_goals(Row row);  ///< sets the joints of a row to Goal::none
+  void carry();               ///< moves carried bodies with their carriers
+
+ private:
   /// A joint of one body.
   struct Joint {
-    Mount now;                ///< maps a point of the body, with the joint at rest, to its present position
-    Mount then;               ///< maps such a point to its position at the goal, or at a tested pose
+    /// Maps a point of the body, with the joint at rest, to its position at the goal, or at a tested pose.
+    Mount then;
     Pose goal;                ///< goal in this tick, relative to rest
     Goal state = Goal::none;  ///< state of the motion in this tick
     bool moves = false;       ///< whether the joint moves in this round of resolution
   };
+  struct TreeBody;
 
-  std::vector<std::uint32_t> joint_begins;  ///< one per row: its first joint in `joints`
-  std::vector<Joint> joints;                ///< joints of all rows, in order of rows
-  std::atomic<bool> asked = false;          ///< whether any joint has a command to move in this tick
-  /// Number of rounds of joint resolution per tick: the largest number of devices that move joints of one
-  /// body. In each round, the joints of at most one device per body move.
-  std::size_t rounds = 0;
+  std::span<Joint> joints(Row row);
+  std::span<const Joint> joints(Row row) const;
+  void move_to_joints(Row row);
+  void link_cargo(std::uint32_t cargo, std::uint32_t carrier);
+  void unlink_cargo(std::uint32_t cargo, std::uint32_t carrier);
+  void set_root(std::uint32_t row, std::uint32_t root);
+  void add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const;
+  double aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
+  double ask_joints(std::size_t c, Row root, std::size_t round);
+  bool refuses_joints(std::size_t c, Row root, std::size_t round, double reach);
+  bool others_refuse(Row root, const partition::PlacedShape& before, const partition::PlacedShape& after,
+                     double reach) const;
+  void answer_joints(Row row, std::size_t round, bool refused);
+  void carry_cargo_of(Row carrier);
+  template <class Work>
+  void for_roots(Work&& work);
 
-  std::vector<std::uint32_t> composites;    ///< rows of composite bodies
-  std::vector<std::uint32_t> composite_of;  ///< one per row: its index in the lists below; k_none: none
+  WorldState& state_;
+  partition::Parallel& parallel_;
+
+  std::vector<Joint> joints_;        // joints of all rows, in order of rows
+  std::atomic<bool> asked_ = false;  // whether any joint has a command to move in this tick
+  // Number of rounds of joint resolution per tick: the largest number of devices that move joints of one
+  // body. In each round, the joints of at most one device per body move.
+  std::size_t rounds_ = 0;
+
+  std::vector<std::uint32_t> composites_;    // rows of composite bodies
+  std::vector<std::uint32_t> composite_of_;  // one per row: its index in the lists below; k_none: none
   // One entry per composite body.
-  std::vector<ShapeBuffer> shapes;      ///< shape of the tree of which the body is the root, in its frame
-  std::vector<ShapeBuffer> moved;       ///< pieces of the tree that move in this round, at their goals
-  std::vector<ShapeBuffer> on_the_way;  ///< the same pieces, at the pose that is tested now
-  std::vector<std::uint32_t> samples;   ///< number of poses to test in this round; 0: no motion
-  std::vector<std::uint8_t> refused;    ///< 1 if the motion of this round is blocked
+  std::vector<ShapeBuffer> shapes_;      // shape of the tree of which the body is the root, in its frame
+  std::vector<ShapeBuffer> moved_;       // pieces of the tree that move in this round, at their goals
+  std::vector<ShapeBuffer> on_the_way_;  // the same pieces, at the pose that is tested now
+  std::vector<std::uint32_t> samples_;   // number of poses to test in this round; 0: no motion
+  std::vector<std::uint8_t> refused_;    // 1 if the motion of this round is blocked
 
   // One per row; empty if there are no composites.
-  std::vector<std::uint32_t> roots;        ///< row of the tree's root; its own row if it is not carried
-  std::vector<std::uint32_t> first_cargo;  ///< row of lowest id among those it carries directly; k_none: none
-  std::vector<std::uint32_t> next_cargo;   ///< row of the next higher id on the same carrier; k_none: none
-  std::size_t carried = 0;                 ///< number of carried rows
-
-  std::vector<double> lifts;  ///< height offset of each outline that the grid ray engine draws, m
-
-  /// Whether any body type in the world has joints or can pick up bodies.
-  bool any() const { return !composites.empty(); }
+  std::vector<std::uint32_t> first_cargo_;  // row of lowest id among those it carries directly; k_none: none
+  std::vector<std::uint32_t> next_cargo_;   // row of the next higher id on the same carrier; k_none: none
 };
 
 }  // namespace troupe::engine

@@ -3,6 +3,7 @@
 #include "base/ids.hpp"
 #include "engine/description.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -37,7 +38,15 @@ struct MeasureKind {
   Unit unit = Unit::none;       ///< SI unit, the suffix of the column's name
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
-  FieldTable params;            ///< fields of its parameters
+  std::string_view formula;     ///< the definition as a formula, with n robots i at positions x_i
+  /// Name of the measure that this one is another name of; empty: none. Such a measure is left out where all
+  /// measures without parameters are computed.
+  std::string_view same_as;
+  /// Whether another language computes it: then nothing is known about the bits of its values.
+  bool is_foreign = false;
+  FieldTable params;  ///< fields of its parameters
+  /// Whether the measure is among those that are computed if none are chosen.
+  bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
   /// Makes a measure of the given robots, which are in order of ids; the list may be empty. Throws
   /// std::length_error if the parameters need too much memory, and std::invalid_argument if they name
   /// something that does not exist.
@@ -48,8 +57,8 @@ struct MeasureKind {
 /// described `struct Params` (engine/description.hpp).
 template <class M>
 MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view text,
-                              std::string_view definition) {
-  MeasureKind kind{.name = name, .unit = unit, .text = text, .definition = definition};
+                              std::string_view definition, std::string_view formula = {}) {
+  MeasureKind kind{.name = name, .unit = unit, .text = text, .definition = definition, .formula = formula};
   if constexpr (requires { typename M::Params; }) {
     kind.params = described<typename M::Params>();
     kind.make = [](const World& world, const Record& record,

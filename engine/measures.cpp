@@ -26,13 +26,12 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     : world_(world) {
   world.require_whole();
   for (const MeasureSpec& spec : specs) {
-    const MeasureKind* kind = registry.measure(spec.kind);
-    if (!kind) {
-      std::vector<std::string_view> known;
-      for (const MeasureKind& one : registry.measures) known.push_back(one.name);
-      diagnostics.error(spec.where, unknown_name("measure", spec.kind, known));
+    const auto found = registry.find_measure(spec.kind);
+    if (!found) {
+      diagnostics.error(spec.where, found.error().text);
       continue;
     }
+    const MeasureKind* kind = *found;
     std::vector<Row> robots = robots_of(world, spec.of);
     if (robots.empty() && !spec.of.empty()) {
       const std::vector<std::string> known = names_of_robots(world);

@@ -15,13 +15,6 @@ constexpr double k_max_cells = 100000000;       // limit for all grid rules toge
 constexpr double k_max_floor_cells = 25000000;  // limit for one free_floor rule: each cell is tested
 constexpr double k_scene_cell_m = 0.5;
 
-/// Whether bodies of the type never move: they have no drive, and cannot be gripped or pushed.
-bool is_static(const TypeSpec& type) {
-  return !is_mobile(type) && std::ranges::none_of(type.parts, [](const PartSpec& part) {
-    return part.returns.gripper || part.returns.pushable;
-  });
-}
-
 template <class IsFixed>
 partition::StaticScene scene_of(const WorldSpec& spec, IsFixed is_fixed) {
   std::vector<partition::FixedSolid> walls;
@@ -174,6 +167,12 @@ void Placer::add_bodies(const PopulationSpec& population, std::span<const Pose> 
 }
 
 }  // namespace
+
+bool is_static(const TypeSpec& type) {
+  return !is_mobile(type) && std::ranges::none_of(type.parts, [](const PartSpec& part) {
+    return part.returns.gripper || part.returns.pushable;
+  });
+}
 
 Occupancy::Occupancy(const WorldSpec& spec, std::size_t fixed)
     : types_(spec.types),

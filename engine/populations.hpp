@@ -29,6 +29,9 @@ struct PopulationSpec {
   Where where_place;          ///< position of `rule`, for messages
 };
 
+/// Whether bodies of the type never move: they have no drive, and cannot be gripped or pushed.
+bool is_static(const TypeSpec& type);
+
 /// The obstacles that place() avoids: a static scene made of the solids of static bodies, and a crowd of
 /// other bodies.
 class Occupancy {

@@ -8,10 +8,10 @@ const BodyType::Device* color_device(const BodyType& type, std::uint32_t part) {
   return nullptr;
 }
 
-std::optional<Color> shown_color(const World& world, Row row, std::uint32_t part) {
-  const BodyType::Device* device = color_device(world.type(row), part);
+std::optional<Color> shown_color(const CommittedView& view, Row row, std::uint32_t part) {
+  const BodyType::Device* device = color_device(view.type(row), part);
   if (device == nullptr) return {};
-  const std::span<const float> parts = world.percepts(*device).cell<float>(world.slot(row), 0);
+  const std::span<const float> parts = view.percepts(*device).cell<float>(view.slot(row), 0);
   return Color{parts[0], parts[1], parts[2], 1};
 }
 

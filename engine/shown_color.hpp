@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/color.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -19,6 +19,6 @@ const BodyType::Device* color_device(const BodyType& type, std::uint32_t part);
 
 /// Colour that a device now gives to a part of the row's body; std::nullopt if no device sets the colour of
 /// the part.
-std::optional<Color> shown_color(const World& world, Row row, std::uint32_t part);
+std::optional<Color> shown_color(const CommittedView& view, Row row, std::uint32_t part);
 
 }  // namespace troupe::engine

@@ -9,13 +9,14 @@ namespace troupe::engine {
 namespace {
 
 /// Margin for tests that exclude surfaces early, m: far above the rounding of doubles within the 100 km of a
-/// world.
+/// view.
 constexpr double k_slack = 1e-9;
 
 /// Finds the nearest surface that a ray hits among the outlines that are passed to meet().
 class Nearest {
  public:
-  Nearest(const World& world, const SightRay& ray) : world_(world), ray_(ray), best_{.range_m = ray.length} {}
+  Nearest(const SensingView& view, const SightRay& ray)
+      : view_(view), ray_(ray), best_{.range_m = ray.length} {}
 
   const RayHit& best() const { return best_; }
 
@@ -43,34 +44,34 @@ class Nearest {
   void meet(const OutlineChain& chain) {
     if (ray_.z && !chain.z.contains(*ray_.z)) return;
     if (ray_.stops != nullptr &&
-        !ray_.stops(part_of(world_, {.body = chain.body, .part = chain.part}).returns))
+        !ray_.stops(part_of(view_, {.body = chain.body, .part = chain.part}).returns))
       return;
     meet_chain(chain, ray_.origin, ray_.direction, ray_.length, best_);
   }
 
  private:
-  const World& world_;
+  const SensingView& view_;
   const SightRay& ray_;
   RayHit best_;
 };
 
 }  // namespace
 
-Color color_of(const World& world, const RayHit& hit) {
-  if (const Row row = world.row(hit.body); row.valid())
-    if (const std::optional<Color> shown = shown_color(world, row, hit.part)) return *shown;
-  return part_of(world, hit).color.value_or(world.spec().bodies[hit.body.index()].color);
+Color color_of(const CommittedView& view, const RayHit& hit) {
+  if (const Row row = view.row(hit.body); row.valid())
+    if (const std::optional<Color> shown = shown_color(view, row, hit.part)) return *shown;
+  return part_of(view, hit).color.value_or(view.spec().bodies[hit.body.index()].color);
 }
 
-RayHit first_met(const World& world, const SightRay& ray) {
-  Nearest nearest(world, ray);
+RayHit first_met(const SensingView& view, const SightRay& ray) {
+  Nearest nearest(view, ray);
   const auto wanted = [&](const partition::BodyCircle& circle) { return nearest.reaches(circle); };
   const auto meet = [&](const OutlineChain& chain) { nearest.meet(chain); };
   // The static scene first, so that bodies behind a wall need no lookup.
-  nearest.walk(world.scene().outlines().geometry().cell_m,
-               [&](const Box& box) { for_each_fixed_chain(world, box, wanted, meet); });
-  nearest.walk(2 * world.geometry().cell_m,
-               [&](const Box& box) { for_each_body_chain(world, box, ray.own, wanted, meet); });
+  nearest.walk(view.scene().outlines().geometry().cell_m,
+               [&](const Box& box) { for_each_fixed_chain(view, box, wanted, meet); });
+  nearest.walk(2 * view.geometry().cell_m,
+               [&](const Box& box) { for_each_body_chain(view, box, ray.own, wanted, meet); });
   return nearest.best();
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/ray_hit.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -42,41 +42,38 @@ inline OutlineChain fixed_chain(const partition::StaticScene& scene, const parti
 /// Calls visit(chain) for each piece of an outline of the static scene whose enclosing circle may touch the
 /// box (world frame, m), if wanted(circle) is true. A piece may be visited more than once.
 template <class Wanted, class Visit>
-void for_each_fixed_chain(const World& world, const Box& box, Wanted&& wanted, Visit&& visit) {
-  const partition::StaticScene& scene = world.scene();
+void for_each_fixed_chain(const SensingView& view, const Box& box, Wanted&& wanted, Visit&& visit) {
+  const partition::StaticScene& scene = view.scene();
   for (const partition::FixedOutlines* outlines : {&scene.outlines(), &scene.hidden_outlines()}) {
-    const Box centres = box.expanded(outlines->largest_radius());
-    const partition::GridGeometry& grid = outlines->geometry();
-    outlines->for_each_run(grid.cell(centres.min), grid.cell(centres.max),
-                           [&](std::span<const partition::BodyCircle> circles) {
-                             for (const partition::BodyCircle& circle : circles)
-                               if (wanted(circle)) visit(fixed_chain(scene, *outlines, circle.row));
-                           });
+    outlines->for_each_run(box, [&](std::span<const partition::BodyCircle> circles) {
+      for (const partition::BodyCircle& circle : circles)
+        if (wanted(circle)) visit(fixed_chain(scene, *outlines, circle.row));
+    });
   }
 }
 
 /// Calls visit(chain) for each outline of a row's body, including those that rangers do not see.
 template <class Visit>
-void for_each_chain_of(const World& world, Row row, Visit&& visit) {
-  const std::span<const Vec2> vertices = world.outline(row);
-  const double base = world.poses()[row.index()].z;
-  const BodyType& type = world.type(row);
+void for_each_chain_of(const SensingView& view, Row row, Visit&& visit) {
+  const std::span<const Vec2> vertices = view.outline(row);
+  const double base = view.poses()[row.index()].z;
+  const BodyType& type = view.type(row);
   for (const std::vector<RayOutline>* outlines : {&type.outlines, &type.hidden_outlines})
     for (const RayOutline& outline : *outlines)
       visit(OutlineChain{vertices.subspan(outline.first, outline.count), true,
-                         outline.z.shifted(base + world.lift(row, outline.joint)), world.body(row),
+                         outline.z.shifted(base + view.lift(row, outline.joint)), view.body(row),
                          outline.part, outline.solid, outline.first, outline.ranger_return});
 }
 
 /// Calls visit(chain) for each outline of the bodies with rows whose enclosing circle may touch the box
 /// (world frame, m), if wanted(circle) is true. Skips the row `own` and the bodies that move together with it
-/// (World::same_tree()). If `own` is not valid(), no row is skipped.
+/// (SensingView::same_tree()). If `own` is not valid(), no row is skipped.
 template <class Wanted, class Visit>
-void for_each_body_chain(const World& world, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
-  world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
+void for_each_body_chain(const SensingView& view, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
+  view.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
     const Row row(circle.row);
-    if (!wanted(circle) || (own.valid() && world.same_tree(row, own))) return;
-    for_each_chain_of(world, row, visit);
+    if (!wanted(circle) || (own.valid() && view.same_tree(row, own))) return;
+    for_each_chain_of(view, row, visit);
   });
 }
 
@@ -86,19 +83,19 @@ struct SightRay {
   Vec2 direction = Vec2::UnitX();  ///< unit vector, world frame
   double length = 0;               ///< length, m; surfaces at this range or farther are not hit
   /// Row of the sensor's body. The ray passes through this body and through the bodies that move together
-  /// with it (World::same_tree()). Not valid(): the ray passes through no body.
+  /// with it (SensingView::same_tree()). Not valid(): the ray passes through no body.
   Row own;
   std::optional<double> z;  ///< height of the ray, world frame, m; not set: it hits surfaces at any height
   bool (*stops)(const Returns&) = nullptr;  ///< returns whether a part stops the ray; null: all parts do
 };
 
 /// Returns the part whose surface a ray hit. Call this only if hit.met() is true.
-inline const PartSpec& part_of(const World& world, const RayHit& hit) {
-  return world.spec().types[world.spec().bodies[hit.body.index()].type.index()].parts[hit.part];
+inline const PartSpec& part_of(const SensingView& view, const RayHit& hit) {
+  return view.spec().types[view.spec().bodies[hit.body.index()].type.index()].parts[hit.part];
 }
 
 /// Present colour of the part that a ray hit.
-Color color_of(const World& world, const RayHit& hit);
+Color color_of(const CommittedView& view, const RayHit& hit);
 
 /// Finds the first surface along a ray, in double precision.
 /// hits    A ray hits outlines whose closed z interval contains its height. It hits them from inside and from
@@ -107,7 +104,7 @@ Color color_of(const World& world, const RayHit& hit);
 /// cost    The function walks along the ray through the grid and ends at the first surface. Sensors that cast
 ///         several rays from one point use VisibilityQuery (engine/visibility_query.hpp). Rangers, which cast
 ///         many beams at once, use the functions of partition/ranging.hpp.
-RayHit first_met(const World& world, const SightRay& ray);
+RayHit first_met(const SensingView& view, const SightRay& ray);
 
 /// The position of a vertex relative to a ray.
 struct SeenVertex {

@@ -155,6 +155,7 @@ class StateTable {
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
   std::size_t bytes() const { return data_.size(); }  ///< size of all rows, padding included
+  std::span<std::byte> data() { return data_; }       ///< all rows, padding included
   /// Sets every byte to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
   void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }  ///< fill_row() with 0

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/sight.hpp"
-#include "partition/nearby_outlines.hpp"
+#include "partition/near_circles.hpp"
 
 #include <optional>
 #include <span>
@@ -27,12 +27,24 @@ class VisibilityQuery {
   ///
   /// reach: the largest ray length, m
   /// own, z: as in SightRay; they hold for all rays
-  void stand(const World& world, const Vec2& origin, double reach, Row own, std::optional<double> z);
+  void stand(const SensingView& view, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
   /// Rows of the bodies whose enclosing circles reach into the disc with the radius `reach` about the origin,
   /// each once. Some circles may be slightly outside it. The row `own` and the bodies that move together with
-  /// it (World::same_tree()) are excluded.
-  std::span<const std::uint32_t> bodies() const { return {circles_.row.data(), bodies_}; }
+  /// it (SensingView::same_tree()) are excluded.
+  std::span<const std::uint32_t> bodies() const { return {near_.circles().row.data(), bodies_}; }
+
+  /// Calls visit(chain) for the outlines of the bodies and of the static scene whose enclosing circles reach
+  /// into the disc, if wanted(x, y, radius) is true for the circle: its centre relative to the origin and its
+  /// radius, m. Unlike rays, it visits outlines at any height. A piece of the static scene may be visited
+  /// several times.
+  template <class Wanted, class Visit>
+  void for_each_chain(Wanted&& wanted, Visit&& visit) {
+    if (reach_ > fixed_reach_) find_fixed(reach_);
+    const partition::CircleArrays& circles = near_.circles();
+    for (std::size_t i = 0; i < near_.size(); ++i)
+      if (wanted(circles.x[i], circles.y[i], circles.radius[i])) visit_chains(circles.row[i], visit);
+  }
 
   /// Sets found[i] to the first surface that rays[i] hits. Both spans must have the same size.
   void first_met(std::span<const SightLine> rays, std::span<RayHit> found);
@@ -42,22 +54,35 @@ class VisibilityQuery {
     float near;  // lower bound on the distance to a surface in the circle, m
     std::uint32_t mark;
   };
-  void add_near(std::span<const partition::BodyCircle> run, std::uint32_t mark);
+  // The mark of a circle says what it encloses. It is the row of a body, or the index of a static outline
+  // piece plus one of these flags, which are larger than any row.
+  static constexpr std::uint32_t k_seen = 1u << 31;    // index into StaticScene::outlines()
+  static constexpr std::uint32_t k_hidden = 1u << 30;  // index into StaticScene::hidden_outlines()
+  /// Calls visit(chain) for the outlines that the circle with this mark encloses.
+  template <class Visit>
+  void visit_chains(std::uint32_t mark, Visit&& visit) const {
+    const partition::StaticScene& scene = view_->scene();
+    if ((mark & k_seen) != 0)
+      visit(fixed_chain(scene, scene.outlines(), mark - k_seen));
+    else if ((mark & k_hidden) != 0)
+      visit(fixed_chain(scene, scene.hidden_outlines(), mark - k_hidden));
+    else
+      for_each_chain_of(*view_, Row(mark), visit);
+  }
   void find_fixed(double reach);
   RayHit first_met(const SightLine& ray);
   std::size_t find_hits(const SightLine& ray);
   void meet(std::uint32_t mark, const SightLine& ray, RayHit& nearest) const;
 
-  const World* world_ = nullptr;
+  const SensingView* view_ = nullptr;
   Vec2 origin_ = Vec2::Zero();
   double reach_ = 0;
   Row own_;
   std::optional<double> z_;
-  partition::CircleArrays circles_;  // relative to the origin: bodies, then pieces of the static scene
+  partition::NearCircles near_;  // bodies, then pieces of the static scene
   std::size_t bodies_ = 0;
-  std::size_t size_ = 0;
   double fixed_reach_ = 0;  // pieces of the static scene are listed up to this distance, m; negative: none
-  std::vector<float> near_;
+  std::vector<float> distances_;  // one per circle
   std::vector<Hit> hits_;
 };
 

@@ -4,6 +4,7 @@
 #include "base/fp_environment.hpp"
 #include "engine/frame.hpp"
 #include "engine/kind_errors.hpp"
+#include "engine/replica.hpp"
 #include "engine/shown_color.hpp"
 #include "partition/placed_shape.hpp"
 #include "partition/ranging.hpp"
@@ -72,12 +73,15 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
 }  // namespace
 
 World::World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics)
-    : spec_(std::move(spec)), parallel_(options.threads) {
+    : parallel_(options.threads), links_(state_, parallel_), movement_(state_, parallel_) {
+  state_.spec = std::move(spec);
   double beams = 0;
-  for (const TypeSpec& type : spec_.types) {
-    types_.push_back(make_body_type(type, spec_, registry, diagnostics));
-    for (const BodyType::Device& sensor : types_.back().devices)
+  for (const TypeSpec& type : state_.spec.types) {
+    state_.types.push_back(make_body_type(type, state_.spec, registry, diagnostics));
+    for (const BodyType::Device& sensor : state_.types.back().devices)
       beams += static_cast<double>(sensor.prepared.beams);
+    for (const BodyType::Controller& controller : state_.types.back().controllers)
+      has_collective_ = has_collective_ || controller.kind->is_collective;
     if (beams <= k_most_beams) continue;
     diagnostics.error(
         type.parts.front().where,
@@ -90,14 +94,14 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   check_size(diagnostics);
   check_reserves(diagnostics);
   diagnostics.throw_if_errors();
-  geometry_ = choose_geometry(spec_, types_, options.tile_size_m);
+  state_.geometry = choose_geometry(state_.spec, state_.types, options.tile_size_m);
   build_rows();
-  build_pushables();
-  build_links();
+  movement_.build();
+  links_.build();
   build_experiment(registry, diagnostics);
   build_scene();
   build_tables();
-  if (spec_.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
+  if (state_.spec.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
   report_overlaps(diagnostics);
 }
 
@@ -109,13 +113,13 @@ void World::check_size(Diagnostics& diagnostics) const {
   double bytes = 0;
   Where where;
   std::vector<double> vertices;
-  for (const TypeSpec& type : spec_.types) {
+  for (const TypeSpec& type : state_.spec.types) {
     double count = 0;
     for (const PartSpec& part : type.parts) count += static_cast<double>(count_vertices(part.solids));
     vertices.push_back(count);
   }
-  for (const BodySpec& body : spec_.bodies) {
-    const BodyType& type = types_[body.type.index()];
+  for (const BodySpec& body : state_.spec.bodies) {
+    const BodyType& type = state_.types[body.type.index()];
     if (!type.runs()) {
       fixed_vertices += vertices[body.type.index()];
     } else {
@@ -140,9 +144,9 @@ void World::check_size(Diagnostics& diagnostics) const {
 }
 
 void World::check_reserves(Diagnostics& diagnostics) const {
-  for (const ReserveSpec& reserve : spec_.reserves) {
-    const BodySpec& body = spec_.bodies[reserve.first.index()];
-    if (!types_[body.type.index()].runs())
+  for (const ReserveSpec& reserve : state_.spec.reserves) {
+    const BodySpec& body = state_.spec.bodies[reserve.first.index()];
+    if (!state_.types[body.type.index()].runs())
       diagnostics.error(
           body.where, fmt::format("the reserve of population \"{}\" needs a type that has a drive, a device "
                                   "or a controller, or that can be gripped or pushed",
@@ -159,16 +163,16 @@ std::vector<BodyId> World::rows_by_place() const {
     std::uint64_t key;
     BodyId body;
   };
-  const partition::GridGeometry geometry = choose_geometry(spec_, types_, 0);
+  const partition::GridGeometry geometry = choose_geometry(state_.spec, state_.types, 0);
   const auto low_bits = [](std::int32_t value, unsigned bits) {
     return static_cast<std::uint64_t>(value) & ((1u << bits) - 1);
   };
   std::vector<Place> places;
-  places.reserve(spec_.bodies.size());
-  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
-    const BodySpec& body = spec_.bodies[b];
-    if (!types_[body.type.index()].runs()) continue;
-    if (!spec_.starts(BodyId(b))) {  // its place of birth is unknown
+  places.reserve(state_.spec.bodies.size());
+  for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
+    const BodySpec& body = state_.spec.bodies[b];
+    if (!state_.types[body.type.index()].runs()) continue;
+    if (!state_.spec.starts(BodyId(b))) {  // its place of birth is unknown
       places.push_back({~std::uint64_t{0}, BodyId(b)});
       continue;
     }
@@ -190,94 +194,76 @@ std::vector<BodyId> World::rows_by_place() const {
 }
 
 void World::build_rows() {
-  body_rows_.resize(spec_.bodies.size());
+  state_.rows.resize(state_.spec.bodies.size());
   const std::vector<BodyId> bodies = rows_by_place();
   const auto reserve = [&bodies](auto&... columns) { (columns.reserve(bodies.size()), ...); };
-  reserve(row_bodies_, row_ids_, row_types_, row_slots_, outline_begins_);
-  std::vector<std::uint32_t> slots(types_.size(), 0);
+  reserve(state_.bodies, state_.ids, state_.row_types, state_.slots, state_.outline_begins);
+  std::vector<std::uint32_t> slots(state_.types.size(), 0);
   std::size_t vertices = 0;
   for (const BodyId body : bodies) {
-    const auto t = spec_.bodies[body.index()].type.value;
-    const BodyType& type = types_[t];
-    body_rows_[body.index()] = Row(row_bodies_.size());
-    row_bodies_.push_back(body);
-    row_ids_.push_back(body.value);
-    row_types_.push_back(t);
-    row_slots_.push_back(slots[t]++);
-    outline_begins_.push_back(vertices);
+    const auto t = state_.spec.bodies[body.index()].type.value;
+    const BodyType& type = state_.types[t];
+    state_.rows[body.index()] = Row(state_.bodies.size());
+    state_.bodies.push_back(body);
+    state_.ids.push_back(body.value);
+    state_.row_types.push_back(t);
+    state_.slots.push_back(slots[t]++);
+    state_.outline_begins.push_back(vertices);
     vertices += type.outline_vertices.size();
-    robots_at_start_ += type.drive.has_value() && spec_.starts(body);
+    robots_at_start_ += type.drive.has_value() && state_.spec.starts(body);
   }
-  row_subscribed_.resize(rows());
-  row_radii_.resize(rows());
-  row_shapes_.resize(rows());
-  transforms_.resize(rows());
-  outlines_.resize(vertices + partition::EdgeBlock::k_piece,
-                   Vec2::Zero());  // padding: rangers copy k_piece vertices at a time
-  motions_.resize(rows());
-  free_circles_.resize(rows());
-}
-
-void World::build_pushables() {
-  if (std::ranges::none_of(types_, &BodyType::pushable)) return;
-  pushables_.thinnest = std::numeric_limits<double>::infinity();
-  for (std::size_t r = 0; r < rows(); ++r) {
-    const BodyType& t = type(Row(r));
-    const bool is_pushable = t.pushable && !t.obstacle.empty();
-    row_pushable_.push_back(is_pushable);
-    row_push_limits_.push_back(t.drive ? t.drive->pushes : 0);
-    pushables_.most += row_push_limits_.back();
-    if (!is_pushable) continue;
-    pushables_.radius = std::max(pushables_.radius, t.obstacle.radius);
-    pushables_.thinnest = std::min(pushables_.thinnest, t.obstacle.thinnest);
-  }
-  pushables_.is_pushable = row_pushable_;
-  pushables_.limits = row_push_limits_;
+  state_.subscribed.resize(rows());
+  state_.radii.resize(rows());
+  state_.shapes.resize(rows());
+  state_.transforms.resize(rows());
+  state_.outlines.resize(vertices + partition::EdgeBlock::k_piece,
+                         Vec2::Zero());  // padding: rangers copy k_piece vertices at a time
+  state_.bind_view();
 }
 
 void World::build_scene() {
   std::vector<partition::FixedSolid> solids;
-  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
-    const BodySpec& body = spec_.bodies[b];
-    if (types_[body.type.index()].runs()) continue;
-    const std::vector<PartSpec>& parts = spec_.types[body.type.index()].parts;
+  for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
+    const BodySpec& body = state_.spec.bodies[b];
+    if (state_.types[body.type.index()].runs()) continue;
+    const std::vector<PartSpec>& parts = state_.spec.types[body.type.index()].parts;
     for (std::uint32_t p = 0; p < parts.size(); ++p)
       for (const Solid& solid : parts[p].solids)
         solids.push_back({placed(solid, body.pose_world_body), BodyId(b), parts[p].returns.obstacle,
                           parts[p].returns.ranger, p});
   }
-  scene_ = partition::StaticScene(std::move(solids), geometry_.cell_m);
-  fixed_targets_ = FixedTargets(spec_, [this](BodyId body) { return !row(body).valid(); });
-  index_ = partition::BodyIndex(geometry_);
-  if (spec_.bounds) index_.reserve(*spec_.bounds);
+  state_.scene = partition::StaticScene(std::move(solids), state_.geometry.cell_m);
+  state_.fixed_targets = FixedTargets(state_.spec, [this](BodyId body) { return !row(body).valid(); });
+  state_.index = partition::BodyIndex(state_.geometry);
+  if (state_.spec.bounds) state_.index.reserve(*state_.spec.bounds);
 }
 
 void World::build_tables() {
   using Layout = StateTable::Layout;
-  tables_.emplace_back(
+  state_.tables.emplace_back(
       "pose", HashGroup::pose, Layout::rows,
       std::vector<StateField>{{"x", Element::f64, 1, "m", "world frame"},
                               {"y", Element::f64, 1, "m", "world frame"},
                               {"z", Element::f64, 1, "m", "world frame"},
                               {"heading", Element::f64, 1, "rad", "counter-clockwise from +x"}},
-      row_bodies_);
-  tables_.emplace_back("velocity", HashGroup::velocity, Layout::rows,
-                       std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, in this tick"},
-                                               {"y", Element::f64, 1, "m/s", "left"},
-                                               {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
-                       row_bodies_);
-  tables_.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), row_bodies_,
-                       sizeof(Command));
-  tables_.emplace_back(
+      state_.bodies);
+  state_.tables.emplace_back("velocity", HashGroup::velocity, Layout::rows,
+                             std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, in this tick"},
+                                                     {"y", Element::f64, 1, "m/s", "left"},
+                                                     {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
+                             state_.bodies);
+  state_.tables.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), state_.bodies,
+                             sizeof(Command));
+  state_.tables.emplace_back(
       "stall", HashGroup::velocity, Layout::columns,
       std::vector<StateField>{
           {"stalled", Element::u8, 1, "",
            "1: last motion was blocked, 2: last motion would have ended out of bounds, 0: neither"}},
-      row_bodies_);
+      state_.bodies);
 
-  if (std::ranges::any_of(types_, &BodyType::carries)) {
-    carrier_table_ = tables_.size();
-    tables_.emplace_back(
+  if (std::ranges::any_of(state_.types, &BodyType::carries)) {
+    state_.carrier_table = state_.tables.size();
+    state_.tables.emplace_back(
         "carrier", HashGroup::pose, Layout::rows,
         sparse({{"carrier", Element::u32, 1, "", "id of the body that carries it + 1; 0: none"},
                 {"joint", Element::u32, 1, "", "joint of the carrier that holds it, from 1; 0: none"},
@@ -285,82 +271,77 @@ void World::build_tables() {
                 {"y", Element::f64, 1, "m", "same frame"},
                 {"z", Element::f64, 1, "m", "same frame"},
                 {"heading", Element::f64, 1, "rad", "same frame"}}),
-        row_bodies_);
+        state_.bodies);
   }
 
   build_lives();
   build_conditions();
 
-  std::vector<std::vector<BodyId>> bodies(types_.size());
-  for (std::size_t r = 0; r < rows(); ++r) bodies[row_types_[r]].push_back(row_bodies_[r]);
+  std::vector<std::vector<BodyId>> bodies(state_.types.size());
+  for (std::size_t r = 0; r < rows(); ++r) bodies[state_.row_types[r]].push_back(state_.bodies[r]);
   std::size_t effects = 0;
-  for (std::size_t t = 0; t < types_.size(); ++t) {
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
     if (bodies[t].empty()) continue;
-    for (BodyType::Joint& joint : types_[t].joints) {
-      joint.table = tables_.size();
-      tables_.emplace_back(fmt::format("joint/{}", joint.name), HashGroup::pose, Layout::rows,
-                           std::vector<StateField>{
-                               {"x", Element::f64, 1, "m", "relative to its rest pose"},
-                               {"y", Element::f64, 1, "m", "relative to its rest pose"},
-                               {"z", Element::f64, 1, "m", "relative to its rest pose"},
-                               {"heading", Element::f64, 1, "rad", "relative to its rest pose; not wrapped"}},
-                           bodies[t]);
+    for (BodyType::Joint& joint : state_.types[t].joints) {
+      joint.table = state_.tables.size();
+      state_.tables.emplace_back(
+          fmt::format("joint/{}", joint.name), HashGroup::pose, Layout::rows,
+          std::vector<StateField>{
+              {"x", Element::f64, 1, "m", "relative to its rest pose"},
+              {"y", Element::f64, 1, "m", "relative to its rest pose"},
+              {"z", Element::f64, 1, "m", "relative to its rest pose"},
+              {"heading", Element::f64, 1, "rad", "relative to its rest pose; not wrapped"}},
+          bodies[t]);
     }
-    if (auto& drive = types_[t].drive; drive && drive->localization.kind == Localization::Kind::odom) {
-      drive->odometry_table = tables_.size();
-      tables_.emplace_back("odometry", HashGroup::memory, Layout::rows,
-                           std::vector<StateField>{{"x", Element::f64, 1, "m", "estimated position"},
-                                                   {"y", Element::f64, 1, "m", ""},
-                                                   {"heading", Element::f64, 1, "rad", "counter-clockwise"}},
-                           bodies[t]);
+    if (auto& drive = state_.types[t].drive; drive && drive->localization.kind == Localization::Kind::odom) {
+      drive->odometry_table = state_.tables.size();
+      state_.tables.emplace_back(
+          "odometry", HashGroup::memory, Layout::rows,
+          std::vector<StateField>{{"x", Element::f64, 1, "m", "estimated position"},
+                                  {"y", Element::f64, 1, "m", ""},
+                                  {"heading", Element::f64, 1, "rad", "counter-clockwise"}},
+          bodies[t]);
     }
-    for (BodyType::Device& sensor : types_[t].devices) {
-      sensor.table = tables_.size();
+    for (BodyType::Device& sensor : state_.types[t].devices) {
+      sensor.table = state_.tables.size();
       // Component names do not contain the name of the type: types only save memory, and two files may divide
       // the same bodies into types differently.
       const std::string component = fmt::format("{}/{}", sensor.kind->name, sensor.name);
-      tables_.emplace_back(component, HashGroup::sensor, Layout::rows, sensor.prepared.percepts, bodies[t],
-                           sensor.prepared.percept_bytes);
+      state_.tables.emplace_back(component, HashGroup::sensor, Layout::rows, sensor.prepared.percepts,
+                                 bodies[t], sensor.prepared.percept_bytes);
       effects += sensor.prepared.most_effects * bodies[t].size();
       if (sensor.prepared.commands.empty()) continue;
-      sensor.command_table = tables_.size();
-      tables_.emplace_back(component + "/command", HashGroup::velocity, Layout::rows,
-                           sensor.prepared.commands, bodies[t], sensor.prepared.command_bytes);
+      sensor.command_table = state_.tables.size();
+      state_.tables.emplace_back(component + "/command", HashGroup::velocity, Layout::rows,
+                                 sensor.prepared.commands, bodies[t], sensor.prepared.command_bytes);
     }
-    for (std::size_t c = 0; c < types_[t].controllers.size(); ++c) {
-      BodyType::Controller& controller = types_[t].controllers[c];
+    for (std::size_t c = 0; c < state_.types[t].controllers.size(); ++c) {
+      BodyType::Controller& controller = state_.types[t].controllers[c];
       if (controller.kind->memory.empty()) continue;
-      controller.table = tables_.size();
-      tables_.emplace_back(fmt::format("{}/{}", controller.kind->name, c), HashGroup::memory, Layout::rows,
-                           controller.kind->memory, bodies[t], controller.kind->memory_bytes);
+      controller.table = state_.tables.size();
+      state_.tables.emplace_back(fmt::format("{}/{}", controller.kind->name, c), HashGroup::memory,
+                                 Layout::rows, controller.kind->memory, bodies[t],
+                                 controller.kind->memory_bytes);
     }
   }
   effects_.reserve(effects);
-  draw_odometry_errors();
+  state_.bind_view();
+  movement_.draw_odometry_errors();
   start();
-}
-
-void World::draw_odometry_errors() {
-  for (std::size_t r = 0; r < rows(); ++r) {
-    const auto& drive = type(Row(r)).drive;
-    if (!drive || !drive->odometry_table) continue;
-    row_odometry_errors_.resize(rows());
-    row_odometry_errors_[r] = drive->localization.error_of(spec_.seed, row_bodies_[r]);
-  }
 }
 
 void World::start() {
   const Completion completion(*this);
-  tick_ = 0;
+  state_.now.tick = 0;
   beams_ = conflict_rounds_ = 0;
   derive_experiment();  // first: bodies start with the parameters of tick 0
-  for (StateTable& table : tables_) table.clear();
+  for (StateTable& table : state_.tables) table.clear();
   for (std::size_t r = 0; r < rows(); ++r) {
-    const BodyId body = row_bodies_[r];
-    if (spec_.starts(body))
-      start(Row(r), spec_.bodies[body.index()].pose_world_body);
+    const BodyId body = state_.bodies[r];
+    if (state_.spec.starts(body))
+      start(Row(r), state_.spec.bodies[body.index()].pose_world_body);
     else
-      life(Row(r)).presence = static_cast<std::uint8_t>(Presence::unborn);
+      state_.life(Row(r)).presence = static_cast<std::uint8_t>(Presence::unborn);
   }
   derive();
 }
@@ -370,35 +351,41 @@ void World::start(Row row, const Pose& p) {
   for (const BodyType::Device& device : type.devices)
     if (device.kind->start)
       call_kind(*this, {&row, 1}, device,
-                [&] { device.kind->start(device.prepared.data, tables_[device.table], slot(row)); });
+                [&] { device.kind->start(device.prepared.data, state_.tables[device.table], slot(row)); });
   for (const std::size_t d : type.joint_devices) {
     const BodyType::Device& device = type.devices[d];
     const std::vector<Pose>& joints = device.prepared.joints;
     for (std::size_t n = 0; n < joints.size(); ++n)
-      tables_[type.joints[static_cast<std::size_t>(device.moves) + n].table].as<Pose>(slot(row)) = joints[n];
+      state_.tables[type.joints[static_cast<std::size_t>(device.moves) + n].table].as<Pose>(slot(row)) =
+          joints[n];
   }
   for (const BodyType::Controller& controller : type.controllers)
     if (controller.table)
       call_kind(*this, {&row, 1}, controller,
-                [&] { controller.kind->start(tables_[*controller.table].row(slot(row))); });
-  as<Pose>(k_pose)[row.index()] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+                [&] { controller.kind->start(state_.tables[*controller.table].row(slot(row))); });
+  state_.poses()[row.index()] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
   if (type.drive) start(row, *type.drive);
 }
 
 void World::start(Row row, const BodyType::Drive& drive) {
-  if (drive.kind->start) as<Velocity>(k_velocity)[row.index()] = drive.kind->start(drive.data);
+  if (drive.kind->start)
+    state_.as<Velocity>(WorldState::k_velocity)[row.index()] = drive.kind->start(drive.data);
   if (!drive.odometry_table) return;
   const Pose& pose = poses()[row.index()];
   const Pose believed = relative_to(drive.localization.origin.value_or(pose), pose);
-  as<Odometry>(*drive.odometry_table)[slot(row)] = {believed.x, believed.y, believed.heading};
+  state_.as<Odometry>(*drive.odometry_table)[slot(row)] = {believed.x, believed.y, believed.heading};
 }
 
 void World::derive() {
   derive_experiment();
+  derive_state();
+}
+
+void World::derive_state() {
   derive_lives();
   count_impaired();
-  count_stalls();
-  derive_links();
+  movement_.count_stalls();
+  links_.derive();
   for (std::size_t r = 0; r < rows(); ++r) derive(Row(r));
   effects_.clear();
   begin_placing();
@@ -407,59 +394,63 @@ void World::derive() {
 }
 
 void World::derive(Row row) {
-  motions_[row.index()] = Motion();
-  free_circles_[row.index()] = FreeCircle();
-  update_presence(row);
+  movement_.rest(row);
+  state_.update_presence(row);
   if (links_.any()) {
-    rest_joints(row);
-    reshape(row.value);
+    links_.rest_joints(row);
+    links_.reshape(row.value);
   }
-  update_outlines(row, type(row), Transform(poses()[row.index()]));
+  state_.update_outlines(row, type(row), Transform(poses()[row.index()]));
 }
 
 void World::forget() {
   constexpr std::uint32_t k_junk = 0x5a5a5a5a;
-  const Motion junk_motion{k_nowhere, Rotation(SinCos{k_nan, k_nan}), k_nan, true};
-  std::ranges::fill(transforms_, Transform{{k_nan, k_nan}, junk_motion.rotation});
-  std::fill_n(outlines_.begin(), outlines_.size() - partition::EdgeBlock::k_piece, Vec2(k_nan, k_nan));
-  std::ranges::fill(row_radii_, k_nan);
-  std::ranges::fill(row_shapes_, nullptr);
-  std::ranges::fill(free_circles_, FreeCircle{0, 0, std::numeric_limits<float>::infinity()});
-  std::ranges::fill(not_drawn_, std::uint8_t{0x5a});
+  std::ranges::fill(state_.transforms, Transform{{k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan})});
+  std::fill_n(state_.outlines.begin(), state_.outlines.size() - partition::EdgeBlock::k_piece,
+              Vec2(k_nan, k_nan));
+  std::ranges::fill(state_.radii, k_nan);
+  std::ranges::fill(state_.shapes, nullptr);
+  std::ranges::fill(state_.not_drawn, std::uint8_t{0x5a});
   std::ranges::fill(next_born_, k_junk);
-  for (std::size_t* count : {&robots_, &absent_, &impaired_, &stalled_, &out_of_bounds_}) *count = k_junk;
-  forget_links();
+  for (std::size_t* count : {&robots_, &state_.now.absent, &state_.now.impaired}) *count = k_junk;
+  links_.forget();
+  std::ranges::fill(grid_lifts_, k_nan);
   experiment_.fault_events.clear();
   experiment_.due = 0;
-  index_ = partition::BodyIndex(geometry_);
-  std::ranges::fill(motions_, junk_motion);
-  conflicts_.forget();
+  state_.index = partition::BodyIndex(state_.geometry);
+  movement_.forget();
   placed_before_.assign(1, {Row(0), k_nowhere});
   derive();
-  for (std::size_t r = 0; r < rows(); ++r)
-    if (is_there(Row(r))) motions_[r] = junk_motion;
-}
-
-void World::count_stalls() {
-  out_of_bounds_ = static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_out_of_bounds}));
-  stalled_ = out_of_bounds_ + static_cast<std::size_t>(std::ranges::count(stall(), std::uint8_t{k_blocked}));
+  movement_.forget_motions();
 }
 
 void World::build_ray_grid(Diagnostics& diagnostics) {
   std::vector<partition::MovingOutline> outlines;
   for (std::uint32_t r = 0; r < rows(); ++r)
     for (const RayOutline& outline : type(Row(r)).outlines)
-      outlines.push_back({r, static_cast<std::uint32_t>(outline_begins_[r]) + outline.first, outline.count,
-                          outline.z, outline.ranger_return});
-  if (links_.any()) links_.lifts.resize(outlines.size());
+      outlines.push_back({r, static_cast<std::uint32_t>(state_.outline_begins[r]) + outline.first,
+                          outline.count, outline.z, outline.ranger_return});
+  if (links_.any()) grid_lifts_.resize(outlines.size());
   try {
-    ray_grid_ = std::make_unique<partition::RayGrid>(scene_.solids(), std::move(outlines), outlines_,
-                                                     spec_.resolution_m);
+    state_.ray_grid = std::make_unique<partition::RayGrid>(state_.scene.solids(), std::move(outlines),
+                                                           state_.outlines, state_.spec.resolution_m);
   } catch (const std::length_error& fault) {
-    diagnostics.error(spec_.resolution_where, fmt::format("the grid ray engine: {}", fault.what()));
+    diagnostics.error(state_.spec.resolution_where, fmt::format("the grid ray engine: {}", fault.what()));
     diagnostics.throw_if_errors();
   }
+  state_.bind_view();
   redraw_ray_grid();
+}
+
+void World::redraw_ray_grid() {
+  std::size_t o = 0;
+  for (std::uint32_t r = 0; !grid_lifts_.empty() && r < rows(); ++r)
+    for (const RayOutline& outline : type(Row(r)).outlines)
+      if (outline.count > 0) grid_lifts_[o++] = lift(Row(r), outline.joint);
+  partition::RayGrid::Linked linked{.lifts = grid_lifts_, .groups = {}, .absent = {}};
+  if (state_.now.carried > 0) linked.groups = state_.roots;
+  if (state_.now.absent > 0) linked.absent = state_.not_drawn;
+  state_.ray_grid->redraw(state_.outlines, poses(), parallel_, linked);
 }
 
 /// Reports bodies that overlap at tick 0. Thousands of bodies at one place are millions of pairs, and
@@ -470,10 +461,10 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   constexpr std::size_t k_most_listed = 100;
   constexpr std::size_t k_bodies = 256;  // per task
   constexpr std::size_t k_tasks = 64;    // per parallel loop
-  for (const Row row : body_rows_)
-    if (row.valid() && !row_shapes_[row.index()]->empty() &&
-        row_shapes_[row.index()]->z.min + poses()[row.index()].z < 0)
-      diagnostics.warning_once(spec_.bodies[body(row).index()].where,
+  for (const Row row : state_.rows)
+    if (row.valid() && !state_.shapes[row.index()]->empty() &&
+        state_.shapes[row.index()]->z.min + poses()[row.index()].z < 0)
+      diagnostics.warning_once(state_.spec.bodies[body(row).index()].where,
                                "a body extends below the floor (z = 0), which is not an obstacle");
 
   const std::size_t most = diagnostics.thorough() ? k_most_listed : 1;
@@ -488,37 +479,37 @@ void World::report_overlaps(Diagnostics& diagnostics) {
     }
   };
   const auto look_at = [&](std::size_t b, Found& found) {
-    const Row row = body_rows_[b];
-    if (!row.valid() || row_shapes_[row.index()]->empty()) return;
+    const Row row = state_.rows[b];
+    if (!row.valid() || state_.shapes[row.index()]->empty()) return;
     const auto z_of = [&](Row of) { return poses()[of.index()].z; };
-    const partition::ObstacleShape& shape = *row_shapes_[row.index()];
+    const partition::ObstacleShape& shape = *state_.shapes[row.index()];
     const ZInterval z = shape.z.shifted(z_of(row));
     const partition::PlacedShape placed(shape, transform(row), z_of(row));
     // Static bodies first, then the others by id: the order must not depend on the grid.
-    if (scene_.has_obstacles())
-      for (const BodyId wall : scene_.overlapping(shape, poses()[row.index()]))
+    if (state_.scene.has_obstacles())
+      for (const BodyId wall : state_.scene.overlapping(shape, poses()[row.index()]))
         found.add(BodyId(b), wall, most);
     found.others.clear();
-    index_.for_each_near(Box::around(transform(row).position, shape.radius),
-                         [&](const partition::BodyCircle& other) {
-                           const partition::ObstacleShape& theirs = *row_shapes_[other.row];
-                           if (row_ids_[other.row] > b && !theirs.empty() &&
-                               z.overlaps(theirs.z.shifted(z_of(Row(other.row)))))
-                             found.others.push_back(row_bodies_[other.row]);
-                         });
+    state_.index.for_each_near(Box::around(transform(row).position, shape.radius),
+                               [&](const partition::BodyCircle& other) {
+                                 const partition::ObstacleShape& theirs = *state_.shapes[other.row];
+                                 if (state_.ids[other.row] > b && !theirs.empty() &&
+                                     z.overlaps(theirs.z.shifted(z_of(Row(other.row)))))
+                                   found.others.push_back(state_.bodies[other.row]);
+                               });
     std::ranges::sort(found.others);
     for (const BodyId other : found.others) {
       if (found.pairs > k_most_counted) return;
-      const Row r = body_rows_[other.index()];
-      if (overlap(placed, partition::PlacedShape(*row_shapes_[r.index()], transform(r), z_of(r))))
+      const Row r = state_.rows[other.index()];
+      if (overlap(placed, partition::PlacedShape(*state_.shapes[r.index()], transform(r), z_of(r))))
         found.add(BodyId(b), other, most);
     }
   };
   std::size_t pairs = 0;
   std::vector<Pair> listed;
-  for (std::size_t first = 0; first < body_rows_.size() && pairs <= k_most_counted;
+  for (std::size_t first = 0; first < state_.rows.size() && pairs <= k_most_counted;
        first += k_bodies * k_tasks) {
-    const std::size_t end = std::min(body_rows_.size(), first + k_bodies * k_tasks);
+    const std::size_t end = std::min(state_.rows.size(), first + k_bodies * k_tasks);
     std::vector<Found> tasks((end - first + k_bodies - 1) / k_bodies);
     parallel_.for_each(tasks.size(), [&](std::size_t t) {
       const std::size_t from = first + t * k_bodies;
@@ -534,7 +525,7 @@ void World::report_overlaps(Diagnostics& diagnostics) {
     }
   }
   if (pairs == 0) return;
-  const auto where = [this](BodyId body) { return spec_.bodies[body.index()].where; };
+  const auto where = [this](BodyId body) { return state_.spec.bodies[body.index()].where; };
   const bool are_more = pairs > k_most_counted;  // the search ended early
   const auto count_of = [&](std::size_t count, std::string_view what) {
     return are_more     ? fmt::format("more than {} {}pairs of bodies overlap", count, what)
@@ -544,42 +535,36 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   const std::size_t counted = std::min(pairs, k_most_counted);
   if (!diagnostics.thorough()) {
     const auto [first, second] = listed.front();
-    diagnostics.warning(where(first),
-                        fmt::format("{} at the start, for example \"{}\" and \"{}\"; bodies that overlap may "
-                                    "move apart, but not closer",
-                                    count_of(counted, ""), spec_.name(first), spec_.name(second)));
+    diagnostics.warning(
+        where(first), fmt::format("{} at the start, for example \"{}\" and \"{}\"; bodies that overlap may "
+                                  "move apart, but not closer",
+                                  count_of(counted, ""), state_.spec.name(first), state_.spec.name(second)));
     return;
   }
   for (const auto& [first, second] : listed)
-    diagnostics.warning(where(first),
-                        fmt::format("\"{}\" {} \"{}\" at the start", spec_.name(first),
-                                    row(second).valid() ? "overlaps" : "stands in", spec_.name(second)));
+    diagnostics.warning(
+        where(first), fmt::format("\"{}\" {} \"{}\" at the start", state_.spec.name(first),
+                                  row(second).valid() ? "overlaps" : "stands in", state_.spec.name(second)));
   if (const std::size_t more = counted - listed.size(); more > 0)
     diagnostics.warning(where(listed.back().first), fmt::format("{} at the start", count_of(more, "more ")));
 }
 
 BodyId World::find(std::string_view name) const {
-  const std::optional<Name> wanted = spec_.names.find(name);
+  const std::optional<Name> wanted = state_.spec.names.find(name);
   if (!wanted) return {};
   std::call_once(names_made_, [this] {
-    names_.reserve(spec_.bodies.size() + spec_.aliases.size());
-    for (const NamedBody& alias : spec_.aliases) names_.set(alias.name, alias.body);
-    for (std::size_t b = 0; b < spec_.bodies.size(); ++b) names_.set(spec_.bodies[b].name, BodyId(b));
+    names_.reserve(state_.spec.bodies.size() + state_.spec.aliases.size());
+    for (const NamedBody& alias : state_.spec.aliases) names_.set(alias.name, alias.body);
+    for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b)
+      names_.set(state_.spec.bodies[b].name, BodyId(b));
   });
   return names_.find(*wanted);
-}
-
-Pose World::pose(BodyId body) const {
-  const Row r = row(body);
-  if (!r.valid()) return spec_.bodies[body.index()].pose_world_body;
-  if (presence(r) == Presence::unborn) return k_nowhere;
-  return poses()[r.index()];
 }
 
 Estimates World::estimates(const BodyType& type) const {
   if (!type.drive) return {&k_true_pose, poses(), {}};
   Estimates estimates{&type.drive->localization, poses(), {}};
-  if (type.drive->odometry_table) estimates.odometries = as<Odometry>(*type.drive->odometry_table);
+  if (type.drive->odometry_table) estimates.odometries = state_.as<Odometry>(*type.drive->odometry_table);
   return estimates;
 }
 
@@ -588,43 +573,44 @@ void World::set_estimate(Row row, const Pose& pose) {
   const auto& drive = type(row).drive;
   if (!drive || !drive->odometry_table)
     throw std::logic_error(
-        fmt::format("\"{}\" has no odometry: its estimate is its true pose", spec_.name(body(row))));
+        fmt::format("\"{}\" has no odometry: its estimate is its true pose", state_.spec.name(body(row))));
   if (!is_finite(pose)) throw std::invalid_argument("the values of a pose estimate must be finite");
-  as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
-                                                     wrap_angle(pose.heading) + 0.0};
+  touch();
+  state_.as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
+                                                            wrap_angle(pose.heading) + 0.0};
 }
 
 void World::set_poses(std::span<const Placed> placed) {
   require_whole();
   restore_fp_environment();  // a library may have changed it, see step()
-  const Box inside = bounds();
+  const Box inside = state_.bounds();
   for (const Placed& place : placed) {
     const Pose& p = place.pose;
     if (!is_there(place.row))
       throw std::invalid_argument(
-          fmt::format("\"{}\" cannot be placed: it is not in the world", spec_.name(body(place.row))));
+          fmt::format("\"{}\" cannot be placed: it is not in the world", state_.spec.name(body(place.row))));
     if (!is_finite(p) || !inside.contains(p.position()))
       throw std::invalid_argument(
           fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",
-                      spec_.name(body(place.row)), p.x, p.y, p.z, p.heading,
+                      state_.spec.name(body(place.row)), p.x, p.y, p.z, p.heading,
                       is_finite(p) ? "that is outside the world's bounds" : "these must be finite numbers"));
     if (const std::optional<BodyId> by = carrier(place.row))
       throw std::invalid_argument(fmt::format("\"{}\" cannot be placed: \"{}\" carries it",
-                                              spec_.name(body(place.row)), spec_.name(*by)));
+                                              state_.spec.name(body(place.row)), state_.spec.name(*by)));
   }
+  touch();
   for (const auto& [row, p] : placed) {
     const Pose pose{p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
-    as<Pose>(k_pose)[row.index()] = pose;
-    stall()[row.index()] = k_free;
-    motions_[row.index()] = Motion();
-    free_circles_[row.index()] = FreeCircle();
-    update_outlines(row, type(row), Transform(pose));
+    state_.poses()[row.index()] = pose;
+    state_.stalls()[row.index()] = WorldState::k_free;
+    movement_.rest(row);
+    state_.update_outlines(row, type(row), Transform(pose));
   }
-  if (links_.any()) carry();
+  if (links_.any()) links_.carry();
   for (const Placed& place : placed) remember_placed(place.row);
-  for (std::size_t r = 0; links_.carried > 0 && r < rows(); ++r)
+  for (std::size_t r = 0; state_.now.carried > 0 && r < rows(); ++r)
     if (carrier(Row(r))) remember_placed(Row(r));
-  count_stalls();
+  movement_.count_stalls();
   index_bodies();
 }
 
@@ -648,64 +634,68 @@ void World::begin_placing() {
 
 bool World::is_free(Row row, const Pose& pose) const {
   require_whole();
-  if (!is_finite(pose) || !bounds().contains(pose.position())) return false;
-  const partition::ObstacleShape& shape = is_there(row) ? *row_shapes_[row.index()] : type(row).obstacle;
+  if (!is_finite(pose) || !state_.bounds().contains(pose.position())) return false;
+  const partition::ObstacleShape& shape = is_there(row) ? *state_.shapes[row.index()] : type(row).obstacle;
   if (shape.empty()) return true;
-  if (scene_.has_obstacles() && scene_.blocked(shape, pose)) return false;
+  if (state_.scene.has_obstacles() && state_.scene.blocked(shape, pose)) return false;
   bool free = true;
   const auto look_at = [&](std::uint32_t r) {
-    if (!free || r == row.index() || row_shapes_[r]->empty()) return;
+    if (!free || r == row.index() || state_.shapes[r]->empty()) return;
     // The body with the lower id is the first argument, as in conflict resolution, so that both agree.
-    free = row_ids_[row.index()] < row_ids_[r] ? !overlap(shape, pose, *row_shapes_[r], poses()[r])
-                                               : !overlap(*row_shapes_[r], poses()[r], shape, pose);
+    free = state_.ids[row.index()] < state_.ids[r] ? !overlap(shape, pose, *state_.shapes[r], poses()[r])
+                                                   : !overlap(*state_.shapes[r], poses()[r], shape, pose);
   };
-  index_.for_each_near(Box::around(pose.position(), shape.radius),
-                       [&](const partition::BodyCircle& other) { look_at(other.row); });
+  state_.index.for_each_near(Box::around(pose.position(), shape.radius),
+                             [&](const partition::BodyCircle& other) { look_at(other.row); });
   for (const Row other : newborn_) look_at(other.value);
   return free;
 }
 
-Box World::bounds() const {
-  constexpr double k_world_limit = 100e3;  // half the width of a world without bounds, m
-  return spec_.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
+bool World::stalled(Row row) const { return state_.stalls()[row.index()] != WorldState::k_free; }
+bool World::is_out_of_bounds(Row row) const {
+  return state_.stalls()[row.index()] == WorldState::k_out_of_bounds;
 }
-
-bool World::stalled(Row row) const { return stall()[row.index()] != k_free; }
-bool World::is_out_of_bounds(Row row) const { return stall()[row.index()] == k_out_of_bounds; }
 
 void World::throw_half_made() const {
   throw std::logic_error(fmt::format(
-      "the step to tick {} failed and left an incomplete state: call reset() before anything else", tick_));
+      "the step to tick {} failed and left an incomplete state: call reset() before anything else",
+      state_.now.tick));
 }
 
 void World::reset() {
   restore_fp_environment();  // a library may have changed it, see step()
+  if (replica_) replica_->reset();
+  forget_settings();
   start();
 }
 
 void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
   restore_fp_environment();  // a library may have changed it, see step()
+  if (replica_) replica_->restart(seed, bodies);
   bool has_scene_changed = false;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    has_scene_changed = has_scene_changed || (!body_rows_[b].valid() &&
-                                              bodies[b].pose_world_body != spec_.bodies[b].pose_world_body);
-  spec_.seed = seed;
-  std::ranges::copy(bodies, spec_.bodies.begin());
-  Diagnostics diagnostics(spec_.files);  // stays empty: the constructor has made the same checks
+    has_scene_changed =
+        has_scene_changed ||
+        (!state_.rows[b].valid() && bodies[b].pose_world_body != state_.spec.bodies[b].pose_world_body);
+  state_.spec.seed = seed;
+  std::ranges::copy(bodies, state_.spec.bodies.begin());
+  Diagnostics diagnostics(state_.spec.files);  // stays empty: the constructor has made the same checks
   if (has_scene_changed) build_scene();
-  draw_odometry_errors();
+  movement_.draw_odometry_errors();
   build_faults(registry, diagnostics);
+  forget_settings();
   start();
-  if (has_scene_changed && ray_grid_) build_ray_grid(diagnostics);
+  if (has_scene_changed && state_.ray_grid) build_ray_grid(diagnostics);
 }
 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
                     const Fill& fill) {
   restore_fp_environment();  // a library may have changed it, see step()
   is_half_made_ = false;
-  for (StateTable& table : tables_) table.clear();
+  if (replica_) replica_->replace();
+  for (StateTable& table : state_.tables) table.clear();
   try {
-    fill(tables_);
+    fill(state_.tables);
   } catch (...) {
     start();
     throw;
@@ -720,11 +710,11 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
   };
   if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) ||
       !std::ranges::all_of(commands(), has_mode) || !lives_hold(tick) || !conditions_hold() ||
-      !links_hold()) {
+      !links_.hold()) {
     start();
     return false;
   }
-  tick_ = tick;
+  state_.now.tick = tick;
   beams_ = counters.beams;
   conflict_rounds_ = counters.conflict_rounds;
   derive();
@@ -733,14 +723,15 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
 
 std::vector<BodyId> World::subscribed() const {
   std::vector<BodyId> bodies;
-  for (std::size_t b = 0; b < body_rows_.size(); ++b)
-    if (const Row r = body_rows_[b]; r.valid() && row_subscribed_[r.index()] != 0)
+  for (std::size_t b = 0; b < state_.rows.size(); ++b)
+    if (const Row r = state_.rows[b]; r.valid() && state_.subscribed[r.index()] != 0)
       bodies.push_back(BodyId(b));
   return bodies;
 }
 
 std::uint64_t World::hash(const StateTable& table) {
   require_whole();
+  gather();
   constexpr std::size_t k_block = 1024;  // rows per task
   const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
   std::atomic<std::uint64_t> sum = 0;
@@ -753,12 +744,14 @@ std::uint64_t World::hash(const StateTable& table) {
 
 Hashes World::hashes() {
   require_whole();
+  if (replica_)
+    if (const std::optional<Hashes> sum = replica_->hashes()) return *sum;
   constexpr std::size_t k_block = 512;  // rows per task, in all tables: a loop per table would cost more
   std::size_t rows = 0;
-  for (const StateTable& table : tables_) rows = std::max(rows, table.rows());
+  for (const StateTable& table : state_.tables) rows = std::max(rows, table.rows());
   std::array<std::atomic<std::uint64_t>, k_hash_groups> sums{};
   parallel_.for_each((rows + k_block - 1) / k_block, [&](std::size_t b) {
-    for (const StateTable& table : tables_)
+    for (const StateTable& table : state_.tables)
       if (const std::size_t first = b * k_block; first < table.rows())
         sums[static_cast<std::size_t>(table.group())].fetch_add(
             table.hash_rows(first, std::min(table.rows(), first + k_block)), std::memory_order_relaxed);
@@ -779,57 +772,60 @@ double World::mean_displacement() const {
 /// Returns the shapes and the radius of the body of `row` as they are drawn, with its joints where they are
 /// now. If `row` is not valid, the joints are at rest. `t`: index of the body's type.
 FrameType World::look_of(std::size_t t, Row row) const {
-  FrameType look{
-      .mobile = types_[t].drive.has_value(), .radius = types_[t].radius, .name = spec_.types[t].name};
-  for (const PartSpec& part : spec_.types[t].parts)
+  FrameType look{.mobile = state_.types[t].drive.has_value(),
+                 .radius = state_.types[t].radius,
+                 .name = state_.spec.types[t].name};
+  for (const PartSpec& part : state_.spec.types[t].parts)
     for (const Solid& solid : part.solids) {
       look.shapes.push_back({solid, part.color});
       if (part.joint == k_rigid || !row.valid()) continue;
-      const Mount& now = joints(row)[static_cast<std::size_t>(part.joint)].now;
+      const Mount& now = state_.mounts(row)[static_cast<std::size_t>(part.joint)];
       Solid& moved = look.shapes.back().solid;
       for (Ring& ring : moved.contours)
         for (Vec2& point : ring) point = now.transform * point;
       moved.z = moved.z.shifted(now.z);
     }
-  if (row.valid()) look.radius = row_radii_[row.index()];
+  if (row.valid()) look.radius = state_.radii[row.index()];
   return look;
 }
 
 FrameScene World::frame_scene() const {
   FrameScene scene;
-  scene.title = spec_.title;
-  for (std::size_t t = 0; t < types_.size(); ++t) scene.types.push_back(look_of(t, Row()));
-  scene.bounds = scene_.bounds();
-  scene.tile_m = geometry_.tile_m();
-  scene.cell_m = geometry_.cell_m;
-  scene.limits = spec_.bounds;
-  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
-    const BodySpec& body = spec_.bodies[b];
-    if (!body_rows_[b].valid())
+  scene.title = state_.spec.title;
+  for (std::size_t t = 0; t < state_.types.size(); ++t) scene.types.push_back(look_of(t, Row()));
+  scene.bounds = state_.scene.bounds();
+  scene.tile_m = state_.geometry.tile_m();
+  scene.cell_m = state_.geometry.cell_m;
+  scene.limits = state_.spec.bounds;
+  for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
+    const BodySpec& body = state_.spec.bodies[b];
+    if (!state_.rows[b].valid())
       scene.fixed.push_back(
           {body.type.value, body.pose_world_body, body.color, false, static_cast<std::uint32_t>(b)});
-    else if (spec_.starts(BodyId(b)))
-      scene.bounds.extend(Box::around(body.pose_world_body.position(), types_[body.type.index()].radius));
+    else if (state_.spec.starts(BodyId(b)))
+      scene.bounds.extend(
+          Box::around(body.pose_world_body.position(), state_.types[body.type.index()].radius));
   }
   return scene;
 }
 
 Frame World::frame() const {
   require_whole();
-  Frame frame{time_s(), tick_, {}};
+  gather();  // devices that are drawn read their state
+  Frame frame{time_s(), state_.now.tick, {}};
   frame.mobile.reserve(rows());
-  for (std::size_t b = 0; b < body_rows_.size(); ++b) {
-    const BodySpec& body = spec_.bodies[b];
-    const Row r = body_rows_[b];
+  for (std::size_t b = 0; b < state_.rows.size(); ++b) {
+    const BodySpec& body = state_.spec.bodies[b];
+    const Row r = state_.rows[b];
     if (!r.valid() || !is_there(r)) continue;
-    const Color color = shown_color(*this, r, 0).value_or(body.color);
+    const Color color = shown_color(state_.view, r, 0).value_or(body.color);
     frame.mobile.push_back(
         {body.type.value, poses()[r.index()], color, stalled(r), static_cast<std::uint32_t>(b)});
-    const auto has_moved = [](const Links::Joint& joint) {
-      return joint.now.transform.position != Vec2::Zero() || joint.now.z != 0 || joint.now.heading != 0;
+    const auto has_moved = [](const Mount& joint) {
+      return joint.transform.position != Vec2::Zero() || joint.z != 0 || joint.heading != 0;
     };
-    if (type(r).joints.empty() || std::ranges::none_of(joints(r), has_moved)) continue;
-    frame.mobile.back().type = static_cast<std::uint32_t>(types_.size() + frame.types.size());
+    if (type(r).joints.empty() || std::ranges::none_of(state_.mounts(r), has_moved)) continue;
+    frame.mobile.back().type = static_cast<std::uint32_t>(state_.types.size() + frame.types.size());
     frame.types.push_back(look_of(body.type.value, r));
   }
   return frame;

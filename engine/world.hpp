@@ -1,14 +1,18 @@
 #pragma once
 
 #include "engine/body_type.hpp"
-#include "engine/conflicts.hpp"
+#include "engine/components.hpp"
 #include "engine/experiment.hpp"
 #include "engine/fixed_targets.hpp"
 #include "engine/kinds.hpp"
 #include "engine/links.hpp"
+#include "engine/movement.hpp"
 #include "engine/phase.hpp"
+#include "engine/sensing_view.hpp"
 #include "engine/state_table.hpp"
+#include "engine/step_error.hpp"
 #include "engine/world_spec.hpp"
+#include "engine/world_state.hpp"
 #include "partition/body_index.hpp"
 #include "partition/parallel.hpp"
 #include "partition/ray_grid.hpp"
@@ -23,17 +27,20 @@
 #include <memory>
 #include <mutex>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace troupe::engine {
 
+class Blinkers;  // engine/blinkers.hpp
 // engine/frame.hpp
 struct Frame;
 struct FrameScene;
 struct FrameType;
+// engine/replica.hpp
+class Replica;
+struct ReplicaParts;
 
 /// Options that affect the speed of a run, but never its results.
 struct WorldOptions {
@@ -44,25 +51,10 @@ struct WorldOptions {
   double tile_size_m = 0;
 };
 
-/// Thrown when a step cannot be completed, because the velocity of a robot or the goal of a joint is not a
-/// finite number, or because a function of a kind of sensor, drive, controller or other device threw an
-/// exception. The text names the tick and the robot.
-class StepError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 /// The hash of a state (docs/determinism.md), in total and per group of tables. All sums are modulo 2^64.
 struct Hashes {
   std::uint64_t state = 0;                            ///< sum of the hashes of all tables
   std::array<std::uint64_t, k_hash_groups> groups{};  ///< one per HashGroup: sum of the hashes of its tables
-};
-
-/// Whether a body is in the world.
-enum class Presence : std::uint8_t {
-  there,   ///< in the world
-  unborn,  ///< waits in a reserve (ReserveSpec) and may be born later
-  dead,    ///< died, and never comes back
 };
 
 /// A running world: constants made from a WorldSpec, the state tables, and the tick.
@@ -126,18 +118,20 @@ class World {
   /// computes them again from the state. Tests call this and check that the run continues with the same bits
   /// (the "amnesia" test, docs/determinism.md).
   void forget();
-  /// Switches a test mode on or off that detects device kinds which read data beyond the reach that they
-  /// declare (DeviceKind::Prepared::reach_m). In this mode the hooks `sense` and `act` of a device are called
-  /// for one row at a time. During each call, the bodies whose circles are outside the reach are not in the
-  /// spatial index, and their poses, outlines and state are junk. If no kind reads further than it declares,
-  /// the hashes of the run stay the same (docs/determinism.md). The mode is slow: each call takes time
-  /// proportional to the number of rows. Throws std::invalid_argument unless the world has one thread and the
-  /// exact ray engine.
+  /// Switches a test mode on or off that detects device kinds which read or change data that they do not
+  /// declare. In this mode the hooks `sense` and `act` of a device are called for one row at a time. During
+  /// each call, the bodies whose circles are outside the reach (DeviceKind::Prepared::reach_m) are not in the
+  /// spatial index, and their poses, outlines and state are junk. Of the other bodies, the components that
+  /// the kind does not declare (DeviceKind::reads) are junk. If no kind reads more than it declares, the
+  /// hashes of the run stay the same (docs/determinism.md). A step throws a StepError if an effect changes
+  /// the state of a body outside DeviceKind::scope. The mode is slow: each call takes time proportional to
+  /// the number of rows. Throws std::invalid_argument unless the world has one thread and the exact ray
+  /// engine.
   void hide_beyond_reach(bool on);
-  std::uint64_t tick() const { return tick_; }    ///< number of completed ticks
-  double tick_s() const { return spec_.tick_s; }  ///< length of a tick, s
+  std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
+  double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
   /// World time, s: tick() * tick_s().
-  double time_s() const { return static_cast<double>(tick_) * spec_.tick_s; }
+  double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
   /// Sets the callback that step() calls at the beginning of each phase, with that phase, and at the end of
   /// the tick, with std::nullopt.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
@@ -153,34 +147,54 @@ class World {
   /// Replaces the OnDecide callback; an empty one restores the direct call. Call this between steps.
   void on_decide(OnDecide callback) { on_decide_ = std::move(callback); }
 
+  /// What devices may read of the world (engine/sensing_view.hpp), as it is now. Functions that devices share
+  /// with other code, such as first_met(), take a view. It is valid as long as the world.
+  const CommittedView& view() const { return state_.view; }
+
+  // ---- ranks: engine/ranks.cpp. A world may be one of several replicas of the same world, each on its own
+  // rank (engine/replica.hpp). The functions below then keep the replicas equal.
+  /// Called by the constructor of Replica, and with null by its destructor. Returns the data that it
+  /// exchanges.
+  ReplicaParts join(Replica* replica);
+  /// Fetches the rows of tables that only other ranks compute (Sharing::kept), so that the tables of rank 0
+  /// are complete. Functions that read whole tables call this first. It does nothing on other ranks, during a
+  /// tick, if the tables are complete, and if the world has no Replica. If several threads read the world at
+  /// once, call this before, on the thread that calls step().
+  void gather() const {
+    if (replica_ != nullptr) gather_rows();
+  }
+  /// Called by Replica: replaces the state by that of rank 0, which a program has changed. Like restore(),
+  /// but checks nothing. is_in_tick: the interventions of the present tick have been applied already.
+  void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
+
   // ---- constants and indices
-  const WorldSpec& spec() const { return spec_; }                 ///< the spec that the world was made from
-  std::span<const BodyType> types() const { return types_; }      ///< compiled types, indexed by TypeId
-  const partition::StaticScene& scene() const { return scene_; }  ///< geometry of the static bodies
+  const WorldSpec& spec() const { return state_.spec; }             ///< the spec that the world was made from
+  std::span<const BodyType> types() const { return state_.types; }  ///< compiled types, indexed by TypeId
+  const partition::StaticScene& scene() const { return state_.scene; }  ///< geometry of the static bodies
   /// Spatial index of the bodies in the world that have rows, at their poses at the end of the last step.
-  const partition::BodyIndex& index() const { return index_; }
+  const partition::BodyIndex& index() const { return state_.index; }
   /// Spatial index of the parts of static bodies that fiducial finders detect.
-  const FixedTargets& fixed_targets() const { return fixed_targets_; }
+  const FixedTargets& fixed_targets() const { return state_.fixed_targets; }
   /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
   /// exact ray engine.
-  const partition::RayGrid* ray_grid() const { return ray_grid_.get(); }
+  const partition::RayGrid* ray_grid() const { return state_.ray_grid.get(); }
   /// Sizes of the cells and tiles of the spatial index. No result depends on them.
-  const partition::GridGeometry& geometry() const { return geometry_; }
+  const partition::GridGeometry& geometry() const { return state_.geometry; }
   /// The worker threads of step(). Measures may use them between steps.
   partition::Parallel& parallel() { return parallel_; }
   /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed. Rows are
   /// ordered by the place of their bodies at tick 0, so that neighbours in space are close in memory.
-  std::size_t rows() const { return row_bodies_.size(); }
+  std::size_t rows() const { return state_.bodies.size(); }
   /// Number of robots (rows whose type has a drive) that are in the world at tick 0.
   std::size_t robots_at_start() const { return robots_at_start_; }
   /// Number of robots that are in the world now.
   std::size_t robots() const { return robots_; }
-  BodyId body(Row row) const { return row_bodies_[row.index()]; }  ///< body of a row
+  BodyId body(Row row) const { return state_.view.body(row); }  ///< body of a row
   /// Row of a body. Static bodies have no row: for them the result is not valid().
-  Row row(BodyId body) const { return body_rows_[body.index()]; }
-  const BodyType& type(Row row) const { return types_[row_types_[row.index()]]; }  ///< type of the row's body
+  Row row(BodyId body) const { return state_.view.row(body); }
+  const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
-  std::size_t slot(Row row) const { return row_slots_[row.index()]; }
+  std::size_t slot(Row row) const { return state_.view.slot(row); }
   /// Returns the body that has a name or an alias. If several bodies have the name, returns the one with the
   /// highest id; aliases then do not count. If there is none, the result is not valid(). Thread-safe.
   BodyId find(std::string_view name) const;
@@ -189,20 +203,21 @@ class World {
   /// The state tables. Members of BodyType such as Device::table are indices into this list.
   std::span<const StateTable> tables() const {
     require_whole();
-    return tables_;
+    gather();
+    return state_.tables;
   }
   /// Pose of each row, world frame. A dead body has the pose at which it died; all values of an unborn body
   /// are 0.
-  std::span<const Pose> poses() const { return as<Pose>(k_pose); }
+  std::span<const Pose> poses() const { return state_.view.poses(); }
   /// Pose of any body, static ones included, in the world frame; NaN if the body is unborn.
-  Pose pose(BodyId body) const;
+  Pose pose(BodyId body) const { return state_.view.pose(body); }
   /// The row's pose as a transform, computed once per tick. Equals Transform(pose) bit for bit.
-  const Transform& transform(Row row) const { return transforms_[row.index()]; }
+  const Transform& transform(Row row) const { return state_.view.transform(row); }
   /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It does not become 0 when an
   /// obstacle blocks the motion.
-  std::span<const Velocity> velocities() const { return as<Velocity>(k_velocity); }
+  std::span<const Velocity> velocities() const { return state_.as<Velocity>(WorldState::k_velocity); }
   /// Command to the drive of each row. The numbers have no meaning for rows without a drive.
-  std::span<const Command> commands() const { return as<Command>(k_command); }
+  std::span<const Command> commands() const { return state_.as<Command>(WorldState::k_command); }
   /// Whether the row's last motion was blocked or would have ended out of bounds.
   bool stalled(Row row) const;
   /// Whether the row's last motion would have ended out of bounds.
@@ -218,70 +233,56 @@ class World {
   /// Overwrites the command to a robot's drive. Call this between steps.
   void set_command(Row row, const Command& command) {
     require_whole();
-    tables_[k_command].as<Command>(row.index()) = command;
+    touch();
+    state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
   }
-  /// Frame for the parts and devices on a joint of a body. Composed with the pose that a part has in the body
-  /// frame while the joint is at rest, it gives the present pose of the part in the world frame. It is the
-  /// row's pose, moved by the present displacement of the joint. With joint = k_rigid it is the row's pose.
-  Mount mount(Row row, std::int32_t joint) const;
-  /// Upper bound on the distance of any point of the row's body from its origin, with its joints where they
-  /// are now, m. For a body that carries others and is not carried itself, it includes the obstacle shapes of
-  /// its cargo. Negative if the body is not in the world.
-  double radius(Row row) const { return row_radii_[row.index()]; }
-  /// Height by which a joint of the row's body has raised the parts on it above their rest position, m; 0 for
-  /// k_rigid.
+  Mount mount(Row row, std::int32_t joint) const {
+    return state_.view.mount(row, joint);
+  }                                                                 ///< SensingView::mount()
+  double radius(Row row) const { return state_.view.radius(row); }  ///< SensingView::radius()
   double lift(Row row, std::int32_t joint) const {
-    return joint == k_rigid
-               ? 0.0
-               : links_.joints[links_.joint_begins[row.index()] + static_cast<std::size_t>(joint)].now.z;
-  }
+    return state_.view.lift(row, joint);
+  }  ///< SensingView::lift()
   /// Present pose of a joint relative to its rest pose, m and rad.
-  const Pose& joint_state(Row row, std::size_t joint) const;
+  const Pose& joint_state(Row row, std::size_t joint) const { return state_.joint_state(row, joint); }
   /// The body that carries the row's body; std::nullopt if it is not carried.
-  std::optional<BodyId> carrier(Row row) const;
+  std::optional<BodyId> carrier(Row row) const { return state_.view.carrier(row); }
   /// Number of carried bodies.
-  std::size_t carried_count() const { return links_.carried; }
+  std::size_t carried_count() const { return state_.now.carried; }
   /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
   /// body carries both.
-  bool same_tree(Row a, Row b) const {
-    return a == b || (links_.carried > 0 && links_.roots[a.index()] == links_.roots[b.index()]);
-  }
+  bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
   /// Attaches the body `cargo` to a carrier. From now on it keeps its present pose relative to the carrier,
   /// or relative to `joint` of the carrier unless that is k_rigid. Returns false and changes nothing if the
   /// cargo is already carried, if it carries the carrier itself, or if the carrier cannot carry bodies. Only
   /// DeviceKind::apply may call this.
-  bool attach(Row cargo, Row carrier, std::int32_t joint);
+  bool attach(Row cargo, Row carrier, std::int32_t joint) { return links_.attach(cargo, carrier, joint); }
   /// Detaches a body from its carrier; its pose stays. Only DeviceKind::apply may call this.
-  void release(Row cargo);
+  void release(Row cargo) { links_.release(cargo); }
 
   // ---- births and deaths: engine/lives.cpp
   /// Whether bodies of this world may be born or die. They may if the world has reserves, if a device or an
   /// intervention can remove bodies, or if WorldSpec::mortal is set. Only then does the state have the
   /// component `life`.
-  bool has_lives() const { return life_table_.has_value(); }
+  bool has_lives() const { return state_.life_table.has_value(); }
   /// Presence of the row's body; Presence::there in a world without lives.
-  Presence presence(Row row) const {
-    return life_table_ ? static_cast<Presence>(tables_[*life_table_].as<Life>(row.index()).presence)
-                       : Presence::there;
-  }
+  Presence presence(Row row) const { return state_.view.presence(row); }
   /// Whether the row's body is in the world. An unborn or dead body is not in the spatial index, and does not
   /// sense, decide or move. Its state is 0, except for the component `life` and the pose of a dead body.
-  bool is_there(Row row) const { return absent_ == 0 || presence(row) == Presence::there; }
+  bool is_there(Row row) const { return state_.view.is_there(row); }
   /// Number of rows whose bodies are unborn or dead.
-  std::size_t absent_count() const { return absent_; }
+  std::size_t absent_count() const { return state_.now.absent; }
   /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame.
   Vec2 origin(Row row) const;
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0. The periods
   /// of its devices, drive and controllers count from that tick.
-  std::uint64_t birth_tick(Row row) const {
-    return life_table_ ? tables_[*life_table_].as<Life>(row.index()).birth : 0;
-  }
+  std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
   /// Index of the reserve of a population in WorldSpec::reserves. std::nullopt if there is no population with
   /// that name (without number), or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
   /// Number of bodies of a reserve that are not yet born.
   std::size_t unborn(std::size_t reserve) const {
-    return spec_.reserves[reserve].count - next_born_[reserve];
+    return state_.spec.reserves[reserve].count - next_born_[reserve];
   }
   /// Spawns the next body of a reserve at a pose (world frame, m and rad). If the pose is not free or the
   /// reserve is used up, no body is born, and the result says which. A new body starts with the state that it
@@ -297,25 +298,30 @@ class World {
   /// Whether the row's body is disabled by an intervention, a program or a fault. Its devices, controllers
   /// and drive then do not run. It does not move on its own, but still blocks motions and is visible to
   /// sensors.
-  bool is_disabled(Row row) const { return impaired_ > 0 && condition(row).out != 0; }
+  bool is_disabled(Row row) const { return state_.now.impaired > 0 && state_.condition(row).out != 0; }
   /// Whether no fault has broken the row's device and its body is not disabled.
-  bool works(Row row, const BodyType::Device& device) const {
-    if (impaired_ == 0) return true;
-    const Condition& now = condition(row);
-    const auto d = static_cast<std::size_t>(&device - type(row).devices.data());
-    return now.out == 0 && (d >= k_most_fallible || (now.dead >> d & 1) == 0);
-  }
+  bool works(Row row, const BodyType::Device& device) const { return state_.view.works(row, device); }
   /// Whether bodies of this world may be disabled or fail. They may if the world has an intervention that
   /// disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. Only then does the state
   /// have the component `condition`.
-  bool has_conditions() const { return condition_table_.has_value(); }
+  bool has_conditions() const { return state_.condition_table.has_value(); }
   /// Disables or enables a body, as the intervention `disable` or `enable` of a world file does. Returns
   /// false and changes nothing if the body is already in that condition or is not in the world. Throws
   /// std::logic_error if has_conditions() is false. Call this between steps.
   bool set_disabled(Row row, bool disabled);
+  /// Changes parameters of a type, for all its bodies, as the intervention `set` of a world file does. The
+  /// change becomes part of spec(), as an intervention at the present time, until reset() or restart(). The
+  /// error says why it is not possible; the world is then unchanged. If several ranks compute the world,
+  /// all of them apply the change. `registry` must be that of the constructor. Call this between steps, or in
+  /// the callback of before_tick().
+  Result<> set(const SettingSpec& setting, const Registry& registry);
+  /// Number of interventions that set() has added at the end of ExperimentSpec::at.
+  std::size_t settings_made() const { return experiment_.made; }
+  /// The spec of a type with its present parameters, which settings may have changed.
+  TypeSpec present_type(TypeId type) const;
   /// Number of bodies in the world that are disabled, or that a fault impairs, for example by a broken
   /// device.
-  std::size_t impaired_count() const { return impaired_; }
+  std::size_t impaired_count() const { return state_.now.impaired; }
 
   /// A row and a pose for its body.
   struct Placed {
@@ -338,44 +344,46 @@ class World {
   /// pose is not finite.
   bool is_free(Row row, const Pose& pose) const;
   /// Readings of one sensor of a type, one table row per slot.
-  const StateTable& percepts(const BodyType::Device& sensor) const { return tables_[sensor.table]; }
+  const StateTable& percepts(const BodyType::Device& sensor) const {
+    gather();
+    return state_.tables[sensor.table];
+  }
   /// Makes every sensor of this body run, including those that no controller reads. The body must have a row.
   /// Call this before the first step.
-  void subscribe(BodyId body) { row_subscribed_[row(body).index()] = 1; }
+  void subscribe(BodyId body) {
+    touch();
+    state_.subscribed[row(body).index()] = 1;
+  }
   /// Bodies for which subscribe() was called, in ascending order of ids.
   std::vector<BodyId> subscribed() const;
   /// Whether a sensor of the row is active (BodyType::Device::active), or subscribe() was called for its
   /// body.
-  bool senses(Row row, const BodyType::Device& sensor) const {
-    return sensor.active || row_subscribed_[row.index()] != 0;
-  }
+  bool senses(Row row, const BodyType::Device& sensor) const { return state_.view.senses(row, sensor); }
   /// Whether a device of the row gets power: false if its power supply is empty. `supply` is the index of
   /// that supply among the devices of the type; std::nullopt means that the device needs none, and gives
   /// true.
   bool is_supplied(Row row, std::optional<std::size_t> supply) const {
-    if (!supply) return true;
-    const BodyType::Device& device = type(row).devices[*supply];
-    return !device.kind->is_spent(device.prepared.data, tables_[device.table], slot(row));
+    return state_.view.is_supplied(row, supply);
   }
   /// Whether the row's device is switched on: no controller has switched it off.
-  bool is_on(Row row, const BodyType::Device& device) const {
-    return device.switch_bit == 0 || (commands()[row.index()].off & device.switch_bit) == 0;
-  }
+  bool is_on(Row row, const BodyType::Device& device) const { return state_.view.is_on(row, device); }
   /// Whether the row's device runs in the ticks in which it is due, that is, once per
   /// BodyType::Device::period. It runs if senses(), is_on(), works() and is_supplied() are true for it.
-  bool runs(Row row, const BodyType::Device& device) const {
-    return senses(row, device) && is_on(row, device) && works(row, device) && is_supplied(row, device.supply);
-  }
+  bool runs(Row row, const BodyType::Device& device) const { return state_.view.runs(row, device); }
   /// Commands to a device, one table row per slot. The device must take commands. The commands may be changed
   /// between steps.
-  StateTable& asked_of(const BodyType::Device& device) { return tables_[*device.command_table]; }
+  StateTable& asked_of(const BodyType::Device& device) {
+    touch();
+    return state_.tables[*device.command_table];
+  }
   /// State of a device, one table row per slot. DeviceKind::apply may change it, and so may a program between
   /// steps.
-  StateTable& state(const BodyType::Device& device) { return tables_[device.table]; }
-  /// Vertices of the outlines of a row's body, m, world frame, in the order of BodyType::outline_vertices.
-  std::span<const Vec2> outline(Row row) const {
-    return {outlines_.data() + outline_begins_[row.index()], type(row).outline_vertices.size()};
+  StateTable& state(const BodyType::Device& device) {
+    touch();
+    return state_.tables[device.table];
   }
+  /// Vertices of the outlines of a row's body, m, world frame, in the order of BodyType::outline_vertices.
+  std::span<const Vec2> outline(Row row) const { return state_.view.outline(row); }
   /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state is the sum of
   /// these over all tables.
   std::uint64_t hash(const StateTable& table);
@@ -384,9 +392,9 @@ class World {
   // ---- counters
   std::uint64_t beams_cast() const { return beams_; }  ///< rays cast by all sensors since tick 0
   /// Number of robots whose last motion was blocked or would have ended out of bounds.
-  std::size_t stalled_count() const { return stalled_; }
+  std::size_t stalled_count() const { return movement_.stalled(); }
   /// Number of robots whose last motion would have ended out of bounds.
-  std::size_t out_of_bounds_count() const { return out_of_bounds_; }
+  std::size_t out_of_bounds_count() const { return movement_.out_of_bounds(); }
   /// Rounds of conflict resolution since tick 0, see Conflicts::rounds().
   std::uint64_t conflict_rounds() const { return conflict_rounds_; }
   /// Mean straight-line distance between the present position of a robot and its origin(), over all robots in
@@ -398,21 +406,6 @@ class World {
   Frame frame() const;             ///< the data to draw that change with each tick
 
  private:
-  enum TableIndex : std::size_t { k_pose, k_velocity, k_command, k_stall };
-  enum Stall : std::uint8_t { k_free, k_blocked, k_out_of_bounds };
-
-  template <class T>
-  std::span<T> as(std::size_t table) {
-    return {reinterpret_cast<T*>(tables_[table].row(0)), tables_[table].rows()};
-  }
-  template <class T>
-  std::span<const T> as(std::size_t table) const {
-    return {reinterpret_cast<const T*>(tables_[table].row(0)), tables_[table].rows()};
-  }
-
-  std::span<std::uint8_t> stall() { return tables_[k_stall].column<std::uint8_t>(0); }
-  std::span<const std::uint8_t> stall() const { return tables_[k_stall].column<std::uint8_t>(0); }
-
   [[noreturn]] void throw_half_made() const;
   /// Guards work that changes the state. Its destructor sets is_half_made_ if the work threw an exception,
   /// and clears it otherwise.
@@ -431,14 +424,11 @@ class World {
   void check_reserves(Diagnostics& diagnostics) const;
   std::vector<BodyId> rows_by_place() const;
   void build_rows();
-  void build_pushables();
   void build_scene();
   void build_tables();
   void build_lives();
   /// Fills the tables with the state at tick 0, and computes the derived data.
   void start();
-  /// Computes the odometry error of each robot from the seed (Localization::error_of()).
-  void draw_odometry_errors();
   /// Sets the state of a row to the state at the beginning of its body's life, with this pose (world frame).
   /// All bytes of the row must be 0 before.
   void start(Row row, const Pose& pose);
@@ -447,47 +437,29 @@ class World {
   /// only the spec, the tick and the tables, never earlier derived data. It is called after every start,
   /// reset and restore.
   void derive();
+  /// The part of derive() that does not concern the interventions and faults of the spec.
+  void derive_state();
   /// The part of derive() for one row; also called for bodies that are born or die.
   void derive(Row row);
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
-  /// Box in which motions must end, m, world frame.
-  Box bounds() const;
-  void count_stalls();
 
+  void make_tick();
   void sense();
   void actuate();
   void decide();
-  DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& sensor);
+  DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device);
   void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
   void halt_disabled(std::span<const Row> rows);
   void halt_spent(std::span<const Row> rows, const BodyType::Drive& drive);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
+  void decide_together(const BodyType& type, const BodyType::Controller& controller);
   void move();
-  void propose();
-  void commit();
-  /// Adds the motion of this tick to the odometry estimate of a robot. It is called only if the motion was
-  /// not blocked.
-  void count_way(Row row, const BodyType::Drive& drive);
-  void commit_pushes();
   void apply_effects();
 
   // engine/lives.cpp
-  /// A row of the component `life`: all zero for bodies present at tick 0.
-  struct Life {
-    std::uint64_t birth = 0;
-    double x = 0;
-    double y = 0;
-    std::uint8_t presence = 0;
-  };
-  Life& life(Row row) { return tables_[*life_table_].as<Life>(row.index()); }
   void derive_lives();
   bool lives_hold(std::uint64_t tick) const;
-  /// Sets the obstacle shape and radius of a row, for conflict resolution and queries: those of its type, or
-  /// empty ones if its body is unborn or dead.
-  void update_presence(Row row);
-  /// Sets every byte of the row's state to 0.
-  void clear(Row row);
   Birth give_birth(std::size_t reserve, const Pose& pose);
   void die(Row row);
   void resolve_lives(std::span<const Effect> effects);
@@ -524,154 +496,71 @@ class World {
   Pose place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
                     std::uint32_t trial) const;
   bool is_setting(const Experiment::Intervention& intervention) const;
+  void swap_settings_back(std::size_t count);
+  void forget_settings();
   void swap_setting(Experiment::Intervention& intervention);
   std::uint64_t next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const;
   Experiment::FaultEvent take_fault_event();
   void apply_fault_event(const Experiment::FaultEvent& event);
-  const Condition& condition(Row row) const { return tables_[*condition_table_].as<Condition>(row.index()); }
-  Condition& condition(Row row) { return tables_[*condition_table_].as<Condition>(row.index()); }
   double speed_scale(Row row) const;
 
-  // engine/links.cpp
-  struct TreeBody;
-  void build_links();
-  void derive_links();
-  void forget_links();
-  bool links_hold() const;
-  std::span<Links::Joint> joints(Row row);
-  std::span<const Links::Joint> joints(Row row) const;
-  Pose& joint_state(Row row, std::size_t joint);
-  void rest_joints(Row row);
-  void move_to_joints(Row row);
-  void link_cargo(std::uint32_t cargo, std::uint32_t carrier);
-  void unlink_cargo(std::uint32_t cargo, std::uint32_t carrier);
-  void set_root(std::uint32_t row, std::uint32_t root);
-  void add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const;
-  void reshape(std::uint32_t row);
-  void update_jointed_outlines(Row row, const BodyType& type, const Transform& transform);
-  void resolve_joints();
   void report_joints();
-  double aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
-  double ask_joints(std::size_t c, Row root, std::size_t round);
-  bool refuses_joints(std::size_t c, Row root, std::size_t round, double reach);
-  bool others_refuse(Row root, const partition::PlacedShape& before, const partition::PlacedShape& after,
-                     double reach) const;
-  void answer_joints(Row row, std::size_t round, bool refused);
-  void carry();
   void redraw_ray_grid();
-  void carry_cargo_of(Row carrier);
-  template <class Work>
-  void for_roots(Work&& work);
-
   void remember_placed(Row row);
   void begin_placing();
-  /// Updates the data that are derived from a row's pose: stores the transform, and computes the vertices of
-  /// the outlines in the world frame.
-  void update_outlines(Row row, const BodyType& type, const Transform& transform);
   void index_bodies();
   FrameType look_of(std::size_t t, Row row) const;
   void begin(Phase phase);
-  /// Calls work(rows, type) in parallel for batches of rows of one type that are near one another in the
-  /// world. It is for work that reads the neighbours of a row: these are then likely to be in the cache.
-  template <class Work>
-  void for_neighbours(Work&& work);
-  /// Calls work(rows, type) in parallel for batches of rows of one type from a block of consecutive rows. It
-  /// is for work that does not read neighbours: memory is then read sequentially.
-  template <class Work>
-  void for_blocks(Work&& work);
-  template <class Work>
-  void for_types(std::span<Row> rows, Work&& work);
-  template <class Work>
-  void for_enabled(std::span<const Row> rows, Work&& work);
-  template <class Work>
-  void for_due(std::span<const Row> rows, std::uint64_t period, Work&& work);
-  template <class Work>
-  void for_running(std::span<const Row> rows, const BodyType::Device& device, Work&& work);
+  void gather_rows() const;
+  /// Called before a program changes the state: the other ranks receive the changed state before the next
+  /// tick. Does nothing during a tick.
+  void touch() {
+    if (replica_ != nullptr) touch_rows();
+  }
+  void touch_rows();
+  RowRange own_rows() const;
   template <class Work>
   void for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
                   Work&& work);
-  void hide_from(Row row, double reach);
-  void show_hidden();
-  /// Calls visit(t, i) for each state table t that has a row for the row's body; i is the index of that row.
-  template <class Visit>
-  void for_tables_of(Row row, Visit&& visit) {
-    for (std::size_t t = 0; t < tables_.size(); ++t) {
-      // A table has a row for each body, or for each body of one type. If there is only one type, slots equal
-      // rows.
-      const std::size_t at = tables_[t].rows() == rows() ? row.index() : slot(row);
-      if (at < tables_[t].rows() && tables_[t].ids()[at] == body(row)) visit(t, at);
-    }
-  }
 
   // Every member belongs to one of five groups: constant, state, set by the program, derived, or scratch.
   // Only state is saved, so no member of another group may carry information from one tick to the next.
 
-  // Constants: made from the spec by the constructor.
-  WorldSpec spec_;
-  std::vector<BodyType> types_;  // constant except for parameters, which interventions change
+  WorldState state_;  // constants, state, and the places of bodies, which are derived
   partition::Parallel parallel_;
-  partition::GridGeometry geometry_;
-  partition::StaticScene scene_;
-  FixedTargets fixed_targets_;
+  Links links_;        // derived, except its list of composite bodies, which is constant
+  Movement movement_;  // derived and scratch, except which bodies push and can be pushed
+
+  // Constants: made from the spec by the constructor.
   mutable NameMap names_;  // built by the first find(), because most runs never call it
   mutable std::once_flag names_made_;
-  std::vector<BodyId> row_bodies_;
-  std::vector<Row> body_rows_;
-  std::vector<std::uint32_t> row_types_;
-  std::vector<std::uint32_t> row_slots_;
-  std::vector<std::uint32_t> row_ids_;
-  std::vector<std::uint8_t> row_pushable_;  // empty, like row_push_limits_, if no body can be pushed
-  std::vector<std::uint8_t> row_push_limits_;
-  Pushables pushables_;
-  std::vector<std::size_t> outline_begins_;
-  std::vector<Localization::Error> row_odometry_errors_;  // empty if no robot has odometry
   std::size_t robots_at_start_ = 0;
-  std::optional<std::size_t> carrier_table_;
-  std::optional<std::size_t> life_table_;
-  std::optional<std::size_t> condition_table_;
+  bool has_collective_ = false;  // a type has a controller with ControllerKind::is_collective
 
   // State, and counters.
-  std::uint64_t tick_ = 0;
-  std::vector<StateTable> tables_;
   bool is_half_made_ = false;  // a step threw: only reset(), restart() and restore() are allowed
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
 
   // Set by the program.
-  std::vector<std::uint8_t> row_subscribed_;  // one per row: 1 if subscribe() was called for its body
   std::function<void(std::optional<Phase>)> on_phase_;
   OnDecide on_decide_;
   std::function<void()> before_tick_;
-  struct Blinkers;
   struct BlinkersDeleter {
     void operator()(Blinkers* blinkers) const;
   };
   std::unique_ptr<Blinkers, BlinkersDeleter> blinkers_;  // null: devices see everything
+  Replica* replica_ = nullptr;                           // null: this world computes all rows itself
 
   // Derived: computed by derive(), kept up to date by each tick.
-  std::vector<Transform> transforms_;
-  std::vector<Vec2> outlines_;
-  std::vector<double> row_radii_;
-  std::vector<const partition::ObstacleShape*> row_shapes_;
-  std::vector<FreeCircle> free_circles_;
-  // One per row: 1 if the grid ray engine does not draw the row's outlines. Empty unless bodies can be born
-  // or die and the world uses that engine.
-  std::vector<std::uint8_t> not_drawn_;
   std::vector<std::uint32_t> next_born_;  // one per reserve: index of its first unborn body in the reserve
   std::vector<Row> newborn_;              // rows of bodies that the index does not contain yet
   std::size_t robots_ = 0;
-  std::size_t absent_ = 0;
-  std::size_t impaired_ = 0;
-  std::size_t stalled_ = 0;
-  std::size_t out_of_bounds_ = 0;
-  Links links_;            // except its lists of composite bodies, which are constant
-  Experiment experiment_;  // except its lists of interventions and faults, which are constant
-  partition::BodyIndex index_;
-  std::unique_ptr<partition::RayGrid> ray_grid_;
+  Experiment experiment_;  // except its lists of interventions, which only set() extends, and faults, which
+                           // are constant
+  std::vector<double> grid_lifts_;  // height offset of each outline that the grid ray engine draws, m
 
   // Scratch: data of the current tick, and the poses that programs set, which measures read.
-  std::vector<Motion> motions_;  // absent bodies never propose one
-  Conflicts conflicts_;
   Effects effects_;
   std::vector<Placed> placed_;            // set since the last step, each row once
   std::vector<Placed> placed_before_;     // set between the last two steps

@@ -44,6 +44,14 @@ class FixedOutlines {
                             });
   }
 
+  /// Calls visit(span of circles) for the circles that may touch the box (world frame, metres), and for some
+  /// that do not touch it.
+  template <class Visit>
+  void for_each_run(const Box& box, Visit&& visit) const {
+    const Box centres = box.expanded(largest_radius_);
+    for_each_run(geometry_.cell(centres.min), geometry_.cell(centres.max), visit);
+  }
+
   /// The vertices of a piece. Its edges run from each vertex to the next, and all belong to one solid.
   std::span<const Vec2> chain(std::uint32_t piece) const {
     return {&vertices_[pieces_[piece].first], pieces_[piece].vertices};

@@ -2,6 +2,7 @@
 
 #include "partition/body_index.hpp"
 #include "partition/fixed_outlines.hpp"
+#include "partition/near_circles.hpp"
 
 #include <array>
 #include <cstdint>
@@ -10,32 +11,6 @@
 #include <vector>
 
 namespace troupe::partition {
-
-/// A list of circles, with one array per component so that kernels load several circles at a time. Metres,
-/// world frame. The arrays never shrink and may have more entries than there are circles.
-struct CircleArrays {
-  std::vector<float> x;            ///< x of the centres
-  std::vector<float> y;            ///< y of the centres
-  std::vector<float> radius;       ///< minus infinity for a circle that is only padding; no beam hits it
-  std::vector<std::uint32_t> row;  ///< row of a body, or number of a piece of the static scene
-
-  /// Ensures that the arrays have room for this many circles; keeps the contents.
-  void make_room(std::size_t size) {
-    if (size <= x.size()) return;
-    const std::size_t room = 2 * size;
-    x.resize(room);
-    y.resize(room);
-    radius.resize(room);
-    row.resize(room);
-  }
-  /// Sets circle i. make_room() must have made room for it.
-  void set(std::size_t i, const BodyCircle& circle) {
-    x[i] = circle.x;
-    y[i] = circle.y;
-    radius[i] = circle.radius;
-    row[i] = circle.row;
-  }
-};
 
 /// Consecutive circles in memory. Three more must be readable beyond the end, because kernels load several at
 /// a time.

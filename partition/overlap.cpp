@@ -34,6 +34,24 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces) {
   return shape;
 }
 
+ObstacleShape inset(const ObstacleShape& shape, double depth) {
+  std::vector<ConvexPrism> pieces = shape.pieces;
+  for (ConvexPrism& piece : pieces) {
+    const Ring ring = piece.outline;
+    const auto inward = [&ring](std::size_t edge) {  // of the edge to the next corner, counter-clockwise
+      const Vec2 along = ring[(edge + 1) % ring.size()] - ring[edge];
+      const double length = along.norm();
+      return length > 0 ? Vec2(-along.y() / length, along.x() / length) : Vec2(0, 0);
+    };
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vec2 before = inward((i + ring.size() - 1) % ring.size());
+      const Vec2 after = inward(i);
+      piece.outline[i] += depth / (1 + before.dot(after)) * (before + after);
+    }
+  }
+  return make_obstacle_shape(pieces);
+}
+
 namespace {
 
 /// True if the polygon lies to the left of the line through its edge that starts at p[j] and has the

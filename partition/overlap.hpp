@@ -36,6 +36,11 @@ inline constexpr double k_rounding_m = 1e-9;
 /// Makes a shape from the convex pieces of a body's obstacle solids.
 ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 
+/// Returns the shape with every edge of every piece moved inwards by `depth`, m: a shape that overlaps by at
+/// most `depth` no longer does. Corners of a piece that is narrower than that cross over: `depth` should be
+/// less than half of ObstacleShape::thinnest.
+ObstacleShape inset(const ObstacleShape& shape, double depth);
+
 /// True if the two shapes share area at a common height. Shapes that only touch do not overlap. The pieces
 /// are compared as polygons with separating axes, in double. The caller must pass the body with the lower id
 /// as `a`, so that the result is the same whichever of the two bodies moves.

@@ -235,8 +235,8 @@ BENCHMARK(build_world)
     ->Name("load/world from its spec (items: robots)");
 
 /// Measures the sense phase. In each iteration, all sensors of every robot sense once, in the state after ten
-/// ticks. This includes the search for edges and bodies, the tests that discard some of them, and the
-/// projection of the others on the beams.
+/// ticks. This includes the search for walls and bodies within range, the tests that discard some of them,
+/// and the computation of where the beams meet the others.
 void sweep(benchmark::State& state, const char* world_file, std::size_t robots) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;
@@ -249,16 +249,19 @@ void sweep(benchmark::State& state, const char* world_file, std::size_t robots) 
     sensors.emplace_back(&sensor, world.percepts(sensor));
   std::uint64_t beams = 0;
   engine::Effects none;
-  engine::Links unmoved;
+  engine::WorldState nothing;
+  engine::Links unmoved(nothing, world.parallel());
   for (auto _ : state)
-    for (auto& [sensor, table] : sensors)
-      beams += sensor->kind->sense({.world = world,
-                                    .data = sensor->prepared.data,
-                                    .rows = rows,
-                                    .state = table,
-                                    .commands = nullptr,
-                                    .effects = none,
-                                    .links = unmoved});
+    for (auto& [sensor, table] : sensors) {
+      const engine::DeviceBatch batch{.view = world.view(),
+                                      .data = sensor->prepared.data,
+                                      .rows = rows,
+                                      .state = table,
+                                      .commands = nullptr,
+                                      .effects = none,
+                                      .links = unmoved};
+      beams += sensor->kind->sense(engine::SenseBatch{batch, world.view()});
+    }
   state.SetItemsProcessed(static_cast<std::int64_t>(beams));
 }
 BENCHMARK_CAPTURE(sweep, hospital, "hospital-10cm.json", 10000)

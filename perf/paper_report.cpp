@@ -154,8 +154,8 @@ Sheet simd_sheet(const Report& report, const Table& table) {
 Sheet scaling_sheet(const Report& report) {
   Sheet sheet{
       "Threads",
-      "`probe`: the speed-up of as many threads that share no data, measured between the repetitions. It is "
-      "the limit of the machine.",
+      "`probe`: the speed-up that this number of threads reaches in a calculation in which they share no "
+      "data, measured between the repetitions. No program can be expected to reach more on the machine.",
       {"world", "robots", "threads", "speed-up", "probe", "speed-up / probe"},
       {}};
   for (const Scaling& s : scalings(report)) {

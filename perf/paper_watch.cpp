@@ -61,9 +61,8 @@ class MeasureWatcher : public Watcher {
  private:
   static std::vector<engine::MeasureSpec> specs(const engine::Registry& registry) {
     std::vector<engine::MeasureSpec> specs;
-    const auto has_default = [](const engine::Field& field) { return !field.required(); };
     for (const engine::MeasureKind& kind : registry.measures)
-      if (std::ranges::all_of(kind.params.fields, has_default))
+      if (kind.is_usual())
         specs.push_back({.kind = std::string(kind.name), .params = kind.params.defaults()});
     return specs;
   }

@@ -1,11 +1,13 @@
 #pragma once
 
+#include "troupe/script.hpp"
 #include "troupe/troupe.hpp"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -36,6 +38,10 @@ class Unlocked {
   PyThreadState* state_;
 };
 
+/// Whether Ctrl-C was pressed or the interpreter exits, for code that waits without the interpreter's lock.
+/// The signal stays pending, so that Python raises KeyboardInterrupt later.
+bool is_interrupted();
+
 /// Calls the Python function `function` with one argument. If the interpreter exits meanwhile, a daemon
 /// thread blocks in this call until the process ends, as in Unlocked.
 py::object call(py::handle function, py::handle argument);
@@ -54,6 +60,11 @@ class Held {
   /// Makes `ticks` ticks. Checks for signals regularly, so that Ctrl-C interrupts it between two ticks.
   /// to_its_end: stops early if a stop condition ends the run.
   void step(std::uint64_t ticks, bool to_its_end = false);
+  /// Calls `task` without the interpreter's lock, as one long step that other threads must not interrupt.
+  /// Raises KeyboardInterrupt afterwards if Ctrl-C was pressed.
+  void work(const std::function<void(Simulation&)>& task);
+  /// The simulation, for code that is called in a step.
+  const Simulation& use_while_stepping() const { return simulation_; }
   /// Returns the simulation as use() does, for functions that a callback of on_tick() must not call. Throws
   /// std::logic_error in such a callback. what: name of the function, for the error text.
   Simulation& use_outside(std::string_view what);
@@ -70,6 +81,8 @@ class Held {
   };
 
  private:
+  class Stepping;
+
   Simulation simulation_;
   bool calling_ = false;
   bool stepping_ = false;  // read and written only with the interpreter's lock
@@ -89,6 +102,19 @@ struct HeldModel {
   }
 };
 
+/// A swarm owned by Python, which keeps its simulation alive.
+struct HeldSwarm {
+  Holder held;  ///< null for the argument of a measure, which is valid only during its call
+  Swarm swarm;
+
+  /// Returns the swarm. Throws as Held::use() does.
+  Swarm& use() {
+    if (held) static_cast<void>(held->use());
+    return swarm;
+  }
+  py::ssize_t size() const { return static_cast<py::ssize_t>(swarm.size()); }
+};
+
 /// Returns a read-only NumPy array that refers to the memory of a simulation, which it keeps alive. first:
 /// address of the first element. strides: distance of neighbouring elements along each axis, bytes.
 py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
@@ -105,6 +131,10 @@ template <class T, class Element>
 std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
+
+/// Returns the scripts that Python describes (python/troupe/_script.py): `sources` is a list of files and of
+/// classes of controllers. Throws InputError.
+std::vector<std::shared_ptr<const Script>> scripts_of(const py::list& sources);
 
 /// Returns the NumPy type of an element type of state tables.
 py::dtype dtype_of(engine::Element element);
@@ -123,7 +153,9 @@ void bind_swarm(py::module_& module, SimulationClass& simulation);
 void bind_tables(py::module_& module, SimulationClass& simulation);
 void bind_observers(py::module_& module);
 void bind_batch(py::module_& module);
+void bind_live(py::module_& module, SimulationClass& simulation);
 void bind_math(py::module_& module);
 void bind_study(py::module_& module);
+void bind_script(py::module_& module);
 
 }  // namespace troupe::python

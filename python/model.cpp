@@ -213,7 +213,9 @@ void bind_models(py::module_& module) {
           "dissipated_j,\nreceived_j, given_j, infinite, charging. None if there is no such pack.")
       .def(
           "flag_count", [](HeldModel& m) { return m.use().flag_count(); },
-          "Number of flags (small objects that grippers carry) that this part itself holds.");
+          "Number of flags (small objects that grippers carry) that the devices of this part hold; flags "
+          "that "
+          "other parts of the robot hold do not count.");
 }
 
 }  // namespace troupe::python

@@ -83,6 +83,15 @@ Unlocked::~Unlocked() {
 #endif
 }
 
+bool is_interrupted() {
+  if (must_stop()) return true;
+  if (gettid() != getpid()) return false;  // Python handles signals in the main thread only
+  const py::gil_scoped_acquire lock;
+  if (PyOS_InterruptOccurred() == 0) return false;
+  PyErr_SetInterrupt();
+  return true;
+}
+
 py::object call(py::handle function, py::handle argument) {
   PyObject* result = nullptr;
 #ifdef __GLIBCXX__
@@ -123,16 +132,32 @@ Simulation& Held::use_outside(std::string_view what) {
   return use();
 }
 
+/// While an object of this class exists, a flag is set.
+class Held::Stepping {
+ public:
+  explicit Stepping(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Stepping() { flag_ = false; }
+  Stepping(const Stepping&) = delete;
+  Stepping& operator=(const Stepping&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+void Held::work(const std::function<void(Simulation&)>& task) {
+  Simulation& simulation = use();
+  {
+    const Stepping stepping(stepping_);
+    const Unlocked unlocked;
+    task(simulation);
+  }
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
 void Held::step(std::uint64_t ticks, bool to_its_end) {
   constexpr std::chrono::milliseconds k_patience(50);
   Simulation& simulation = use();
-  struct Stepping {
-    explicit Stepping(bool& flag) : flag_(flag) { flag_ = true; }
-    ~Stepping() { flag_ = false; }
-    Stepping(const Stepping&) = delete;
-    Stepping& operator=(const Stepping&) = delete;
-    bool& flag_;
-  } const stepping(stepping_);
+  const Stepping stepping(stepping_);
   const auto is_over = [&] { return to_its_end && simulation.stopped().has_value(); };
   while (ticks > 0 && !is_over()) {
     {
@@ -197,6 +222,8 @@ PYBIND11_MODULE(_core, module) {
   bind_tables(module, simulation);
   bind_observers(module);
   bind_batch(module);
+  bind_script(module);
+  bind_live(module, simulation);
   bind_math(module);
   bind_study(module);
 }

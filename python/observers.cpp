@@ -1,3 +1,4 @@
+#include "base/diagnostics.hpp"
 #include "engine/events.hpp"
 #include "engine/world.hpp"
 #include "python/bindings.hpp"
@@ -6,7 +7,10 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -14,26 +18,70 @@
 namespace troupe::python {
 namespace {
 
+using Wanted = std::variant<std::string, py::dict, py::function>;
+
+/// Measures of a simulation. A column is one of `measures` or a function in Python.
 struct HeldMeasures {
   Holder held;
-  Measures measures;
+  std::optional<Measures> measures;     ///< not set: all columns are functions
+  std::vector<py::object> functions;    ///< per column: the function; null: the next one of `measures`
+  std::vector<std::string> names = {};  ///< per column
 
-  Measures& use() {
+  void see() {
     static_cast<void>(held->use());
-    return measures;
+    if (measures) measures->see();
+  }
+  std::vector<double> values() {
+    std::vector<double> rest;
+    static_cast<void>(held->use());
+    if (measures) rest = measures->values();
+    std::vector<double> values;
+    for (std::size_t i = 0, next = 0; i < functions.size(); ++i)
+      values.push_back(functions[i] ? value_of(functions[i]) : rest[next++]);
+    return values;
+  }
+  double value(const std::string& name) {
+    static_cast<void>(held->use());
+    for (std::size_t i = 0; i < functions.size(); ++i)
+      if (functions[i] && names[i] == name) return value_of(functions[i]);
+    if (measures) return measures->value(name);
+    throw std::out_of_range(
+        unknown_name("measure", name, std::vector<std::string_view>(names.begin(), names.end())));
+  }
+
+ private:
+  double value_of(const py::object& function) const {
+    return call(function, py::cast(HeldSwarm{held, held->use().swarm()})).cast<double>();
   }
 };
 
 /// Converts the measures that a program requests to the texts that the constructor of Measures takes: dicts
 /// become JSON, names are not changed.
-std::vector<std::string> texts_of(const std::vector<std::variant<std::string, py::dict>>& wanted) {
+std::vector<std::string> texts_of(const std::vector<Wanted>& wanted) {
   const py::object dumps = py::module_::import("json").attr("dumps");
   std::vector<std::string> texts;
-  for (const auto& one : wanted)
-    texts.push_back(std::holds_alternative<std::string>(one)
-                        ? std::get<std::string>(one)
-                        : dumps(std::get<py::dict>(one)).cast<std::string>());
+  for (const Wanted& one : wanted) {
+    if (const auto* name = std::get_if<std::string>(&one)) texts.push_back(*name);
+    if (const auto* described = std::get_if<py::dict>(&one))
+      texts.push_back(dumps(*described).cast<std::string>());
+  }
   return texts;
+}
+
+HeldMeasures measures_of(const Holder& held, const std::vector<Wanted>& wanted) {
+  HeldMeasures made{held, std::nullopt, {}};
+  const std::vector<std::string> texts = texts_of(wanted);
+  if (wanted.empty() || !texts.empty()) made.measures.emplace(held->use(), texts);
+  const auto columns = made.measures ? made.measures->columns() : std::span<const std::string>();
+  if (wanted.empty()) made.functions.resize(columns.size());
+  for (const Wanted& one : wanted) {
+    const auto* function = std::get_if<py::function>(&one);
+    made.functions.push_back(function ? py::object(*function) : py::object());
+  }
+  std::size_t next = 0;
+  for (const py::object& function : made.functions)
+    made.names.push_back(function ? py::str(function.attr("__name__")).cast<std::string>() : columns[next++]);
+  return made;
 }
 
 struct Event {
@@ -73,26 +121,17 @@ void bind_observers(py::module_& module) {
       "Numbers that are computed from the state of a simulation, such as the covered area "
       "(docs/measures.md). wanted: a\nlist of names of measures (\"stalls\"), names with the type, "
       "population or robot that they are computed for\n(\"stalls:leaders\"), or dicts with a kind and "
-      "parameters ({\"kind\": \"coverage\", \"cell_m\": 0.5}).\nAn empty list means the measures of the "
+      "parameters ({\"kind\": \"coverage\", \"cell_m\": 0.5}),\nor functions that take the swarm of all "
+      "robots and return a number.\nAn empty list means the measures of the "
       "world file, or, if it has none, all that need no parameters.")
-      .def(py::init([](const Holder& held, const std::vector<std::variant<std::string, py::dict>>& wanted) {
-             return HeldMeasures{held, Measures(held->use(), texts_of(wanted))};
-           }),
-           py::arg("simulation").none(false), py::arg("wanted") = py::tuple())
-      .def(
-          "see", [](HeldMeasures& m) { m.use().see(); },
-          "Updates measures that depend on earlier ticks. Call it after every step.")
-      .def_property_readonly("columns",
-                             [](const HeldMeasures& m) {
-                               return std::vector<std::string>(m.measures.columns().begin(),
-                                                               m.measures.columns().end());
-                             })
-      .def(
-          "values", [](HeldMeasures& m) { return m.use().values(); },
-          "One number per column for the current state; NaN if a measure has no value.")
-      .def(
-          "__getitem__", [](HeldMeasures& m, const std::string& name) { return m.use().value(name); },
-          py::arg("name"), "The value of one column, whose name may omit the unit.");
+      .def(py::init(&measures_of), py::arg("simulation").none(false), py::arg("wanted") = py::tuple())
+      .def("see", &HeldMeasures::see,
+           "Updates measures that depend on earlier ticks. Call it after every step.")
+      .def_property_readonly("columns", [](const HeldMeasures& m) { return m.names; })
+      .def("values", &HeldMeasures::values,
+           "One number per column for the current state; NaN if a measure has no value.")
+      .def("__getitem__", &HeldMeasures::value, py::arg("name"),
+           "The value of one column, whose name may omit the unit.");
 
   py::class_<Event>(module, "Event",
                     "An event of a robot in a tick. type: what happened (docs/measures.md); robot and id: "

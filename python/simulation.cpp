@@ -65,15 +65,18 @@ using Text = std::optional<std::string>;
 using Settings = std::optional<py::dict>;
 
 SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed& seed, const Text& ranging,
-                             const Settings& set, Paths search_path, Paths plugin_path, double tile_size_m) {
-  return {threads,
-          tile_size_m,
-          seed,
-          ranging_of(ranging),
-          robots_of(robots),
-          settings_of(set),
-          std::move(search_path),
-          std::move(plugin_path)};
+                             const Settings& set, Paths search_path, Paths plugin_path,
+                             const py::list& controllers, double tile_size_m, unsigned ranks) {
+  return {.threads = threads,
+          .tile_size_m = tile_size_m,
+          .seed = seed,
+          .ranging = ranging_of(ranging),
+          .robots = robots_of(robots),
+          .set = settings_of(set),
+          .search_path = std::move(search_path),
+          .plugin_path = std::move(plugin_path),
+          .scripts = scripts_of(controllers),
+          .ranks = ranks};
 }
 
 /// Returns the simulation that make() makes. make() runs without the interpreter's lock, because worlds may
@@ -86,9 +89,10 @@ Holder hold(Make&& make) {
 
 Holder load(const std::variant<py::dict, fs::path>& world, const Robots& robots, unsigned threads,
             const Seed& seed, const Text& ranging, const Settings& set, const fs::path& name,
-            Paths search_path, Paths plugin_path, double tile_size_m) {
+            Paths search_path, Paths plugin_path, const py::list& controllers, double tile_size_m,
+            unsigned ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
-                                               std::move(plugin_path), tile_size_m);
+                                               std::move(plugin_path), controllers, tile_size_m, ranks);
   if (const fs::path* file = std::get_if<fs::path>(&world))
     return hold([&] { return Simulation(*file, options); });
   const std::string text = json_of(std::get<py::dict>(world), py::int_(1));
@@ -97,16 +101,23 @@ Holder load(const std::variant<py::dict, fs::path>& world, const Robots& robots,
 
 Holder from_text(const std::string& text, const fs::path& name, const Robots& robots, unsigned threads,
                  const Seed& seed, const Text& ranging, const Settings& set, Paths search_path,
-                 Paths plugin_path, double tile_size_m) {
+                 Paths plugin_path, const py::list& controllers, double tile_size_m, unsigned ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
-                                               std::move(plugin_path), tile_size_m);
+                                               std::move(plugin_path), controllers, tile_size_m, ranks);
   return hold([&] { return Simulation::from_text(text, name, options); });
 }
 
 Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set, bool across_versions,
-              Paths plugin_path, bool across_plugins, double tile_size_m) {
-  const ResumeOptions options{
-      threads, tile_size_m, settings_of(set), across_versions, std::move(plugin_path), across_plugins};
+              Paths plugin_path, const py::list& controllers, bool across_plugins, double tile_size_m,
+              unsigned ranks) {
+  const ResumeOptions options{.threads = threads,
+                              .tile_size_m = tile_size_m,
+                              .set = settings_of(set),
+                              .across_versions = across_versions,
+                              .plugin_path = std::move(plugin_path),
+                              .scripts = scripts_of(controllers),
+                              .across_plugins = across_plugins,
+                              .ranks = ranks};
   return hold([&] { return Simulation::resume(checkpoint, options); });
 }
 
@@ -330,24 +341,29 @@ SimulationClass bind_simulation(py::module_& module) {
       .def(py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
            py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
            py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
-           py::arg("plugin_path") = py::tuple(), py::arg("tile_size_m") = 0.0,
+           py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
+           py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
            "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
            "world file, whose\nrelative paths are resolved from the folder of `name`.\nrobots: size of the "
            "only population, or a dict of population names and sizes. threads: number of worker threads;\n0: "
-           "one per processor that the process may use. seed and ranging replace those of the world. set: a "
-           "dict of JSON\npointers and the values to put there. Raises InputError if the world is invalid.")
+           "one per processor that the process may use. ranks: number of replicas of the world, each with "
+           "`threads` threads,\nthat divide its robots among themselves; no result depends on it. seed and "
+           "ranging replace those of the world. set:\na dict of JSON pointers and the values to put there. "
+           "controllers: a list of scripts and of classes derived\nfrom Controller. Raises InputError if the "
+           "world is invalid.")
       .def_static(
           "from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
           py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
           py::arg("ranging") = py::none(), py::arg("set") = py::none(), py::arg("search_path") = py::tuple(),
-          py::arg("plugin_path") = py::tuple(), py::arg("tile_size_m") = 0.0,
+          py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
+          py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
           "Loads a world from the text of a world file. `name` is used in place of a file name: its ending, "
           ".world or\n.json, selects the syntax, and relative paths are resolved from its folder. The other "
           "parameters are those of\nSimulation(). Raises InputError if the world is invalid.")
       .def_static("resume", &resume, py::arg("checkpoint"), py::kw_only(), py::arg("threads") = 0,
                   py::arg("set") = py::none(), py::arg("across_versions") = false,
-                  py::arg("plugin_path") = py::tuple(), py::arg("across_plugins") = false,
-                  py::arg("tile_size_m") = 0.0,
+                  py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
+                  py::arg("across_plugins") = false, py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
                   "Resumes a run from a checkpoint of save(), with the same results, bit for bit, as if it "
                   "had never stopped.\nacross_versions: whether a checkpoint of another version of Troupe is "
                   "accepted. across_plugins: whether a\ncheckpoint is accepted that was written with other "
@@ -371,6 +387,7 @@ SimulationClass bind_simulation(py::module_& module) {
       .def_property_readonly("robots", [](const Holder& held) { return held->use().robots(); })
       .def_property_readonly("title", [](const Holder& held) { return held->use().title(); })
       .def_property_readonly("threads", [](const Holder& held) { return held->use().threads(); })
+      .def_property_readonly("ranks", [](const Holder& held) { return held->use().ranks(); })
       .def_property_readonly("quit_time_s", [](const Holder& held) { return held->use().quit_time_s(); })
       .def_property_readonly("seed", [](const Holder& held) { return held->use().seed(); })
       .def_property_readonly("stopped", [](const Holder& held) { return held->use().stopped(); })
@@ -482,6 +499,24 @@ SimulationClass bind_simulation(py::module_& module) {
           py::arg("model"),
           "Removes a body from the world for good. Raises RuntimeError if the world has neither a reserve "
           "nor \"mortal\":\ntrue.")
+      .def(
+          "set",
+          [](const Holder& held, const std::string& type, const py::dict& setting) {
+            held->use().set(type, json_of(setting));
+          },
+          py::arg("type"), py::arg("setting"),
+          "Changes parameters of a type, for all its bodies: {\"drive\": {\"velocity_max_x_mps\": 0.5}}, "
+          "{\"device\":\n{\"name\": \"eye\", ...}} or {\"controller\": {\"kind\": \"wander\", ...}}, as "
+          "\"set\" in the list \"at\" of a world\nfile. The change lasts until reset(); checkpoints contain "
+          "it. Raises ValueError, and changes nothing, if it is\nnot possible.")
+      .def(
+          "parameters",
+          [](const Holder& held, const std::string& type) {
+            return py::module_::import("json").attr("loads")(held->use().parameters(type));
+          },
+          py::arg("type"),
+          "The present parameters of a type: a list of dicts like those for set(), one for the drive and for "
+          "each device\nand controller. Infinite values and lists of records are left out.")
       .def("energy", [](const Holder& held) { return dict_of(held->use().energy()); })
       .def("snapshot", &snapshot, py::arg("file"), py::arg("width") = 1280, py::arg("height") = 720,
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),

@@ -1,10 +1,13 @@
 #include "troupe/swarm.hpp"
 
+#include "base/diagnostics.hpp"
 #include "python/bindings.hpp"
+#include "python/columns.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,52 +15,6 @@
 
 namespace troupe::python {
 namespace {
-
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-struct HeldSwarm {
-  Holder held;
-  Swarm swarm;
-
-  Swarm& use() {
-    static_cast<void>(held->use());
-    return swarm;
-  }
-  py::ssize_t size() const { return static_cast<py::ssize_t>(swarm.size()); }
-};
-
-[[noreturn]] void refuse(std::string_view name, const py::array& given, std::size_t robots,
-                         std::string_view wanted) {
-  throw py::value_error(fmt::format("{} has shape {}; for a swarm of {} robots give {}", name,
-                                    std::string(py::str(given.attr("shape"))), robots, wanted));
-}
-
-/// An argument of a command for a swarm, which is one number for all robots or one number per robot. Element
-/// i is the number of robot i.
-class Column {
- public:
-  Column(std::string_view name, const Numbers& numbers, std::size_t robots)
-      : first_(numbers.data()), step_(numbers.ndim() == 0 ? 0 : 1) {
-    if (numbers.ndim() > 1 || (numbers.ndim() == 1 && static_cast<std::size_t>(numbers.size()) != robots))
-      refuse(name, numbers, robots, "one number, or one for each");
-  }
-  double operator[](std::size_t i) const { return first_[i * step_]; }
-
- private:
-  const double* first_;
-  std::size_t step_;
-};
-
-/// Converts the argument `where` of a command to the form of Swarm: one byte per robot, 0 skips the robot;
-/// empty: all robots.
-std::vector<std::uint8_t> mask_of(const std::optional<py::array>& where, std::size_t robots) {
-  if (!where) return {};
-  if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)
-    refuse(fmt::format("where, of {},", std::string(py::str(where->dtype()))), *where, robots,
-           "one bool for each");
-  const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*where);
-  return {marks.data(), marks.data() + marks.size()};
-}
 
 template <class Row>
 py::array_t<double> rows_of(HeldSwarm& held, py::ssize_t columns, void (Swarm::*read)(std::span<Row>) const) {
@@ -71,8 +28,6 @@ py::array_t<bool> flags_of(HeldSwarm& held, void (Swarm::*read)(std::span<std::u
   (held.use().*read)(elements<std::uint8_t>(out));
   return out;
 }
-
-using Where = std::optional<py::array>;
 
 template <void (Swarm::*k_command)(std::span<const Model::Speed>, std::span<const std::uint8_t>)>
 void command(HeldSwarm& held, const Numbers& forward, const Numbers& turn, const Numbers& left,
@@ -106,6 +61,59 @@ void set_poses(HeldSwarm& held, const Numbers& poses, const Where& where) {
   swarm.set_poses({reinterpret_cast<const Pose*>(poses.data()), n}, mask_of(where, n));
 }
 
+py::array readings_of(HeldSwarm& held, const std::string& field, const std::string& device) {
+  const Swarm& swarm = held.use();
+  py::array out = empty_rows(swarm.reading_field(field, device), held.size());
+  swarm.readings(bytes_of(out), field, device);
+  return out;
+}
+
+py::dict commands_of(HeldSwarm& held, const std::string& device) {
+  const Swarm& swarm = held.use();
+  py::dict all;
+  for (const engine::StateField& field : swarm.command_fields(device)) {
+    py::array out = empty_rows(field, held.size());
+    swarm.commands(bytes_of(out), field.name, device);
+    all[py::str(field.name)] = std::move(out);
+  }
+  return all;
+}
+
+/// Sets fields of the commands of a device; values: names of fields and their new values. Changes nothing if
+/// a name or a value is invalid.
+void command_device(HeldSwarm& held, const std::string& device, const Where& where,
+                    const py::kwargs& values) {
+  Swarm& swarm = held.use();
+  const std::span<const engine::StateField> fields = swarm.command_fields(device);
+  std::vector<std::pair<std::string, py::array>> set;
+  for (const auto& [key, value] : values) {
+    const std::string name = key.cast<std::string>();
+    const auto field = std::ranges::find(fields, name, &engine::StateField::name);
+    if (field == fields.end()) {
+      std::vector<std::string_view> known;
+      for (const engine::StateField& each : fields) known.push_back(each.name);
+      throw std::out_of_range(unknown_name(fmt::format("command of \"{}\"", device), name, known));
+    }
+    set.emplace_back(name, rows_for(*field, value, held.size()));
+  }
+  const std::vector<std::uint8_t> mask = mask_of(where, swarm.size());
+  for (const auto& [name, rows] : set) {  // checks every device before the first change
+    std::vector<std::byte> ignored(static_cast<std::size_t>(rows.nbytes()));
+    swarm.commands(ignored, name, device);
+  }
+  for (const auto& [name, rows] : set) swarm.set_commands(const_bytes_of(rows), name, device, mask);
+}
+
+void say(HeldSwarm& held, const py::object& message, const std::string& device, const Where& where) {
+  const py::dict values = message_command(held.use().command_fields(device), device, message, held.size());
+  command_device(held, device, where, py::reinterpret_borrow<py::kwargs>(values));
+}
+
+py::tuple heard(HeldSwarm& held, const py::object& type, const std::string& device) {
+  return messages_of(type, device, readings_of(held, "count", device), readings_of(held, "length", device),
+                     readings_of(held, "payload", device));
+}
+
 }  // namespace
 
 void bind_swarm(py::module_& module, SimulationClass& simulation) {
@@ -126,6 +134,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
                                return out;
                              })
       .def_property_readonly("names", [](const HeldSwarm& s) { return s.swarm.names(); })
+      .def_property_readonly("tick", [](const HeldSwarm& s) { return s.swarm.tick(); })
+      .def_property_readonly("time_s", [](const HeldSwarm& s) { return s.swarm.time_s(); })
       .def_property_readonly("types", [](const HeldSwarm& s) { return s.swarm.types(); })
       .def(
           "alive", [](HeldSwarm& s) { return flags_of(s, &Swarm::alive); },
@@ -182,6 +192,32 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       .def("go_to", &go_to, py::arg("x").none(false), py::arg("y").none(false),
            py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
            "Commands goal poses in the frame of estimates(), m and rad: the robots drive there and stay.")
+      .def("readings", &readings_of, py::arg("field"), py::arg("device") = "",
+           "The values of a field of a sensor or another device: shape (n,) or, if the field has several "
+           "columns,\n(n, columns). An empty `device` means the first device of each robot that has this "
+           "field. Raises LookupError, with\nthe known names, for an unknown field or device, ValueError if "
+           "the fields of the robots differ, and RuntimeError if\na sensor does not run.")
+      .def("commands", &commands_of, py::arg("device"),
+           "The present commands of a device as a dict: for each field an array as readings() returns.")
+      .def("command", &command_device, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
+           "Sets fields of the commands of a device by name: swarm.command(\"lamp\", shows=1, "
+           "red=brightness). A value is one\nnumber for all robots or one per robot. For a field of several "
+           "columns it is one row for all robots, one row per\nrobot, or, for a field of bytes, a `bytes` or "
+           "a "
+           "list of one `bytes` per robot, padded with zeros. Other fields keep\ntheir values. The commands "
+           "apply from the next step on. Raises LookupError for an unknown device or field, and\nValueError "
+           "for values that do not fit.")
+      .def(
+          "say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
+          py::arg("where") = py::none(),
+          "Sets the messages that the radios named `device` send in each tick from now on: a `bytes` for all "
+          "robots, or an\narray with one row per robot, whose bytes are the message. command(device, mode=2) "
+          "makes radios silent.")
+      .def(
+          "heard", &heard, py::arg("dtype"), py::arg("device") = "radio",
+          "The messages that the radios named `device` received in the last tick, as two arrays of shape (n, "
+          "most_heard): the\nmessages as elements of `dtype`, and whether there is a message of exactly this "
+          "size. readings() returns their\nsenders, ranges and bearings in the same order.")
       .def("set_poses", &set_poses, py::arg("poses").none(false), py::kw_only(),
            py::arg("where") = py::none(),
            "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If one pose is "

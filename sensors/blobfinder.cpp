@@ -2,19 +2,21 @@
 
 #include "engine/device_kind.hpp"
 #include "engine/frame.hpp"
+#include "engine/shown_color.hpp"
 #include "engine/sight.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 namespace troupe::sensors {
 namespace {
 
-using engine::DeviceBatch;
+using engine::CommittedView;
 using engine::DeviceKind;
 using engine::Element;
-using engine::World;
+using engine::SenseBatch;
 
 struct Finder {
   struct Params {
@@ -51,12 +53,14 @@ struct Finder {
     }
   };
 
+  static constexpr std::array reads{engine::k_shown_color};
+
   Params params;
   Pose pose_body_sensor;           // pan included
   std::vector<Rotation> bearings;  // of the rays, one per column, from right to left
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
-  std::uint64_t sense(const DeviceBatch& batch) const;
+  std::uint64_t sense(const SenseBatch& batch) const;
 
   static constexpr engine::FrameLayer layer = engine::FrameLayer::blobs;
   void draw(const engine::DeviceView& view, engine::Frame& frame) const;
@@ -131,18 +135,19 @@ class Writer {
 
 /// Finds the blobs that the finder of the row `own` sees, and passes them to the writer. body: from the frame
 /// in which the finder's pose is given to the world frame.
-void find_blobs(const World& world, const Finder& finder, Row own, const Transform& body, Writer& writer) {
+void find_blobs(const CommittedView& view, const Finder& finder, Row own, const Transform& body,
+                Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();
   std::optional<Blob> blob;
   for (std::size_t ray = 0; ray < finder.params.image_width; ++ray) {
     const engine::RayHit first =
-        engine::first_met(world, {.origin = origin,
-                                  .direction = body.rotation * (finder.bearings[ray] * Vec2::UnitX()),
-                                  .length = finder.params.range,
-                                  .own = own});
+        engine::first_met(view, {.origin = origin,
+                                 .direction = body.rotation * (finder.bearings[ray] * Vec2::UnitX()),
+                                 .length = finder.params.range,
+                                 .own = own});
     const bool is_seen =
-        first.met() && (!finder.params.use_blob_return || engine::part_of(world, first).returns.blob);
-    const Color color = is_seen ? color_of(world, first) : Color();
+        first.met() && (!finder.params.use_blob_return || engine::part_of(view, first).returns.blob);
+    const Color color = is_seen ? color_of(view, first) : Color();
     const bool goes_on = blob && is_seen && is_same(color, blob->color);
     if (blob && !goes_on) {
       writer.add(*blob);
@@ -175,10 +180,10 @@ DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body
           .watts = 2};  // as in Stage
 }
 
-std::uint64_t Finder::sense(const DeviceBatch& batch) const {
+std::uint64_t Finder::sense(const SenseBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     Writer writer(params, batch.state, batch.slot(i));
-    find_blobs(batch.world, *this, batch.rows[i], batch.mount(i).transform, writer);
+    find_blobs(batch.committed, *this, batch.rows[i], batch.mount(i).transform, writer);
     writer.finish();
   }
   return batch.rows.size() * params.image_width;

@@ -39,7 +39,7 @@ double distance(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
 /// Returns the nearest body with an outline within `thickness` (m) of a strip (world frame). At equal
 /// distances it is the body with the lower id. The result is not valid if there is no such body. Skips the
 /// body of the row `own` and the bodies that it carries or that carry it.
-BodyId felt(const engine::World& world, Row own, const Strip& strip, double thickness) {
+BodyId felt(const engine::SensingView& view, Row own, const Strip& strip, double thickness) {
   Box box;
   box.extend(strip.right);
   box.extend(strip.left);
@@ -54,8 +54,8 @@ BodyId felt(const engine::World& world, Row own, const Strip& strip, double thic
       nearest = chain.body;
     });
   };
-  engine::for_each_fixed_chain(world, box.expanded(thickness), any, touch);
-  engine::for_each_body_chain(world, box.expanded(thickness), own, any, touch);
+  engine::for_each_fixed_chain(view, box.expanded(thickness), any, touch);
+  engine::for_each_body_chain(view, box.expanded(thickness), own, any, touch);
   return nearest;
 }
 
@@ -90,7 +90,7 @@ struct Bumper {
       const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_bumper_body);
       for (std::size_t k = 0; k < strips.size(); ++k) {
         const Strip there{transform * strips[k].right, transform * strips[k].left};
-        const BodyId body = felt(batch.world, row, there, thickness);
+        const BodyId body = felt(batch.view, row, there, thickness);
         hits[k] = body.valid();
         bodies[k] = body.valid() ? body.value : 0;
       }

@@ -1,11 +1,13 @@
 #include "sensors/camera.hpp"
 
 #include "engine/device_kind.hpp"
+#include "engine/shown_color.hpp"
 #include "engine/sight.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -14,11 +16,11 @@
 namespace troupe::sensors {
 namespace {
 
-using engine::DeviceBatch;
+using engine::CommittedView;
 using engine::DeviceKind;
 using engine::Element;
 using engine::OutlineChain;
-using engine::World;
+using engine::SenseBatch;
 
 constexpr Color k_sky{135 / 255.0f, 206 / 255.0f, 235 / 255.0f, 1};
 constexpr Color k_floor{0.8f, 0.8f, 0.8f, 1};
@@ -58,6 +60,8 @@ struct Lens {
     }
   };
 
+  static constexpr std::array reads{engine::k_shown_color};
+
   Params params;
   Pose pose_body_camera;   ///< pan included
   double half_width = 0;   ///< half the width of the image at depth 1
@@ -66,11 +70,12 @@ struct Lens {
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
-  std::uint64_t sense(const DeviceBatch& batch) const;
+  std::uint64_t sense(const SenseBatch& batch) const;
 
-  /// The offset from the axis of view of the middle of a column (to the right) or of a row (upwards), at
-  /// depth 1.
+  /// In the image plane at distance 1 from the camera: the distance of the middle of a column of pixels from
+  /// the middle of the picture, positive to the right.
   double right(double column) const { return half_width * ((column + 0.5) / params.width * 2 - 1); }
+  /// The same for a row of pixels, positive upwards.
   double up(double row) const { return half_height * (1 - (row + 0.5) / params.height * 2); }
   bool is_level() const { return tilt.sin == 0; }
 };
@@ -107,10 +112,10 @@ class Painter {
  public:
   /// Renders the image of the camera of the row `own` into its readings. mount: the frame in which the lens's
   /// pose is given. state, slot: the table of the readings, and the entry of this row.
-  void paint(const World& world, const Lens& lens, Row own, const engine::Mount& mount,
+  void paint(const CommittedView& view, const Lens& lens, Row own, const engine::Mount& mount,
              engine::StateTable& state, std::size_t slot) {
     lens_ = &lens;
-    world_ = &world;
+    view_ = &view;
     origin_ = mount.transform * lens.pose_body_camera.position();
     height_ = mount.z + lens.pose_body_camera.z;
     forward_ = mount.transform.rotation * (Rotation(lens.pose_body_camera.heading) * Vec2::UnitX());
@@ -142,8 +147,8 @@ class Painter {
     chains_.clear();
     const auto any = [](const partition::BodyCircle&) { return true; };
     const auto keep = [this](const OutlineChain& chain) { chains_.push_back(chain); };
-    engine::for_each_fixed_chain(*world_, box, any, keep);
-    engine::for_each_body_chain(*world_, box, own, any, keep);
+    engine::for_each_fixed_chain(*view_, box, any, keep);
+    engine::for_each_body_chain(*view_, box, own, any, keep);
     // Removes duplicates: a long edge is visited once for each of its circles.
     const auto key = [](const OutlineChain& c) {
       return std::tuple(c.body, c.solid, c.ranger_return < 0, c.piece);
@@ -177,7 +182,7 @@ class Painter {
     }
     if (last_asked_ == &region) return;
     last_asked_ = &region;
-    region.around = contains(world_->scene().solids()[chain.solid].solid, origin_);
+    region.around = contains(view_->scene().solids()[chain.solid].solid, origin_);
   }
 
   /// Whether the ends of an edge, relative to the camera, are on different sides of the line of a ray.
@@ -274,13 +279,13 @@ class Painter {
 
     const std::size_t pixel = row * lens_->params.width + column;
     const engine::RayHit hit{.body = seen ? seen->body : BodyId(), .part = seen ? seen->part : 0};
-    const Color color = seen != nullptr ? color_of(*world_, hit) : is_floor ? k_floor : k_sky;
+    const Color color = seen != nullptr ? color_of(*view_, hit) : is_floor ? k_floor : k_sky;
     const std::array<float, 4> parts{color.r, color.g, color.b, color.a};
     for (std::size_t k = 0; k < parts.size(); ++k) color_[4 * pixel + k] = to_byte(parts[k]);
     depth_[pixel] = static_cast<float>(nearest);
   }
 
-  const World* world_ = nullptr;
+  const CommittedView* view_ = nullptr;
   const Lens* lens_ = nullptr;
   Vec2 origin_ = Vec2::Zero();     // world frame, m
   double height_ = 0;              // world frame, m
@@ -325,10 +330,10 @@ Result<> Lens::bind_part(const engine::TypeSpec&, std::uint32_t) {
                            params.range_near, params.range_far)};
 }
 
-std::uint64_t Lens::sense(const DeviceBatch& batch) const {
+std::uint64_t Lens::sense(const SenseBatch& batch) const {
   thread_local const auto painter = std::make_unique<Painter>();
   for (std::size_t i = 0; i < batch.rows.size(); ++i)
-    painter->paint(batch.world, *this, batch.rows[i], batch.mount(i), batch.state, batch.slot(i));
+    painter->paint(batch.committed, *this, batch.rows[i], batch.mount(i), batch.state, batch.slot(i));
   return batch.rows.size() * params.width * params.height;
 }
 

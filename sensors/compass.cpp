@@ -2,7 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/device_kind.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 
 namespace troupe::sensors {
 namespace {

@@ -16,8 +16,8 @@ using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Element;
 using engine::PartSpec;
+using engine::SensingView;
 using engine::TypeSpec;
-using engine::World;
 
 constexpr double k_rounding = 1e-9;  // margin for cosines, above the rounding errors of sines and cosines
 
@@ -88,34 +88,34 @@ class Search {
   /// Returns the targets that the finder of the row `own` finds, the nearest first; valid until the next
   /// call. Adds the number of rays that it casts to rays(). mount: the frame in which the finder's pose is
   /// given.
-  std::span<const Target> find(const World& world, const Finder& finder, Row own,
+  std::span<const Target> find(const SensingView& view, const Finder& finder, Row own,
                                const engine::Mount& mount) {
-    world_ = &world;
+    view_ = &view;
     finder_ = &finder;
     sensor_ = compose(mount, finder.pose_body_sensor);
     ahead_ = mount.transform.rotation * finder.ahead;
     found_.clear();
     lines_.clear();
     const std::size_t room =
-        std::min<std::size_t>(world.rows(), 1024);  // reserved for as many candidates as a dense crowd has
+        std::min<std::size_t>(view.rows(), 1024);  // reserved for as many candidates as a dense crowd has
     found_.reserve(room);
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));
 
-    visible_.stand(world, sensor_.position(), finder.params.range_max, own, sensor_.z);
-    const std::vector<TypeSpec>& types = world.spec().types;
+    visible_.stand(view, sensor_.position(), finder.params.range_max, own, sensor_.z);
+    const std::vector<TypeSpec>& types = view.spec().types;
     const Box box = Box::around(sensor_.position(), finder.params.range_max);
-    world.fixed_targets().for_each_near(box, [&](const engine::FixedTargets::Target& target) {
-      const TypeSpec& type = types[world.spec().bodies[target.body.index()].type.index()];
+    view.fixed_targets().for_each_near(box, [&](const engine::FixedTargets::Target& target) {
+      const TypeSpec& type = types[view.spec().bodies[target.body.index()].type.index()];
       consider(target.body, target.part, type.parts[target.part], target.pose_world_part, 0);
     });
     for (const std::uint32_t r : visible_.bodies()) {
       const Row row(r);
-      const engine::BodyType& type = world.type(row);
+      const engine::BodyType& type = view.type(row);
       for (const std::uint32_t part : type.targets) {
-        const PartSpec& spec = types[static_cast<std::size_t>(&type - world.types().data())].parts[part];
-        consider(world.body(row), part, spec, compose(world.mount(row, spec.joint), spec.pose_body_part),
-                 2 * world.radius(row));
+        const PartSpec& spec = types[static_cast<std::size_t>(&type - view.types().data())].parts[part];
+        consider(view.body(row), part, spec, compose(view.mount(row, spec.joint), spec.pose_body_part),
+                 2 * view.radius(row));
       }
     }
     keep_seen();
@@ -125,7 +125,7 @@ class Search {
   std::uint64_t rays() const { return rays_; }
   const Pose& sensor() const { return sensor_; }
   std::int32_t fiducial_of(const Target& target) const {
-    return engine::fiducial_of(world_->spec(), target.body, target.part);
+    return engine::fiducial_of(view_->spec(), target.body, target.part);
   }
 
  private:
@@ -164,7 +164,7 @@ class Search {
     found_.resize(kept);
   }
 
-  const World* world_ = nullptr;
+  const SensingView* view_ = nullptr;
   const Finder* finder_ = nullptr;
   Pose sensor_;  // world frame
   Vec2 ahead_ = Vec2::UnitX();
@@ -240,7 +240,7 @@ std::uint64_t Finder::sense(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     // The readings of a robot take about a kilobyte. They are prefetched while the finder searches.
     __builtin_prefetch(batch.state.cell<std::uint32_t>(batch.slot(i), k_fiducial_count).data(), 1);
-    write(*search, *this, search->find(batch.world, *this, batch.rows[i], batch.mount(i)), batch.state,
+    write(*search, *this, search->find(batch.view, *this, batch.rows[i], batch.mount(i)), batch.state,
           batch.slot(i));
   }
   return search->rays() - rays_before;

@@ -1,8 +1,8 @@
 #include "sensors/ground.hpp"
 
 #include "engine/device_kind.hpp"
+#include "engine/sensing_view.hpp"
 #include "engine/shown_color.hpp"
-#include "engine/world.hpp"
 #include "partition/box_grid.hpp"
 
 #include <algorithm>
@@ -10,16 +10,18 @@
 #include <memory>
 #include <optional>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 namespace troupe::sensors {
 namespace {
 
-using engine::DeviceBatch;
+using engine::CommittedView;
 using engine::DeviceKind;
 using engine::Element;
 using engine::PartSpec;
-using engine::World;
+using engine::SenseBatch;
+using engine::SensingView;
 using engine::WorldSpec;
 
 /// Whether the point is inside the contours, by the even-odd rule. A point on an edge that two regions have
@@ -83,7 +85,9 @@ void Ground::collect(const WorldSpec& world) {
   fixed_ = std::make_shared<const Fixed>(std::move(zones));
 }
 
-Ground::Zone Ground::below(const World& world, Row own, const Vec2& point, bool with_shown_colors) const {
+/// below() or shown_below(), by the type of the view.
+template <class View>
+Ground::Zone Ground::find(const View& view, Row own, const Vec2& point) const {
   std::optional<Zone> best;
   const auto offer = [&](const Zone& zone) {
     if (!best || zone.is_above(*best)) best = zone;
@@ -93,25 +97,33 @@ Ground::Zone Ground::below(const World& world, Row own, const Vec2& point, bool 
     if (holds(fixed_->parts[i].contours, point)) offer(fixed_->parts[i].zone);
     return false;
   });
-  world.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
+  view.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
     const Row row(circle.row);
     if ((Vec2(circle.x, circle.y) - point).squaredNorm() > double{circle.radius} * circle.radius) return;
-    if (world.same_tree(row, own)) return;
-    const engine::BodySpec& body = world.spec().bodies[world.body(row).index()];
-    const std::vector<PartSpec>& parts = world.spec().types[body.type.index()].parts;
+    if (view.same_tree(row, own)) return;
+    const engine::BodySpec& body = view.spec().bodies[view.body(row).index()];
+    const std::vector<PartSpec>& parts = view.spec().types[body.type.index()].parts;
     for (std::uint32_t p = 0; p < parts.size(); ++p) {
-      const engine::Mount mount = world.mount(row, parts[p].joint);
+      const engine::Mount mount = view.mount(row, parts[p].joint);
       const Vec2 local = inverse(mount).transform * point;
       for (const Solid& solid : parts[p].solids) {
         const double top = solid.z.max + mount.z;
         if (top > height_ || !holds(solid.contours, local)) continue;
         Color color = parts[p].color.value_or(body.color);
-        if (with_shown_colors) color = engine::shown_color(world, row, p).value_or(color);
-        offer({top, world.body(row), p, color});
+        if constexpr (std::is_same_v<View, CommittedView>)
+          color = engine::shown_color(view, row, p).value_or(color);
+        offer({top, view.body(row), p, color});
       }
     }
   });
   return best.value_or(Zone{0, BodyId(), 0, floor_});
+}
+
+Ground::Zone Ground::below(const SensingView& view, Row own, const Vec2& point) const {
+  return find(view, own, point);
+}
+Ground::Zone Ground::shown_below(const CommittedView& view, Row own, const Vec2& point) const {
+  return find(view, own, point);
 }
 
 namespace {
@@ -131,6 +143,8 @@ struct GroundSensor {
       d.member<&Params::floor>("floor", within(0, 1), "colour of the bare floor: red, green, blue");
     }
   };
+
+  static constexpr std::array reads{engine::k_shown_color};
 
   Ground ground;
   std::vector<Vec2> points;  // frame of the body, or of the joint that carries the sensor
@@ -164,13 +178,14 @@ struct GroundSensor {
     return {};
   }
 
-  std::uint64_t sense(const DeviceBatch& batch) const {
+  std::uint64_t sense(const SenseBatch& batch) const {
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       const engine::Mount mount = batch.mount(i);
       const auto colors = batch.state.cell<float>(batch.slot(i), k_ground_color);
       const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_ground_body);
       for (std::size_t k = 0; k < points.size(); ++k) {
-        const Ground::Zone zone = ground.below(batch.world, batch.rows[i], mount.transform * points[k], true);
+        const Ground::Zone zone =
+            ground.shown_below(batch.committed, batch.rows[i], mount.transform * points[k]);
         colors[3 * k] = zone.color.r;
         colors[3 * k + 1] = zone.color.g;
         colors[3 * k + 2] = zone.color.b;

@@ -66,13 +66,15 @@ class Ground {
   void collect(const engine::WorldSpec& world);
   /// Returns the ground at a point (world frame, m) for a device of the row `own`. The body of this row, and
   /// all bodies that it carries or that carry it, are ignored. If the point is on the floor, the body of the
-  /// result is not valid and the colour is that of the floor. with_shown_colors: whether to use the colours
-  /// that devices such as LEDs show. This is only allowed in the sense phase of a tick, because these colours
-  /// change in other phases.
-  Zone below(const engine::World& world, Row own, const Vec2& point, bool with_shown_colors) const;
+  /// result is not valid and the colour is that of the floor. Colours are those of the world file.
+  Zone below(const engine::SensingView& view, Row own, const Vec2& point) const;
+  /// Like below(), but parts have the colours that devices such as LEDs show.
+  Zone shown_below(const engine::CommittedView& view, Row own, const Vec2& point) const;
 
  private:
   struct Fixed;  // the parts of static bodies that are ground
+  template <class View>
+  Zone find(const View& view, Row own, const Vec2& point) const;
 
   double height_;
   Color floor_;

@@ -2,11 +2,12 @@
 
 #include "base/math.hpp"
 #include "engine/device_kind.hpp"
-#include "engine/sight.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
+#include "engine/visibility_query.hpp"
 #include "sensors/light_source.hpp"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <tuple>
 #include <vector>
@@ -15,11 +16,11 @@ namespace troupe::sensors {
 namespace {
 
 using engine::BodyType;
-using engine::DeviceBatch;
+using engine::CommittedView;
 using engine::DeviceKind;
 using engine::Element;
-using engine::World;
-using partition::BodyCircle;
+using engine::SenseBatch;
+using engine::SensingView;
 
 struct LightSensor {
   struct Params {
@@ -38,12 +39,14 @@ struct LightSensor {
     }
   };
 
+  static constexpr std::array reads{k_lit};
+
   Params params;
   Pose pose_body_sensor;
   std::vector<SinCos> directions;  // sensor frame
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
-  std::uint64_t sense(const DeviceBatch& batch) const;
+  std::uint64_t sense(const SenseBatch& batch) const;
 };
 
 /// A light in sight.
@@ -59,52 +62,69 @@ struct Seen {
 /// after the first ones allocate nothing.
 class Eyes {
  public:
-  Eyes() { seen_.reserve(256); }
+  Eyes() {
+    constexpr std::size_t k_room = 256;
+    seen_.reserve(k_room);
+    rows_.reserve(k_room);
+    lines_.reserve(k_room);
+    first_.resize(k_room);
+  }
 
   /// Returns the lights that the sensor of the row `own` sees, sorted by body id and then by device; valid
   /// until the next call. Adds the number of rays that it casts to rays(). mount: the frame in which the
   /// sensor's pose is given.
-  std::span<const Seen> find(const World& world, const LightSensor& sensor, Row own,
+  std::span<const Seen> find(const CommittedView& view, const LightSensor& sensor, Row own,
                              const engine::Mount& mount) {
     seen_.clear();
+    rows_.clear();
+    lines_.clear();
     const Pose here = compose(mount, sensor.pose_body_sensor);
     const Rotation turned(-here.heading);
-    const Box near = Box::around(here.position(), sensor.params.range_max);
-    world.index().for_each_near(near, [&](const BodyCircle& circle) {
-      const Row row(circle.row);
-      const BodyType& type = world.type(row);
-      if (world.same_tree(row, own)) return;
+    visible_.stand(view, here.position(), sensor.params.range_max, own, here.z);
+    for (const std::uint32_t r : visible_.bodies()) {
+      const Row row(r);
+      const BodyType& type = view.type(row);
       for (std::size_t d = 0; d < type.devices.size(); ++d) {
         const BodyType::Device& device = type.devices[d];
         const LightSource* light = light_source(device.prepared);
-        if (light == nullptr || world.percepts(device).as<LightState>(world.slot(row)).lit == 0) continue;
-        const Pose there = compose(world.mount(row, device.joint), light->pose_body_light);
+        if (light == nullptr || view.percepts(device).as<LightState>(view.slot(row)).lit == 0) continue;
+        const Pose there = compose(view.mount(row, device.joint), light->pose_body_light);
         const Vec2 way = there.position() - here.position();
         const double range = way.norm();
         if (range > sensor.params.range_max) continue;
-        if (sensor.params.occlusion && range > 0 && is_hidden(world, own, row, here, way / range, range))
-          continue;
         const double up = there.z - here.z;
-        seen_.push_back({world.body(row), d, turned * way, sqrt(range * range + up * up), light->intensity});
+        seen_.push_back({view.body(row), d, turned * way, sqrt(range * range + up * up), light->intensity});
+        rows_.push_back(row);
+        lines_.push_back({range > 0 ? Vec2(way / range) : Vec2::UnitX(), range});
       }
-    });
+    }
+    if (sensor.params.occlusion) keep_visible(view);
     std::ranges::sort(seen_, {}, [](const Seen& seen) { return std::tuple(seen.body, seen.device); });
     return seen_;
   }
   std::uint64_t rays() const { return rays_; }
 
  private:
-  bool is_hidden(const World& world, Row own, Row light, const Pose& here, const Vec2& direction,
-                 double range) {
-    ++rays_;
-    const engine::RayHit first = engine::first_met(
-        world, {.origin = here.position(), .direction = direction, .length = range, .own = own, .z = here.z});
-    if (!first.met()) return false;
-    const Row met = world.row(first.body);
-    return !met.valid() || !world.same_tree(met, light);
+  /// Casts a ray towards each light and removes the lights that are hidden. A light at the place of the
+  /// sensor is not hidden: its ray has no length, so it hits nothing.
+  void keep_visible(const SensingView& view) {
+    rays_ += static_cast<std::uint64_t>(
+        std::ranges::count_if(lines_, [](const engine::SightLine& line) { return line.length > 0; }));
+    first_.resize(std::max(first_.size(), lines_.size()));
+    visible_.first_met(lines_, std::span(first_).first(lines_.size()));
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const Row met = first_[i].met() ? view.row(first_[i].body) : rows_[i];
+      if (met.valid() && view.same_tree(met, rows_[i])) seen_[kept++] = seen_[i];
+    }
+    seen_.resize(kept);
   }
 
-  std::vector<Seen> seen_;
+  engine::VisibilityQuery visible_;
+  std::vector<Seen> seen_;                // candidates, until keep_visible()
+  std::vector<Row> rows_;                 // per candidate: the row of its body
+  std::vector<engine::SightLine> lines_;  // per candidate: the ray towards it
+  std::vector<engine::RayHit> first_;     // per candidate: the first surface along that ray
   std::uint64_t rays_ = 0;
 };
 
@@ -119,11 +139,11 @@ DeviceKind::Prepared LightSensor::prepare(const Params& params, const Pose& pose
           .cell_hint_m = 0};
 }
 
-std::uint64_t LightSensor::sense(const DeviceBatch& batch) const {
+std::uint64_t LightSensor::sense(const SenseBatch& batch) const {
   thread_local const auto eyes = std::make_unique<Eyes>();
   const std::uint64_t rays_before = eyes->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-    const std::span<const Seen> lights = eyes->find(batch.world, *this, batch.rows[i], batch.mount(i));
+    const std::span<const Seen> lights = eyes->find(batch.committed, *this, batch.rows[i], batch.mount(i));
     const auto brightness = batch.state.cell<float>(batch.slot(i), k_light_brightness);
     for (std::size_t k = 0; k < directions.size(); ++k) {
       double sum = 0;

@@ -6,15 +6,19 @@
 
 #include <any>
 #include <cstdint>
+#include <string_view>
 
 namespace troupe::sensors {
+
+/// Name of the first field of the state of a light.
+inline constexpr std::string_view k_lit = "lit";
 
 /// The state of a light. A device is a light if its prepared data is a LightSource.
 struct LightState {
   std::uint8_t lit = 0;  ///< 1 if the light is lit in this tick
 
   static constexpr void describe(engine::Description<LightState>& d) {
-    d.member<&LightState::lit>("lit", engine::facts::is_appearance);
+    d.member<&LightState::lit>(k_lit, engine::facts::is_appearance);
   }
 };
 

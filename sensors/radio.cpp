@@ -1,9 +1,11 @@
 #include "sensors/radio.hpp"
 
+#include "base/bearings.hpp"
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/device_kind.hpp"
-#include "engine/world.hpp"
+#include "engine/line_crossings.hpp"
+#include "engine/sensing_view.hpp"
 
 #include <fmt/format.h>
 
@@ -12,6 +14,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,20 +22,12 @@ namespace troupe::sensors {
 namespace {
 
 using engine::BodyType;
-using engine::DeviceBatch;
+using engine::CommittedView;
 using engine::DeviceKind;
 using engine::Element;
-using engine::RayOutline;
-using engine::World;
+using engine::SenseBatch;
 using partition::BodyCircle;
 
-// Margin, m, of tests that discard bodies and walls too far from a line to cross it. It is far above the
-// rounding errors of doubles within a world.
-constexpr double k_slack = 1e-9;
-// If no link of a listener is longer than this, m, its links share one search for the walls and bodies that
-// may hide them. Otherwise these are searched for each link along its line, in pieces of k_stride_m (m).
-constexpr double k_together_m = 12;
-constexpr double k_stride_m = 4;
 // Listeners in a square with edges of this many times their `hears` search for speakers together.
 constexpr double k_group_reaches = 2.25;
 
@@ -109,6 +104,8 @@ struct Radio {
     }
   };
 
+  static constexpr std::array reads{std::string_view("radio/command"), engine::k_runs_of_others};
+
   Params params;
   Pose pose_body_radio;
   double hears = 0;        // m
@@ -117,7 +114,7 @@ struct Radio {
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_radio);
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
-  std::uint64_t sense(const DeviceBatch& batch) const;
+  std::uint64_t sense(const SenseBatch& batch) const;
 
   bool bodies_block() const { return params.bodies == Bodies::block; }
   /// Whether the loss depends on the distance.
@@ -159,40 +156,6 @@ struct Link {
   const Speaker* speaker = nullptr;
 };
 
-/// The straight line between two radios. It starts at the radio on the body with the lower id, so that both
-/// directions give the same result.
-struct Line {
-  Vec2 from, way;
-  double z_from, z_way;
-  double length2 = 0;
-
-  bool passes_near(const BodyCircle& circle) const {
-    const Vec2 centre = Vec2(circle.x, circle.y) - from;
-    const double radius = circle.radius + k_slack;
-    const double along = centre.dot(way);
-    const double reach2 = radius * radius * length2;
-    const double across = cross(centre, way);
-    if (across * across > reach2) return false;
-    const double beyond = std::max(-along, along - length2);
-    return beyond <= 0 || beyond * beyond <= reach2;
-  }
-  Box piece(double first, double last) const {
-    Box box;
-    box.extend(Vec2(from + first * way));
-    box.extend(Vec2(from + last * way));
-    return box.expanded(k_slack);
-  }
-};
-
-/// A crossing of a line and an edge. A long edge has several circles in the index, so its crossing may be
-/// found several times.
-struct Crossing {
-  std::uint32_t solid;
-  double at;    // position on the line, from 0 to 1
-  double x, y;  // first end of the edge
-  auto operator<=>(const Crossing&) const = default;
-};
-
 /// Finds the messages that the radios of a batch hear. Radios near one another share the search for speakers
 /// and the sorting of the speakers in the order of readings. Each thread keeps one object of this class with
 /// its memory, so that searches after the first ones allocate nothing.
@@ -204,10 +167,10 @@ class Listener {
 
   /// Writes the readings of all rows of the batch. Returns the number of lines between radios that it tested
   /// for walls and bodies.
-  std::uint64_t listen(const DeviceBatch& batch);
+  std::uint64_t listen(const SenseBatch& batch);
 
  private:
-  void begin(const DeviceBatch& batch);
+  void begin(const SenseBatch& batch);
   std::span<const Sender> senders(const BodyType& type);
   void find_speakers(const Box& listeners);
   void consider(const BodyCircle& circle, const Sender& sender);
@@ -217,28 +180,23 @@ class Listener {
   void find_links();
   double height(const Speaker& speaker) const;
   void weaken_links();
-  void find_walls();
-  void find_blockers();
+  void find_obstacles();
   bool arrives(Link& link);
   /// The largest loss with which the current listener still hears the speaker, dB.
   double budget_of(const Speaker& speaker) const {
     return speaker.radio->params.power - radio_->params.sensitivity;
   }
-  Line line_to(const Speaker& speaker) const;
+  engine::SpatialLine line_to(const Speaker& speaker) const;
   /// The number of walls between the speaker and the current listener that weaken the message; -1 if a wall
   /// or a body between them blocks it.
   int hindrances(const Speaker& speaker);
-  template <class Visit>
-  bool any_wall(const Line& line, Visit&& visit) const;
-  bool is_behind_a_body(const Line& line, const Speaker& speaker) const;
-  bool hides(const Line& line, Row row) const;
   bool is_dropped(const Speaker& speaker) const;
   void keep_nearest();
   double quality(const Link& link) const;
   void write(std::size_t slot);
 
-  const DeviceBatch* batch_ = nullptr;
-  const World* world_ = nullptr;
+  const SenseBatch* batch_ = nullptr;
+  const CommittedView* view_ = nullptr;
   const Radio* radio_ = nullptr;
   const DeviceKind* kind_ = nullptr;
   struct Known {
@@ -268,29 +226,26 @@ class Listener {
   std::vector<std::uint32_t> in_reach_;                    // indices in reaches_
   std::vector<Link> links_;                                // in the order of readings
   std::vector<std::pair<double, std::uint32_t>> nearest_;  // range and index of links
-  std::vector<Vec2> ways_;            // displacements to speakers, frame of the listener's radio, m
-  std::vector<BodyCircle> blockers_;  // those of bodies_ near it
-  std::vector<BodyCircle> walls_;     // pieces of outlines near it
-  std::vector<Crossing> crossings_;
-  bool has_walls_ = false;  // whether walls may hide some of its links
-  bool together_ = false;   // whether walls_ contains all these walls
+  std::vector<Vec2> ways_;               // displacements to speakers, frame of the listener's radio, m
+  engine::LineCrossings lines_between_;  // walls and bodies between the radios
+  bool has_walls_ = false;               // whether walls may hide some of its links
   std::uint32_t lost_ = 0;
   std::uint32_t dropped_ = 0;
   std::uint64_t lines_ = 0;
 };
 
-void Listener::begin(const DeviceBatch& batch) {
+void Listener::begin(const SenseBatch& batch) {
   batch_ = &batch;
-  world_ = &batch.world;
+  view_ = &batch.committed;
   radio_ = std::any_cast<Radio>(&batch.data);
-  kind_ = world_->type(batch.rows.front()).devices[batch.device].kind;
+  kind_ = view_->type(batch.rows.front()).devices[batch.device].kind;
   for (Known& known : known_) known.type = nullptr;
   position_ = radio_->pose_body_radio.position();
   turn_ = Rotation(radio_->pose_body_radio.heading);
   lines_ = 0;
   has_walls_ = false;
   // Reserved up front for crowds of up to 1024.
-  const std::size_t room = std::min<std::size_t>(world_->rows(), 1024);
+  const std::size_t room = std::min<std::size_t>(view_->rows(), 1024);
   mounts_.reserve(room);
   speakers_.reserve(room);
   order_.reserve(room);
@@ -299,15 +254,10 @@ void Listener::begin(const DeviceBatch& batch) {
   links_.reserve(room);
   nearest_.reserve(room);
   ways_.reserve(room);
-  if (radio_->bodies_block()) {
-    bodies_.reserve(room);
-    blockers_.reserve(room);
-  }
-  walls_.reserve(1024);
-  crossings_.reserve(64);
+  if (radio_->bodies_block()) bodies_.reserve(room);
 }
 
-std::uint64_t Listener::listen(const DeviceBatch& batch) {
+std::uint64_t Listener::listen(const SenseBatch& batch) {
   begin(batch);
   mounts_.clear();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) mounts_.push_back(batch.mount(i));
@@ -331,7 +281,7 @@ std::uint64_t Listener::listen(const DeviceBatch& batch) {
 }
 
 std::span<const Sender> Listener::senders(const BodyType& type) {
-  const auto number = static_cast<std::size_t>(&type - world_->types().data());
+  const auto number = static_cast<std::size_t>(&type - view_->types().data());
   Known& known = known_[number % known_.size()];
   if (&type == known.type) return known.senders;
   known.type = &type;
@@ -341,7 +291,7 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
     const Radio& radio = *std::any_cast<Radio>(&device.prepared.data);
     if (radio.params.channel != radio_->params.channel) continue;
     const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
-    known.senders.push_back({&radio, &device, &world_->tables()[*device.command_table], always_runs,
+    known.senders.push_back({&radio, &device, &view_->commands(device), always_runs,
                              radio.pose_body_radio.position(), std::min(radio_->hears, radio.params.range)});
   }
   return known.senders;
@@ -351,9 +301,9 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
 void Listener::find_speakers(const Box& listeners) {
   bodies_.clear();
   speakers_.clear();
-  world_->index().for_each_near(listeners.expanded(radio_->hears), [&](const BodyCircle& circle) {
+  view_->index().for_each_near(listeners.expanded(radio_->hears), [&](const BodyCircle& circle) {
     if (radio_->bodies_block()) bodies_.push_back(circle);
-    for (const Sender& sender : senders(world_->type(Row(circle.row)))) consider(circle, sender);
+    for (const Sender& sender : senders(view_->type(Row(circle.row)))) consider(circle, sender);
   });
   order_.clear();
   for (std::size_t i = 0; i < speakers_.size(); ++i)
@@ -369,18 +319,18 @@ void Listener::find_speakers(const Box& listeners) {
 
 void Listener::consider(const BodyCircle& circle, const Sender& sender) {
   const Row row(circle.row);
-  const auto* command = reinterpret_cast<const std::uint8_t*>(sender.commands->row(world_->slot(row)));
+  const auto* command = reinterpret_cast<const std::uint8_t*>(sender.commands->row(view_->slot(row)));
   const auto mode = static_cast<RadioMode>(command[k_radio_mode]);
   const bool says =
       mode == RadioMode::says || (mode == RadioMode::as_world_says && sender.radio->params.beacon);
-  if (!says || !(sender.always_runs || world_->runs(row, *sender.device))) return;
+  if (!says || !(sender.always_runs || view_->runs(row, *sender.device))) return;
   const std::int32_t joint = sender.device->joint;
   speakers_.push_back({.circle = circle,
-                       .body = world_->body(row),
+                       .body = view_->body(row),
                        .length = command[k_radio_bytes],
                        .place = joint == engine::k_rigid
-                                    ? Vec2(world_->transform(row) * sender.position)
-                                    : Vec2(world_->mount(row, joint).transform * sender.position),
+                                    ? Vec2(view_->transform(row) * sender.position)
+                                    : Vec2(view_->mount(row, joint).transform * sender.position),
                        .limit = sender.limit,
                        .radio = sender.radio,
                        .device = sender.device,
@@ -429,16 +379,15 @@ void Listener::find_links() {
     const Speaker& other = speaker(order_[i]);
     const double range = (other.place - here_).norm();
     links_[linked] = {.range = range, .loss = 0, .speaker = &other};
-    linked += range <= other.limit && !world_->same_tree(other.row(), own_);
+    linked += range <= other.limit && !view_->same_tree(other.row(), own_);
   }
   links_.resize(linked);
 }
 
 /// Computes the losses of the links, and removes the links whose message does not arrive or is lost.
 void Listener::weaken_links() {
-  if (radio_->params.walls != Walls::pass) find_walls();
-  if (radio_->bodies_block()) find_blockers();
-  if (radio_->params.walls != Walls::pass || radio_->bodies_block()) lines_ += links_.size();
+  has_walls_ = false;
+  if (radio_->params.walls != Walls::pass || radio_->bodies_block()) find_obstacles();
   if (!has_walls_ && !radio_->bodies_block() && !radio_->has_law() && radio_->params.drop_rate == 0 &&
       std::ranges::all_of(links_,
                           [&](const Link& link) { return link.speaker->length <= radio_->params.payload; }))
@@ -446,39 +395,16 @@ void Listener::weaken_links() {
   std::erase_if(links_, [&](Link& link) { return !arrives(link); });
 }
 
-/// Collects in walls_ the pieces of static outlines that may cross a link. If some link is longer than
-/// k_together_m, it collects nothing, and any_wall() searches the pieces near each link later.
-void Listener::find_walls() {
-  has_walls_ = false;
-  if (links_.empty() || world_->scene().edge_count() == 0) return;
+/// Collects the walls and bodies that may be between the listener and the speakers.
+void Listener::find_obstacles() {
+  lines_ += links_.size();
+  if (links_.empty()) return;
+  lines_between_.stand(*view_, here_);
+  if (radio_->bodies_block()) lines_between_.find_bodies(radio_->hears, bodies_);
+  if (radio_->params.walls == Walls::pass) return;
   double farthest = 0;
   for (const Link& link : links_) farthest = std::max(farthest, link.range);
-  together_ = farthest <= k_together_m;
-  has_walls_ = !together_;
-  if (!together_) return;
-  walls_.clear();
-  const partition::FixedOutlines& outlines = world_->scene().outlines();
-  const Box box = Box::around(here_, farthest).expanded(outlines.largest_radius() + k_slack);
-  outlines.for_each_run(outlines.geometry().cell(box.min), outlines.geometry().cell(box.max),
-                        [&](std::span<const BodyCircle> circles) {
-                          for (const BodyCircle& circle : circles) {
-                            const double reach = farthest + circle.radius + k_slack;
-                            if ((Vec2(circle.x, circle.y) - here_).squaredNorm() <= reach * reach)
-                              walls_.push_back(circle);
-                          }
-                        });
-  has_walls_ = !walls_.empty();
-}
-
-/// Collects in blockers_ the bodies that may hide a link. If links may be longer than k_together_m, it
-/// collects nothing, and is_behind_a_body() searches the bodies near each link later.
-void Listener::find_blockers() {
-  blockers_.clear();
-  if (links_.empty() || radio_->hears > k_together_m) return;
-  for (const BodyCircle& circle : bodies_) {
-    const double reach = radio_->hears + circle.radius;
-    if ((Vec2(circle.x, circle.y) - here_).squaredNorm() <= reach * reach) blockers_.push_back(circle);
-  }
+  has_walls_ = lines_between_.find_walls(farthest);
 }
 
 bool Listener::arrives(Link& link) {
@@ -505,9 +431,9 @@ bool Listener::arrives(Link& link) {
 
 bool Listener::is_dropped(const Speaker& speaker) const {
   if (radio_->params.drop_rate == 0) return false;
-  const std::uint64_t seed = world_->spec().seed;
+  const std::uint64_t seed = view_->spec().seed;
   const std::array<std::uint32_t, 4> words =
-      philox4x32({speaker.body.value, batch_->stream, id_.value, static_cast<std::uint32_t>(world_->tick())},
+      philox4x32({speaker.body.value, batch_->stream, id_.value, static_cast<std::uint32_t>(view_->tick())},
                  {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
   return words[0] * 0x1p-32 < radio_->params.drop_rate;
 }
@@ -515,131 +441,27 @@ bool Listener::is_dropped(const Speaker& speaker) const {
 /// The height of a speaker's radio, m, world frame.
 double Listener::height(const Speaker& speaker) const {
   const std::int32_t joint = speaker.device->joint;
-  const double base = joint == engine::k_rigid ? world_->poses()[speaker.row().index()].z
-                                               : world_->mount(speaker.row(), joint).z;
+  const double base = joint == engine::k_rigid ? view_->poses()[speaker.row().index()].z
+                                               : view_->mount(speaker.row(), joint).z;
   return base + speaker.radio->pose_body_radio.z;
 }
 
-Line Listener::line_to(const Speaker& speaker) const {
+/// The straight line between the radios. It starts at the radio on the body with the lower id, so that both
+/// directions give the same result.
+engine::SpatialLine Listener::line_to(const Speaker& speaker) const {
   const double z = height(speaker);
-  Line line{.from = here_, .way = speaker.place - here_, .z_from = z_, .z_way = z - z_};
-  if (speaker.body < id_) {
-    line.from = speaker.place;
-    line.way = here_ - speaker.place;
-    line.z_from = z;
-    line.z_way = z_ - z;
-  }
-  line.length2 = line.way.squaredNorm();
-  return line;
-}
-
-/// Calls visit(position on the line from 0 to 1, first end of the edge) for each edge of the chain that the
-/// line crosses at a height within z. Stops when a call returns true, and returns whether one did. A vertex
-/// on the line counts as being on the left side. So if the outline crosses the line at a vertex, exactly one
-/// of the two edges counts as crossed.
-template <class Visit>
-bool any_crossing(const Line& line, std::span<const Vec2> chain, bool closed, const ZInterval& z,
-                  Visit&& visit) {
-  const std::size_t edges = closed ? chain.size() : chain.size() - 1;
-  for (std::size_t i = 0; i < edges; ++i) {
-    const Vec2 a = chain[i] - line.from;
-    const Vec2 b = chain[i + 1 < chain.size() ? i + 1 : 0] - line.from;
-    const double side_a = cross(a, line.way);
-    const double side_b = cross(b, line.way);
-    if ((side_a > 0) == (side_b > 0)) continue;
-    const double along_a = a.dot(line.way);
-    const double along = along_a + side_a / (side_a - side_b) * (b.dot(line.way) - along_a);
-    if (!(along > 0 && along < line.length2)) continue;
-    const double share = along / line.length2;
-    if (z.contains(line.z_from + share * line.z_way) && visit(share, chain[i])) return true;
-  }
-  return false;
-}
-
-/// Calls visit(circle of a piece of a static outline), at least once for each piece that the line may cross.
-/// Stops when a call returns true, and returns whether one did.
-template <class Visit>
-bool Listener::any_wall(const Line& line, Visit&& visit) const {
-  if (together_)
-    return std::ranges::any_of(
-        walls_, [&](const BodyCircle& circle) { return line.passes_near(circle) && visit(circle); });
-  const partition::FixedOutlines& outlines = world_->scene().outlines();
-  const auto strides = std::max(1.0, std::ceil(sqrt(line.length2) / k_stride_m));
-  bool stop = false;
-  for (double i = 0; i < strides && !stop; ++i) {
-    const Box box = line.piece(i / strides, (i + 1) / strides).expanded(outlines.largest_radius());
-    outlines.for_each_run(outlines.geometry().cell(box.min), outlines.geometry().cell(box.max),
-                          [&](std::span<const BodyCircle> circles) {
-                            for (const BodyCircle& circle : circles)
-                              stop = stop || (line.passes_near(circle) && visit(circle));
-                          });
-  }
-  return stop;
+  if (speaker.body < id_) return {speaker.place, z, here_, z_};
+  return {here_, z_, speaker.place, z};
 }
 
 int Listener::hindrances(const Speaker& speaker) {
   if (!has_walls_ && !radio_->bodies_block()) return 0;
-  const Line line = line_to(speaker);
+  const engine::SpatialLine line = line_to(speaker);
   if (line.length2 == 0) return 0;
-  if (radio_->bodies_block() && is_behind_a_body(line, speaker)) return -1;
+  if (radio_->bodies_block() && lines_between_.crosses_body(line, speaker.row(), own_)) return -1;
   if (!has_walls_) return 0;
-  const partition::StaticScene& scene = world_->scene();
-  const auto crossed = [&](const BodyCircle& circle, auto&& visit) {
-    const std::uint32_t solid = scene.outlines().solid(circle.row);
-    return any_crossing(line, scene.outlines().chain(circle.row), false, scene.solids()[solid].solid.z,
-                        [&](double at, const Vec2& end) { return visit(solid, at, end); });
-  };
-  if (radio_->params.walls == Walls::block) {
-    const auto any = [](std::uint32_t, double, const Vec2&) { return true; };
-    return any_wall(line, [&](const BodyCircle& circle) { return crossed(circle, any); }) ? -1 : 0;
-  }
-  crossings_.clear();
-  any_wall(line, [&](const BodyCircle& circle) {
-    return crossed(circle, [&](std::uint32_t solid, double at, const Vec2& end) {
-      crossings_.push_back({solid, at, end.x(), end.y()});
-      return false;
-    });
-  });
-  // Two crossings of a solid, where the line enters and leaves it, count as one wall. So does a single
-  // crossing, which occurs if a radio is inside the solid.
-  std::ranges::sort(crossings_);
-  crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
-  int walls = 0;
-  for (std::size_t first = 0; first < crossings_.size();) {
-    std::size_t last = first + 1;
-    while (last < crossings_.size() && crossings_[last].solid == crossings_[first].solid) ++last;
-    walls += static_cast<int>((last - first + 1) / 2);
-    first = last;
-  }
-  return walls;
-}
-
-/// Whether the line crosses a body other than those of the two radios. Bodies that carry them or that they
-/// carry do not count either.
-bool Listener::is_behind_a_body(const Line& line, const Speaker& speaker) const {
-  const auto is_hidden_by = [&](const BodyCircle& circle) {
-    const Row row(circle.row);
-    return line.passes_near(circle) && !world_->same_tree(row, speaker.row()) &&
-           !world_->same_tree(row, own_) && hides(line, row);
-  };
-  if (radio_->hears <= k_together_m) return std::ranges::any_of(blockers_, is_hidden_by);
-  const auto strides = std::max(1.0, std::ceil(sqrt(line.length2) / k_stride_m));
-  bool is_hidden = false;
-  for (double i = 0; i < strides && !is_hidden; ++i)
-    world_->index().for_each_near(line.piece(i / strides, (i + 1) / strides), [&](const BodyCircle& circle) {
-      is_hidden = is_hidden || is_hidden_by(circle);
-    });
-  return is_hidden;
-}
-
-bool Listener::hides(const Line& line, Row row) const {
-  const std::span<const Vec2> vertices = world_->outline(row);
-  const double base = world_->poses()[row.index()].z;
-  return std::ranges::any_of(world_->type(row).outlines, [&](const RayOutline& outline) {
-    return any_crossing(line, vertices.subspan(outline.first, outline.count), true,
-                        outline.z.shifted(base + world_->lift(row, outline.joint)),
-                        [](double, const Vec2&) { return true; });
-  });
+  if (radio_->params.walls == Walls::block) return lines_between_.crosses_wall(line) ? -1 : 0;
+  return lines_between_.count_walls(line);
 }
 
 /// Keeps the `most_heard` nearest links, in their order; at equal ranges those of senders with lower ids.
@@ -654,38 +476,6 @@ void Listener::keep_nearest() {
     if (std::pair(links_[i].range, i) < *end) links_[kept++] = links_[i];
   lost_ += static_cast<std::uint32_t>(links_.size() - kept);
   links_.resize(kept);
-}
-
-/// Computes bearings[i], the angle of the vector ways[i] from the x axis, rad; 0 for a zero vector. The
-/// angles are accurate to 3e-9 rad, which is enough for readings in float. There is one division and no
-/// branch per angle, so that the compiler vectorises the loop. With atan2(), which is accurate to the last
-/// bit, a radio would spend a third of its time on angles.
-void to_bearings(std::span<const Vec2> ways, std::span<float> bearings) {
-  constexpr double k_tan_22_5_deg = 0.41421356237309503;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    const double x = ways[i].x();
-    const double y = ways[i].y();
-    const double far = std::max(std::abs(x), std::abs(y));
-    const double near = std::min(std::abs(x), std::abs(y));
-    // Reduces the angle (up to 45 degrees) by 45 degrees if it is above 22.5, so that |u| is at most 0.42.
-    const bool is_wide = near > k_tan_22_5_deg * far;
-    const double up = is_wide ? near - far : near;
-    const double along = is_wide ? near + far : far;
-    const double u = up / (along > 0 ? along : 1.0);
-    const double u2 = u * u;
-    double series = 1 / 17.0;
-    series = 1 / 15.0 - series * u2;
-    series = 1 / 13.0 - series * u2;
-    series = 1 / 11.0 - series * u2;
-    series = 1 / 9.0 - series * u2;
-    series = 1 / 7.0 - series * u2;
-    series = 1 / 5.0 - series * u2;
-    series = 1 / 3.0 - series * u2;
-    double angle = u - series * u2 * u + (is_wide ? k_pi / 4 : 0.0);
-    angle = std::abs(y) > std::abs(x) ? k_pi / 2 - angle : angle;
-    angle = x < 0 ? k_pi - angle : angle;
-    bearings[i] = static_cast<float>(y < 0 ? -angle : angle) + 0.0f;  // turns -0 into 0
-  }
 }
 
 double Listener::quality(const Link& link) const {
@@ -740,7 +530,7 @@ void Listener::write(std::size_t slot) {
   clear(lengths);
 }
 
-std::uint64_t Radio::sense(const DeviceBatch& batch) const {
+std::uint64_t Radio::sense(const SenseBatch& batch) const {
   thread_local const auto listener = std::make_unique<Listener>();
   return listener->listen(batch);
 }

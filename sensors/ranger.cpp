@@ -1,7 +1,7 @@
 #include "sensors/ranger.hpp"
 
 #include "engine/device_kind.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 #include "partition/ranging.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "sensors/ranger_exact.hpp"
@@ -163,7 +163,7 @@ engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& p
 }
 
 std::uint64_t Ranger::sense(const engine::DeviceBatch& batch) const {
-  if (batch.world.ray_grid())
+  if (batch.view.ray_grid())
     cast_grid(batch, *beams);
   else
     cast_exact(batch, *beams);

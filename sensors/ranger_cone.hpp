@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 #include "sensors/ranger_beams.hpp"
 
 #include <optional>
@@ -23,7 +23,7 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 /// extras       the transducer
 /// ranges       the readings of the transducer, m
 /// intensities  the intensities of the transducer, updated with the ranges; empty if it has none
-void cast_cones(const engine::World& world, Row own, const engine::Mount& mount,
+void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& mount,
                 const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities);
 
 }  // namespace troupe::sensors

@@ -1,5 +1,6 @@
 #include "sensors/ranger_exact.hpp"
 
+#include "engine/sensing_view.hpp"
 #include "partition/nearby_outlines.hpp"
 #include "partition/ranging.hpp"
 #include "sensors/ranger_noise.hpp"
@@ -19,14 +20,14 @@ using partition::NearbyOutlines;
 class Caster {
  public:
   void cast(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
-    const engine::World& world = batch.world;
-    world_ = &world;
-    joint_ = world.type(batch.rows.front()).devices[batch.device].joint;
-    linked_ = std::ranges::any_of(world.types(), [](const auto& type) { return type.is_composite(); });
+    const engine::SensingView& view = batch.view;
+    view_ = &view;
+    joint_ = view.type(batch.rows.front()).devices[batch.device].joint;
+    linked_ = std::ranges::any_of(view.types(), [](const auto& type) { return type.is_composite(); });
     layer_type_ = nullptr;
-    for (const engine::BodyType& type : world.types()) layer_.reserve(type.outlines.size());
-    outlines_ = &world.scene().outlines();
-    solids_ = world.scene().solids().data();
+    for (const engine::BodyType& type : view.types()) layer_.reserve(type.outlines.size());
+    outlines_ = &view.scene().outlines();
+    solids_ = view.scene().solids().data();
     ranger_ = &ranger;
     slack_spread_ = static_cast<float>(ranger.spread * (1 + partition::k_range_slack));
     std::size_t most = 0;
@@ -36,11 +37,11 @@ class Caster {
     if (ranger.common_origin)
       for (std::vector<float>* array : {&ox_, &oy_}) std::ranges::fill(*array, 0.0f);
     // The search may find too many circles but never too few: its margins are above the rounding errors.
-    nearby_.begin(world.index(), world.scene().outlines(), world.geometry(),
+    nearby_.begin(view.index(), view.scene().outlines(), view.geometry(),
                   ranger.reach * (1 + partition::k_range_slack) + 1e-6);
     for (std::size_t r = 0; r < batch.rows.size(); ++r) {
       const Row row = batch.rows[r];
-      const std::size_t slot = world.slot(row);
+      const std::size_t slot = view.slot(row);
       if (ranger.has_angular_noise) random_ = random_of_headings(batch, r);
       for (const BeamGroup& group : ranger.groups) {
         cast(group, row);
@@ -60,10 +61,10 @@ class Caster {
   void cast(const BeamGroup& group, Row row) {
     self_ = row;
     if (joint_ == engine::k_rigid) {
-      z_ = world_->poses()[row.index()].z + group.z;
-      aim(group, world_->transform(row));
+      z_ = view_->poses()[row.index()].z + group.z;
+      aim(group, view_->transform(row));
     } else {
-      const engine::Mount mount = world_->mount(row, joint_);
+      const engine::Mount mount = view_->mount(row, joint_);
       z_ = mount.z + group.z;
       aim(group, mount.transform);
     }
@@ -128,7 +129,7 @@ class Caster {
       const std::uint32_t row = met_.row[i];
       if (row >= NearbyOutlines::k_fixed)
         add_fixed(row - NearbyOutlines::k_fixed, met_.beams[i]);
-      else if (row != self_.value && !(k_linked && world_->same_tree(Row(row), self_)))
+      else if (row != self_.value && !(k_linked && view_->same_tree(Row(row), self_)))
         add_body<k_linked>(Row(row), met_.beams[i]);
     }
     if (edges_.empty()) return;
@@ -145,9 +146,9 @@ class Caster {
 
   template <bool k_linked>
   void add_body(Row body, partition::BeamSet met_by) {
-    const Vec2* vertices = world_->outline(body).data();
-    const double base = world_->poses()[body.index()].z;
-    const engine::BodyType& type = world_->type(body);
+    const Vec2* vertices = view_->outline(body).data();
+    const double base = view_->poses()[body.index()].z;
+    const engine::BodyType& type = view_->type(body);
     const auto add = [&](const engine::RayOutline& outline) {
       const std::span<const Vec2> ring(vertices + outline.first, outline.count);
       add_chain(ring.back(), ring, outline.ranger_return, met_by);
@@ -158,7 +159,7 @@ class Caster {
       return;
     }
     for (const engine::RayOutline& outline : type.outlines) {
-      const double height = k_linked ? base + world_->lift(body, outline.joint) : base;
+      const double height = k_linked ? base + view_->lift(body, outline.joint) : base;
       if (outline.z.shifted(height).contains(z_)) add(outline);
     }
   }
@@ -198,7 +199,7 @@ class Caster {
     edges_.clear();
   }
 
-  const engine::World* world_ = nullptr;
+  const engine::SensingView* view_ = nullptr;
   const RangerBeams* ranger_ = nullptr;
   const partition::FixedOutlines* outlines_ = nullptr;
   const partition::FixedSolid* solids_ = nullptr;

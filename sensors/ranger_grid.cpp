@@ -1,5 +1,6 @@
 #include "sensors/ranger_grid.hpp"
 
+#include "engine/sensing_view.hpp"
 #include "sensors/ranger_noise.hpp"
 
 #include <utility>
@@ -7,13 +8,13 @@
 namespace troupe::sensors {
 
 void cast_grid(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
-  const engine::World& world = batch.world;
-  const partition::RayGrid& grid = *world.ray_grid();
+  const engine::SensingView& view = batch.view;
+  const partition::RayGrid& grid = *view.ray_grid();
   thread_local NoisyHeadings noisy_headings;
   for (std::size_t r = 0; r < batch.rows.size(); ++r) {
     const Row row = batch.rows[r];
     Random random = random_of_headings(batch, r);
-    const std::span<float> ranges = batch.state.cell<float>(world.slot(row), 0);
+    const std::span<float> ranges = batch.state.cell<float>(view.slot(row), 0);
     const engine::Mount mount = batch.mount(r);
     const Transform& transform = mount.transform;
     const Vec2 reference = transform * ranger.reference;
@@ -27,7 +28,7 @@ void cast_grid(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
         const partition::GridHit hit = grid.cast({origin, direction, z, group.range_max[i], row.value});
         const std::size_t beam = group.first + i;
         ranges[beam] = hit.range;
-        if (ranger.intensity) batch.state.cell<float>(world.slot(row), 1)[beam] = hit.ranger_return;
+        if (ranger.intensity) batch.state.cell<float>(view.slot(row), 1)[beam] = hit.ranger_return;
       }
     }
   }

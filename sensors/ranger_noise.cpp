@@ -1,6 +1,6 @@
 #include "sensors/ranger_noise.hpp"
 
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 #include "sensors/ranger_cone.hpp"
 
 #include <algorithm>
@@ -27,8 +27,7 @@ void add_noise(const TransducerExtras& extras, Random& random, std::span<float> 
 
 Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i) {
   const auto stream = static_cast<std::uint32_t>(scramble(batch.stream));
-  return {batch.world.spec().seed, stream, batch.body(i).value,
-          static_cast<std::uint32_t>(batch.world.tick())};
+  return {batch.view.spec().seed, stream, batch.body(i).value, static_cast<std::uint32_t>(batch.view.tick())};
 }
 
 std::pair<const double*, const double*> NoisyHeadings::draw(const BeamGroup& group, Random& random) {
@@ -56,7 +55,7 @@ void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
     for (const TransducerExtras& extras : ranger.extras) {
       const std::span<float> own = ranges.subspan(extras.first, extras.count);
       if (extras.beam_width > 0)
-        cast_cones(batch.world, batch.rows[i], batch.mount(i), extras, own,
+        cast_cones(batch.view, batch.rows[i], batch.mount(i), extras, own,
                    ranger.intensity ? intensities.subspan(extras.first, extras.count) : intensities);
       if (extras.noise_proportional > 0 || extras.noise_stddev > 0 || extras.noise_relative > 0)
         add_noise(extras, random, own);

@@ -42,7 +42,7 @@ import docs_rules as rules
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAMS = (r"(troupe|cmake|ctest|cd|cp|sed|mkdir|export|source|man|sudo|apptainer|cat|head|tail|ls|git|h5dump|h5repack|"
-            r"for|python3|pip|c?g?\+\+|xdg-open|sbatch|PYTHONPATH=\S+|\./\S+|scripts/\S+|build/\S+|python/\S+|perf/\S+)")
+            r"for|python3|pip|c?g?\+\+|xdg-open|sbatch|srun|mpirun|mpicc|PYTHONPATH=\S+|\./\S+|scripts/\S+|build/\S+|python/\S+|perf/\S+)")
 COMMAND = re.compile(PROGRAMS + r"(\s|$)(?!\d+\.\d)")
 LANGUAGES = {"cpp": ".cpp", "c++": ".cpp", "python": ".py", "json": ".json", "cmake": ".txt", "world": ".world"}
 DECLARES = (r"^(struct |class |namespace |template|TROUPE_CONTROLLER|TROUPE_DEVICE|"

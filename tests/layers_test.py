@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """The house rules that a compiler does not check (docs/architecture.md): which folder may include what.
 
-Arrows between the folders only go down, a third-party library is known to few files, and nothing below `apps`
+Arrows between the folders only go down, devices reach the world through engine/sensing_view.hpp alone, a third-party library is known to few files, and nothing below `apps`
 prints, reads the clock, parses arguments or exits.
 
     layers_test.py [ROOT]    checks the sources under ROOT (default: this repository), then itself on planted faults
 """
 
+import functools
 import re
 import sys
 import tempfile
@@ -46,13 +47,22 @@ ROOMS = {
         "results": ["json"],
     },
 }
-ANYTHING = LIBRARY + ["apps", "python", "tests", "perf"]
-BELOW |= {"apps": LIBRARY, "python": LIBRARY, "tests": ANYTHING, "perf": ANYTHING}
+# Files that must not include others, neither directly nor through headers: (files, headers, why). What a device reads in
+# `sense` and `actuate` must not know how bodies move. Functions that change the world (`apply`) include engine/world.hpp.
+MECHANICS = ["engine/world.hpp", "engine/world_state.hpp", "engine/movement.hpp", "engine/conflicts.hpp",
+             "engine/links.hpp", "engine/experiment.hpp"]
+APART = [
+    (["engine/sensing_view.hpp", "engine/sight.hpp", "engine/visibility_query.hpp", "engine/device_kind.hpp"], MECHANICS),
+    (["sensors/*"], MECHANICS),
+]
+ANYTHING = LIBRARY + ["live", "apps", "python", "tests", "perf"]
+# `python3 -m troupe` is the program in an interpreter: the Python package contains it.
+BELOW |= {"live": LIBRARY, "apps": [*LIBRARY, "live"], "python": [*LIBRARY, "live", "apps"], "tests": ANYTHING, "perf": ANYTHING}
 
 # Third-party headers: (pattern, name, glob patterns of the files that may include them).
 # Library headers are installed, so a `.hpp` there knows Eigen only.
 LIBRARY_SOURCES = [f"{folder}/{files}" for folder in LIBRARY for files in ("*.cpp", "*/*.cpp")]
-TOP = ["apps/*", "apps/*/*", "python/*", "tests/*", "tests/*/*", "perf/*", "perf/*/*"]
+TOP = ["live/*", "apps/*", "apps/*/*", "python/*", "tests/*", "tests/*/*", "perf/*", "perf/*/*"]
 THIRD_PARTY = [
     (r"Eigen/", "Eigen", ["*/*", "*/*/*"]),
     (r"fmt/", "fmt", LIBRARY_SOURCES + TOP),
@@ -67,7 +77,7 @@ THIRD_PARTY = [
     (r"hdf5|H5|highfive/", "HDF5", ["worldio/results/*.cpp", "tests/*/*.cpp"]),
     (r"GL/|EGL/|KHR/", "OpenGL", ["render/*.cpp"]),
     (r"pybind11/|Python\.h|numpy/", "Python", ["python/*"]),
-    (r"boost/", "Boost.Beast", ["apps/view/server.cpp"]),
+    (r"boost/", "Boost.Beast", ["live/server.cpp"]),
     (r"CLI/", "CLI11", ["apps/*.cpp", "apps/*/*.cpp", "perf/paper.cpp"]),
     (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
@@ -170,9 +180,41 @@ def include_fault(root, folder, path, quote, name):
     return None
 
 
+def closure_faults(root, paths):
+    """Breaches of APART, as `path:line: text`: the line that includes what leads to the forbidden header."""
+    @functools.cache
+    def includes(path):
+        text = without_comments((root / path).read_text(), texts_too=False)
+        return [(text.count("\n", 0, match.start(1)) + 1, match[2]) for match in INCLUDE.finditer(text)
+                if (root / match[2]).is_file()]
+
+    def way_to(path, forbidden, seen):
+        """A chain of headers from path to a forbidden one, or None. Headers that are checked themselves end it."""
+        if path in forbidden:
+            return [path]
+        if path in seen or any(is_in(Path(path), files) for files, _ in APART):
+            return None
+        seen.add(path)
+        for _, name in includes(path):
+            way = way_to(name, forbidden, seen)
+            if way:
+                return [path, *way]
+        return None
+
+    for files, forbidden in APART:
+        for path in paths:
+            if not is_in(path, files):
+                continue
+            for line, name in includes(path.as_posix()):
+                way = way_to(name, forbidden, set())
+                if way:
+                    yield f"{path.as_posix()}:{line}: \"{' -> '.join(way)}\": devices read engine/sensing_view.hpp"
+                    break
+
+
 def findings(root):
     """Every breach of the rules under root, as `path:line: text`."""
-    found = []
+    found = list(closure_faults(root, [path for _, path in sources(root)]))
     tbb_users = []
     for folder, path in sources(root):
         text = (root / path).read_text()
@@ -218,11 +260,15 @@ class PlantedFaults(unittest.TestCase):
         "base/assert.hpp": '#include <cstdio>\n#define A std::fprintf(stderr, "no"), std::abort()\n',
         "partition/grid.hpp": '#include "base/pose.hpp"\n',
         "partition/parallel.cpp": "#include <tbb/parallel_for.h>\n#include <thread>\n",
-        "engine/world.hpp": '#include "partition/grid.hpp"\n// exit(1), and #include "troupe/troupe.hpp"\n',
-        "sensors/ranger.hpp": '#include "engine/world.hpp"\n// params[3].number()\n'
+        "engine/world.hpp": '#include "engine/links.hpp"\n#include "engine/sensing_view.hpp"\n'
+                            '// exit(1), and #include "troupe/troupe.hpp"\n',
+        "engine/links.hpp": '#include "partition/grid.hpp"\n',
+        "engine/shapes.hpp": '#include "partition/grid.hpp"\n',
+        "engine/sensing_view.hpp": '#include "engine/shapes.hpp"\n',
+        "sensors/ranger.hpp": '#include "engine/sensing_view.hpp"\n// params[3].number()\n'
                               "auto x = get(table, params, name); auto y = record[i].given(); auto z = rows[3];\n",
         "models/model_kinds.hpp": '#include "models/drives/drives.hpp"\n',
-        "models/drives/drives.hpp": '#include "engine/world.hpp"\n',
+        "models/drives/drives.hpp": '#include "engine/sensing_view.hpp"\n',
         "models/devices/lamp.hpp": '#include "models/drives/drives.hpp"\n#include "sensors/ranger.hpp"\n',
         "models/controllers/wander.hpp": '#include "models/devices/lamp.hpp"\n#include "models/model_kinds.hpp"\n',
         "worldio/stage/parser.hpp": '#include "worldio/json/json.hpp"\n',
@@ -254,6 +300,9 @@ class PlantedFaults(unittest.TestCase):
             ("partition/up.hpp", '#include "engine/world.hpp"\n', "partition/up.hpp:1: "),
             ("engine/up.hpp", '#include "sensors/ranger.hpp"\n', "engine must not know sensors"),
             ("sensors/up.hpp", '#include "models/drives/drives.hpp"\n', "sensors must not know models"),
+            ("sensors/far.cpp", '\n#include "engine/world.hpp"\n', 'sensors/far.cpp:2: "engine/world.hpp": devices read'),
+            ("engine/sensing_view.hpp", '#include "engine/links.hpp"\n', 'engine/sensing_view.hpp:1: "engine/links.hpp"'),
+            ("engine/shapes.hpp", '#include "engine/links.hpp"\n', '"engine/shapes.hpp -> engine/links.hpp": devices'),
             ("worldio/side.cpp", '#  include "sensors/ranger.hpp"\n', "worldio must not know sensors"),
             ("models/drives/up.hpp", '\n#include "models/devices/lamp.hpp"\n',
              'models/drives/up.hpp:2: "models/devices/lamp.hpp": models/drives must not know models/devices'),

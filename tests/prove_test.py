@@ -100,7 +100,9 @@ class Planted(unittest.TestCase):
 
     def test_faults_apply_to_the_sources(self):
         names = [name for name, _ in builds.planted_faults()]
-        self.assertEqual(names, ["address_tie", "birth_memory", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read"])
+        self.assertEqual(names, ["address_tie", "birth_memory", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read",
+                                 "rank_effect_order", "rank_float_sum", "rank_message_early", "rank_message_order", "rank_state_old",
+                                 "rank_undeclared"])
         for name in names:
             with self.subTest(name=name), tempfile.TemporaryDirectory() as folder:
                 patch = builds.PLANTED / f"{name}.patch"
@@ -109,6 +111,21 @@ class Planted(unittest.TestCase):
                 done = subprocess.run(["patch", "--strip=1", "--fuzz=0", "--input", patch], cwd=folder, capture_output=True,
                                       text=True)
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_worlds_belong_to_faults(self):
+        names = {name for name, _ in builds.planted_faults()}
+        worlds = {file.stem for file in builds.PLANTED.glob("*.json")}
+        self.assertEqual(worlds, {"rank_effect_order"})
+        self.assertLessEqual(worlds, names)
+
+    def test_a_fault_is_looked_for_in_its_own_world(self):
+        for code, found in ((0, False), (1, True)):
+            with tempfile.TemporaryDirectory() as folder:
+                program = pathlib.Path(folder) / "program"
+                program.write_text(f"#!/bin/sh\nexit {code}\n")
+                program.chmod(0o755)
+                self.assertEqual(prove.planted_in_own_world(program, "rank_effect_order"), found)
+                self.assertFalse(prove.planted_in_own_world(program, "float_sum"))
 
     def test_faults_say_what_they_do(self):
         for name, about in builds.planted_faults():

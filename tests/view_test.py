@@ -4,11 +4,16 @@
     view_test.py TROUPE [PICTURES]    PICTURES: a folder that screenshots are kept in
 """
 
+import base64
 import importlib.util
 import json
 import os
+import random
+import resource
+import shutil
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -44,14 +49,25 @@ WORLD = {
 }
 
 
+YARD = {
+    "troupe": 1, "title": "Yard", "seed": 5, "bounds_m": [[-8, -8], [8, 8]],
+    "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff", "velocity_max_x_mps": 1},
+                      "sensors": [{"name": "eye", "kind": "ranger",
+                                   "transducers": [{"range_max_m": 2, "samples": 9, "fov_deg": 180}]},
+                                  {"name": "ear", "kind": "radio", "range_m": 3, "beacon": True}],
+                      "devices": [{"name": "lamp", "kind": "led"}], "controller": {"kind": "wander"}}},
+    "populations": [{"name": "b", "type": "bot", "count": 30, "reserve": 300, "place": {"rule": "uniform"}}],
+}
+
+
 class View:
     """A program that shows a world."""
 
-    def __init__(self, *arguments, checkpoint_s=None):
+    def __init__(self, *arguments, checkpoint_s=None, world=WORLD, environment=None):
         self.temporary = tempfile.TemporaryDirectory()
         self.folder = Path(self.temporary.name)
         self.world = self.folder / "rooms.json"
-        self.world.write_text(json.dumps(WORLD))
+        self.world.write_text(json.dumps(world))
         shown = self.world
         if checkpoint_s is not None:
             shown = self.folder / "c.h5"
@@ -59,7 +75,8 @@ class View:
                             "--quiet"], check=True)
         self.errors = open(self.folder / "errors", "w+")
         self.process = subprocess.Popen([TROUPE, "view", shown, "--out", self.folder, *map(str, arguments)],
-                                        stdout=subprocess.PIPE, stderr=self.errors, text=True)
+                                        stdout=subprocess.PIPE, stderr=self.errors, text=True,
+                                        env={**os.environ, **(environment or {})})
         lines = {}
         while "session" not in lines:
             line = self.process.stdout.readline()
@@ -99,11 +116,11 @@ class View:
         assert self.process.wait(20) == 3, (self.process.returncode, self.said())
         return printed.strip().split("\n")[-1]
 
-    def replayed(self, *arguments, command=("run", "rooms.json")):
+    def replayed(self, *arguments, command=("run", "rooms.json"), session=None):
         """The hash log of a run that repeats the session, by tick."""
         log = self.folder / "replay.log"
-        subprocess.run([TROUPE, command[0], self.folder / command[1], "--session", self.session, "--hash-log", log, "--quiet", *map(str, arguments)],
-                       check=True)
+        subprocess.run([TROUPE, command[0], self.folder / command[1], "--session", session or self.session, "--hash-log", log, "--quiet",
+                        *map(str, arguments)], check=True)
         lines = [line for line in log.read_text().split("\n") if line and not line.startswith("#")]
         return {int(line.split()[0]): line for line in lines}
 
@@ -191,7 +208,7 @@ class Steered(unittest.TestCase):
     def test_a_viewer_that_does_not_read_holds_nothing_up(self):
         with View("--rate", 0) as view, view.open() as lazy, view.open() as viewer:
             before = viewer.state()["tick"]
-            for _ in range(300):
+            for _ in range(100):  # the server disconnects a viewer that has not answered for 30 s
                 viewer.state()
             self.assertGreater(viewer.state()["tick"], before)
             lazy.socket.settimeout(1)
@@ -220,6 +237,203 @@ class Steered(unittest.TestCase):
                 flooding.join()
 
 
+    def paused(self, viewer):
+        state = viewer.state()
+        while state["playing"] or not state["line"]:
+            state = viewer.state()
+        return state
+
+    def test_parameters_are_set_and_repeated(self):
+        with View("--rate", 0) as view, view.open() as viewer:
+            asked = viewer.ask(do="parameters", type="runner")["parameters"]
+            wander = next(each["controller"] for each in asked if "controller" in each)
+            self.assertEqual(wander["cruise_speed_mps"], 0.4)
+            for number in (0.9, 0.1):
+                done = viewer.ask(do="set", type="runner", controller={"kind": "wander", "cruise_speed_mps": number})
+                self.assertEqual(done["type"], "done")
+                viewer.ask(do="step", ticks=10)
+                self.paused(viewer)
+            self.assertEqual(viewer.ask(do="set", type="runner", drive={"velocity_max_x_mps": 0.05})["type"], "done")
+            viewer.ask(do="step", ticks=10)
+            shown = self.paused(viewer)
+            for setting, reason in (({"drive": {"wheels": 3}}, "wheels"), ({}, "give one of"),
+                                    ({"controller": {"kind": "wander", "cruise_speed_mps": "fast"}}, "cruise_speed_mps")):
+                self.assertIn(reason, viewer.ask(do="set", type="runner", **setting)["reason"])
+            self.assertIn("unknown type", viewer.ask(do="parameters", type="x")["reason"])
+            view.end()
+            for threads in (1, 3):
+                self.assertEqual(view.replayed("--threads", threads)[shown["tick"]], shown["line"])
+
+    def test_a_restart_begins_another_session(self):
+        with View("--rate", 0) as view, view.open() as viewer:
+            viewer.ask(do="move", robot="red", pose=[-3, -2, 0, 1])
+            viewer.ask(do="step", ticks=20)
+            first = self.paused(viewer)
+            self.assertEqual(viewer.ask(do="restart")["type"], "done")
+            again = self.paused(viewer)
+            self.assertEqual((again["tick"], again["run"], again["session"]), (0, 2, "rooms.session-2.jsonl"))
+            viewer.ask(do="disable", robot="blue")
+            viewer.ask(do="step", ticks=20)
+            second = self.paused(viewer)
+            viewer.send('{"do": "restart", "seed": 9, "id": 2}')
+            hellos = []
+            while not (hellos and hellos[-1]["type"] == "done"):
+                message = viewer.receive()
+                if isinstance(message, bytes):
+                    viewer.send('{"do": "drawn"}')
+                elif message["type"] != "state":
+                    hellos.append(message)
+            self.assertEqual(hellos[0]["header"]["about"]["seed"], "9", "the places are sent again")
+            viewer.ask(do="step", ticks=20)
+            third = self.paused(viewer)
+            self.assertNotEqual(third["line"], second["line"])
+            view.end()
+            for state, arguments in ((first, ()), (second, ()), (third, ("--seed", 9))):
+                log = view.replayed(*arguments, session=view.folder / state["session"])
+                self.assertEqual(log[state["tick"]], state["line"])
+
+    def test_a_run_from_a_checkpoint_is_not_restarted(self):
+        with View("--rate", 0, checkpoint_s=1) as view, view.open() as viewer:
+            self.assertIn("began at a checkpoint", viewer.ask(do="restart")["reason"])
+
+    def test_it_runs_until_a_time(self):
+        with View("--rate", 0) as view, view.open() as viewer:
+            viewer.ask(do="pause")
+            tick = self.paused(viewer)["tick"]
+            end = round((tick + 50) * viewer.hello["tick_s"], 6)
+            self.assertEqual(viewer.ask(do="until", time_s=end)["type"], "done")
+            self.assertEqual(self.paused(viewer)["tick"], tick + 50)
+            self.assertIn("already at", viewer.ask(do="until", time_s=end)["reason"])
+            self.assertIn("must be a number", viewer.ask(do="until", time_s=-1)["reason"])
+
+    def test_checkpoints_and_recordings_are_of_the_run(self):
+        with View("--rate", 0) as view, view.open() as viewer:
+            self.assertEqual(viewer.ask(do="record")["file"], "rooms.recording.h5")
+            self.assertIn("recorded already", viewer.ask(do="record")["reason"])
+            viewer.ask(do="move", robot="blue", pose=[3, -2, 0, 1])
+            saved = viewer.ask(do="checkpoint")
+            self.assertEqual(saved["file"], "rooms.checkpoint.h5")
+            viewer.ask(do="disable", robot="red")
+            self.assertEqual(viewer.ask(do="checkpoint")["file"], "rooms.checkpoint-2.h5", "no file is replaced")
+            viewer.ask(do="step", ticks=30)
+            shown = self.paused(viewer)
+            self.assertEqual(viewer.ask(do="stop_recording")["type"], "done")
+            view.end()
+            for checkpoint in ("rooms.checkpoint.h5", "rooms.checkpoint-2.h5"):
+                self.assertEqual(view.replayed(command=("resume", checkpoint))[shown["tick"]], shown["line"])
+            said = subprocess.run([TROUPE, "info", view.folder / "rooms.recording.h5"], check=True, capture_output=True, text=True).stdout
+            self.assertIn("frames", said)
+
+    def test_a_viewer_sees_values_and_lines(self):
+        with View("--rate", 0, world=YARD) as view, view.open(None) as viewer:
+            names = {(value["component"], value["field"]) for value in viewer.hello["values"]}
+            self.assertIn(("velocity", "x"), names)
+            self.assertEqual(viewer.hello["layers"], ["radio"])
+            self.assertEqual(viewer.ask(do="color", component="pose", field="x", column=0)["type"], "done")
+            self.assertEqual(viewer.ask(do="layers", layers=["radio"])["type"], "done")
+            self.assertIn("no field", viewer.ask(do="color", component="pose", field="w")["reason"])
+            self.assertIn('unknown layer "x"', viewer.ask(do="layers", layers=["x"])["reason"])
+            state = viewer.state()
+            while "shades" not in state or not state.get("lines", {}).get("radio"):
+                state = viewer.state()
+            self.assertGreaterEqual(state["shades"]["least"], -8)
+            self.assertLessEqual(state["shades"]["most"], 8)
+            self.assertGreater(state["shades"]["most"], state["shades"]["least"] + 4)
+            lines = state["lines"]["radio"]
+            self.assertEqual(len(lines) % 6, 0)
+            for i in range(0, len(lines), 6):
+                (x0, y0, _), (x1, y1, _) = lines[i:i + 3], lines[i + 3:i + 6]
+                self.assertLess((x1 - x0) ** 2 + (y1 - y0) ** 2, 3.3 ** 2, "they hear as far as the radio reaches")
+
+    def test_a_viewer_sees_and_sets_commands_of_devices(self):
+        with View("--rate", 0, world=YARD) as view, view.open() as viewer:
+            viewer.ask(do="inspect", robot="b3")
+            self.assertEqual(viewer.ask(do="command", robot="b3", device="lamp", values={"red": [0.25], "shows": [1]})["type"], "done")
+            state = viewer.state()
+            while state.get("inspected", {}).get("commands", {}).get("lamp", {}).get("red") != [0.25]:
+                state = viewer.state()
+            self.assertEqual(state["inspected"]["commands"]["lamp"]["shows"], [1])
+
+    def test_a_thousand_acts_of_three_viewers_are_repeated(self):
+        with View("--rate", 20, world=YARD) as view:
+            done, refused, files = {}, [0], []
+
+            def act(number):
+                draw = random.Random(number)
+                viewer = view.open()
+                for i in range(340):
+                    if i in (100, 200):  # holding a robot, it is cut off
+                        viewer.ask(do="hold", robot=f"b{number}", speed=[0.3, 0, 1])
+                        viewer.socket.close()
+                        viewer = view.open()
+                    if i == 170 and number == 0:
+                        files.append(viewer.ask(do="checkpoint")["file"])
+                    what = draw.choice(["move", "speed", "hold", "release", "command", "add", "remove", "disable", "enable", "set"])
+                    if what == "remove" and draw.random() < 0.7:
+                        what = "move"
+                    message = {"do": what, "robot": f"b{draw.randrange(60)}"}
+                    pose = [draw.uniform(-8, 8), draw.uniform(-8, 8), 0, draw.uniform(-4, 4)]
+                    if what == "move":
+                        message["pose"] = pose
+                    elif what in ("speed", "hold"):
+                        message["speed"] = [draw.uniform(-1, 1), 0, draw.uniform(-2, 2)]
+                    elif what == "command":
+                        message |= {"device": "lamp", "values": {"shows": draw.randrange(2), "red": draw.random()}}
+                    elif what == "add":
+                        message = {"do": what, "population": "b", "pose": pose}
+                    elif what == "set":
+                        message = {"do": what, "type": "bot", "controller": {"kind": "wander", "cruise_speed_mps": draw.uniform(0, 1)}}
+                    if viewer.ask(**message)["type"] == "done":
+                        done[what] = done.get(what, 0) + 1
+                    else:
+                        refused[0] += 1
+                viewer.socket.close()
+            clients = [threading.Thread(target=act, args=(number,)) for number in range(3)]
+            for client in clients:
+                client.start()
+            for client in clients:
+                client.join()
+            with view.open() as viewer:
+                viewer.ask(do="pause")
+                state = self.paused(viewer)
+            view.process.kill()
+            view.process.wait()
+            self.assertEqual(len(done), 10, (done, refused))
+            self.assertGreater(sum(done.values()), 500, (done, refused))
+            end = ("--for", state["tick"] * viewer.hello["tick_s"])
+            for arguments, command in (((1,), ("run", "rooms.json")), ((2,), ("run", "rooms.json")), ((3,), ("run", "rooms.json")),
+                                       ((3,), ("resume", files[0]))):
+                log = view.replayed("--threads", *arguments, *end, command=command)
+                self.assertEqual(log[state["tick"]], state["line"], (arguments, command))
+
+
+class OfARun(unittest.TestCase):
+    def test_it_is_shown_and_its_session_repeated(self):
+        with tempfile.TemporaryDirectory() as folder:
+            world = Path(folder) / "rooms.json"
+            world.write_text(json.dumps(WORLD))
+            command = [TROUPE, "run", world, "--for", "60", "--rate", "20", "--view", "--quiet", "--hash-log", "a.log"]
+            with subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True) as run:
+                said = dict(run.stderr.readline().split() for _ in range(3))
+                port, token = said["view"].removeprefix("http://127.0.0.1:").split("/#")
+                with Socket(int(port)) as viewer:
+                    viewer.send(token)
+                    self.assertTrue(viewer.receive()["may_steer"])
+                    self.assertEqual(viewer.ask(do="move", robot="blue", pose=[3, -2, 0, 1])["type"], "done")
+                    self.assertEqual(viewer.ask(do="disable", robot="red")["type"], "done")
+                    self.assertIn("only the program can restart it", viewer.ask(do="restart")["reason"])
+                    self.assertEqual(viewer.ask(do="rate", rate=0)["type"], "done")
+                self.assertEqual(run.wait(60), 0)
+            subprocess.run([TROUPE, "run", world, "--session", Path(folder) / said["session"], "--quiet", "--hash-log", "b.log"],
+                           cwd=folder, check=True)
+            logs = [[line for line in (Path(folder) / name).read_text().splitlines() if not line.startswith("#")] for name in ("a.log", "b.log")]
+            self.assertEqual(len(logs[0]), 601)
+            self.assertEqual(*logs)
+            refused = subprocess.run([TROUPE, "run", world, world, "--for", "1", "--view"], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("--view: error: shows the run of one world", refused.stderr)
+
+
 class OfTheDocumentation(unittest.TestCase):
     @unittest.skipIf(importlib.util.find_spec("websockets") is None, "the package websockets is not installed")
     def test_the_client_in_python_sees_the_robots_move(self):
@@ -244,6 +458,14 @@ class OfTheDocumentation(unittest.TestCase):
             self.assertGreater(speed, 0)
             self.assertLess(seen[-1][2] - seen[0][2], 0.11 * ticks)
             self.assertGreater(seen[-1][2] - seen[0][2], 0.01 * ticks)
+
+
+def can_run(file, other):
+    """Whether another user can run this program. other: the keywords of subprocess.run() for this user."""
+    try:
+        return subprocess.run([file, "-c", ""], **other).returncode == 0
+    except OSError:
+        return False
 
 
 class Attacked(unittest.TestCase):
@@ -277,6 +499,29 @@ class Attacked(unittest.TestCase):
         for host in ("127.0.0.1", "localhost:8000", "[::1]:8000"):
             self.assertEqual(self.get(host=host)[0], 200, host)
         self.assert_said_once("whose Host header is not this machine")
+
+    def test_other_addresses(self):
+        with View("--bind", "127.0.0.2", "--allow-host", "proxy.example") as view:
+            self.assertTrue(view.address.startswith(f"http://127.0.0.2:{view.port}/#"))
+
+            def get(host, address="127.0.0.2"):
+                with socket.create_connection((address, view.port), timeout=10) as connection:
+                    connection.sendall(f"GET / HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+                    return connection.recv(4096)
+            for host in (f"127.0.0.2:{view.port}", "proxy.example", "proxy.example:443"):
+                self.assertIn(b" 200 ", get(host))
+            self.assertIn(b"connect-src ws://proxy.example wss://proxy.example;", get("proxy.example"))
+            for host in ("127.0.0.3", "example", "proxy.example.evil"):
+                self.assertIn(b" 403 ", get(host))
+            with self.assertRaises(ConnectionError):
+                get("127.0.0.1", "127.0.0.1")
+        refused = subprocess.run([TROUPE, "view", "x.json", "--bind", "localhost"], capture_output=True, text=True)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("--bind: localhost", refused.stderr.replace('"', ""))
+        if os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in Path("/proc/net/if_inet6").read_text():
+            with socket.create_connection(("::1", self.view.port), timeout=10) as connection:
+                connection.sendall(f"GET / HTTP/1.1\r\nHost: [::1]:{self.view.port}\r\n\r\n".encode())
+                self.assertIn(b" 200 ", connection.recv(4096))
 
     def test_foreign_origin(self):
         own = f"127.0.0.1:{self.view.port}"
@@ -341,7 +586,9 @@ class Attacked(unittest.TestCase):
                     pass  # what is no UTF-8, or is cut off
 
     def test_half_open_connections(self):
-        strangers = [socket.create_connection(("127.0.0.1", self.view.port)) for _ in range(300)]
+        soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, min(hard, 4096)), hard))
+        strangers = [socket.create_connection(("127.0.0.1", self.view.port)) for _ in range(1000)]
         for stranger in strangers[::2]:
             try:
                 stranger.sendall(b"GET / HTTP/1.1\r\nHost: loc")
@@ -356,6 +603,74 @@ class Attacked(unittest.TestCase):
         for stranger in strangers:
             stranger.close()
         self.assert_said_once("connections without a token")
+
+    def test_garbage_frames(self):
+        draw = random.Random(1)
+        for i in range(300):
+            with Socket(self.view.port) as stranger:
+                if i % 2:
+                    stranger.send(self.view.token)
+                    stranger.receive()
+                begin = bytes([draw.choice([0x00, 0x01, 0x02, 0x03, 0x80, 0x81, 0x82, 0x83, 0x88, 0x89, 0x8a, 0x8f, 0xc1, 0xf1, 0xff]),
+                               draw.choice([0, 5, 0x80, 0x85, 125, 126, 127, 0xfd, 0xfe, 0xff])])
+                try:
+                    stranger.socket.sendall(begin + draw.randbytes(draw.randrange(400)))
+                    stranger.socket.shutdown(socket.SHUT_WR)
+                    while True:
+                        stranger.receive()
+                except (OSError, ValueError, AssertionError):
+                    pass  # cut off, or closed as the protocol says
+        self.assertEqual(self.get()[0], 200)
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can be another user")
+    def test_another_user_of_the_machine(self):
+        with tempfile.TemporaryDirectory() as folder:
+            os.chmod(folder, 0o755)
+            opener = Path(folder) / "xdg-open"
+            opener.write_text(f"#!/bin/sh\necho \"$1\" > {folder}/opened.part\nmv {folder}/opened.part {folder}/opened\n")
+            opener.chmod(0o755)
+            with View("--open", environment={"PATH": f"{folder}:{os.environ['PATH']}"}) as view:
+                opened = Path(folder) / "opened"
+                until = time.monotonic() + 20
+                while not opened.exists() and time.monotonic() < until:
+                    time.sleep(0.02)
+                page = Path(opened.read_text().strip())
+                self.assertIn(view.token, page.read_text())
+                attack = f"""
+import socket, sys
+def get(text):
+    with socket.create_connection(("127.0.0.1", {view.port}), timeout=10) as connection:
+        connection.sendall(text.encode())
+        data = b""
+        while True:
+            try:
+                more = connection.recv(65536)
+            except OSError:
+                return data
+            if not more:
+                return data
+            data += more
+print(get("GET / HTTP/1.1\\r\\nHost: 127.0.0.1\\r\\n\\r\\n").decode())
+for file in ("/proc/{view.process.pid}/cmdline", "/proc/{view.process.pid}/environ", "/proc/{view.process.pid}/mem", {str(page)!r},
+             {str(view.session)!r}):
+    try:
+        print(open(file, "rb").read().decode(errors="replace"))
+    except OSError as error:
+        print(file, "unreadable")
+"""
+                other = {"user": 65534, "group": 65534, "extra_groups": [], "cwd": "/"}
+                python = next((file for file in (shutil.which("python3"), "/usr/bin/python3") if can_run(file, other)), None)
+                if python is None:
+                    self.skipTest("NOT TESTED: there is no Python that another user can run")
+                seen = subprocess.run([python, "-c", attack], capture_output=True, text=True, check=True, **other).stdout
+                self.assertIn("200 OK", seen)
+                self.assertIn(f"{page} unreadable", seen)
+                self.assertNotIn(view.token, seen)
+                self.assertNotIn(view.look_token, seen)
+                with Socket(view.port) as stranger:
+                    stranger.send("0" * 32)
+                    with self.assertRaises(ConnectionError):
+                        stranger.receive()
 
     def test_other_requests(self):
         self.assertEqual(self.get("/../../etc/passwd")[0], 404)
@@ -438,6 +753,15 @@ class InABrowser(unittest.TestCase):
         page.press("q", "KeyQ")
         page.wait(f"Math.abs(troupe.pose('red')[3] - {heading}) > 0.2")
 
+        page.run("document.querySelector('#values details').open = true")
+        page.wait("document.querySelector('[data-parameter=cruise_speed_mps]') !== null")
+        page.run("(input => { input.value = '0.9'; input.onchange(); })(document.querySelector('[data-parameter=cruise_speed_mps]'))")
+        page.run("troupe.step(25)")  # it may be turning away from the wall for 20 ticks
+        page.wait("troupe.inspected().components.find(c => c.name === 'velocity').fields[0].values[0] === 0.9")
+        self.paused()
+        self.keep("parameters")
+        page.run("document.querySelector('#values details').open = false")
+
         page.run("troupe.follow(true)")
         page.run("(rate => { rate.selectedIndex = 5; rate.onchange({target: rate}); })(document.getElementById('rate'))")
         page.wait("troupe.state().rate === 5")
@@ -445,6 +769,8 @@ class InABrowser(unittest.TestCase):
                  "(document.getElementById('measure'))")
         self.press_button("#play")
         page.wait("document.querySelector('#plot path').getAttribute('d').split('L').length > 10")
+        page.run("[...document.querySelectorAll('#values .plottable')].find(row => row.innerText.startsWith('x')).click()")
+        page.wait("document.querySelector('#plots path')?.getAttribute('d').split('L').length > 10")
         self.keep("plotted")
 
         page.press("m", "KeyM")
@@ -457,9 +783,53 @@ class InABrowser(unittest.TestCase):
         page.wait("document.getElementById('disable').textContent === 'enable'")
         page.run("troupe.theme('dark')")
         self.keep("dark")
+        page.run("troupe.theme('light')")
+
+        page.run("troupe.select(null)")
+        for _ in range(2):  # the camera has followed red; V shows the whole world again
+            page.press("v", "KeyV")
+        red = self.place("red")
+        page.drag([at - 10 for at in red], [at + 10 for at in red], shift=True)
+        page.wait("troupe.group().length > 0")
+        self.assertEqual(page.run("troupe.group()"), ["red"])
+        page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)  # all between the title and the bars
+        page.wait("troupe.group().length === 2")
+        self.keep("group")
+        self.press_button("#group-enable")
+        page.wait("document.getElementById('told').textContent.startsWith('1 of 2 refused')")
+        self.press_button("#ungroup")
+        page.wait("troupe.group().length === 0")
+
+        page.run("troupe.color('pose: x')")
+        page.wait("troupe.legend()[1] > troupe.legend()[0]")  # the two robots are in different places
+        self.keep("coloured")
+        page.run("troupe.color('own colours')")
+
+        picture = base64.b64decode(page.run("troupe.picture()"))
+        self.assertEqual(struct.unpack(">II", picture[16:24]), SIZE)
 
         self.press_button("#play")
         shown = self.paused()
+        newest = page.run("troupe.pose('blue')")
+        page.run("(back => { back.value = Number(back.max) - 3; back.oninput({target: back}); })(document.getElementById('back'))")
+        page.wait("document.getElementById('now').textContent.endsWith(' s ago')")
+        self.keep("past")
+        self.press_button("#now")
+        page.wait("document.getElementById('now').textContent === 'now'")
+        self.assertEqual(page.run("troupe.pose('blue')"), newest)
+
+        self.press_button("#checkpoint")
+        page.wait("document.getElementById('told').textContent === 'rooms.checkpoint.h5 is written'")
+        shown = self.paused()
+        page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)
+        page.wait("troupe.group().length === 2")
+        self.press_button("#group-remove")
+        page.wait("troupe.group().length === 0 && troupe.state().robots === 0")
+        self.press_button("#restart")
+        page.wait("troupe.state().run === 2")
+        restarted = self.paused()
+        self.assertEqual(restarted["tick"], 0)
+        self.keep("restarted")
         self.assertEqual(page.problems, [])
         view.end()
         page.wait("document.getElementById('problem').innerText.startsWith('The program has ended')")

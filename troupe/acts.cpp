@@ -131,6 +131,7 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
           act.whom, act.pose.x, act.pose.y));
     return;
   }
+  if (act.kind == Kind::set) return simulation.set(act.whom, act.setting);
   Model model = body_of(simulation, act);
   switch (act.kind) {
     case Kind::move: return move(model, act.pose);
@@ -150,7 +151,8 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
     case Kind::enable:
       if (!simulation.enable(model)) refuse_act(fmt::format("\"{}\" is not disabled", act.whom));
       return;
-    case Kind::add: break;
+    case Kind::add:
+    case Kind::set: break;
   }
 }
 

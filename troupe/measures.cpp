@@ -5,7 +5,6 @@
 #include "troupe/simulation.hpp"
 #include "worldio/json/measures_json.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -18,11 +17,9 @@ std::vector<engine::MeasureSpec> specs_of(const Simulation& simulation,
     return simulation.world().spec().measures;
   std::vector<engine::MeasureSpec> specs;
   if (wanted.empty())
-    for (const engine::MeasureKind& kind : simulation.registry().measures) {
-      engine::Record params = kind.params.defaults();
-      if (std::ranges::all_of(params, &engine::Value::given))
-        specs.push_back({.kind = std::string(kind.name), .params = std::move(params)});
-    }
+    for (const engine::MeasureKind& kind : simulation.registry().measures)
+      if (kind.is_usual())
+        specs.push_back({.kind = std::string(kind.name), .params = kind.params.defaults()});
   for (const std::string& text : wanted)
     if (auto spec = worldio::parse_measure(text, "measure " + text, simulation.registry(), diagnostics))
       specs.push_back(std::move(*spec));

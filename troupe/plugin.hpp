@@ -5,7 +5,10 @@
 #include "base/random.hpp"
 #include "engine/controller.hpp"
 #include "engine/device_kind.hpp"
+#include "engine/measures.hpp"
+#include "engine/sensing_view.hpp"
 #include "engine/sight.hpp"
+#include "engine/world.hpp"
 #include "sensors/ranger.hpp"
 #include "troupe/plugin_library.hpp"
 
@@ -35,12 +38,24 @@
 ///     troupe::DeviceKind compass() { return troupe::make_device_kind<Compass>("compass", "..."); }
 ///     TROUPE_DEVICE("compass", compass)
 ///
-/// engine/world.hpp and engine/sight.hpp document the functions by which a device reads the world.
+/// A measure is a class (docs/measures.md):
+///
+///     struct Crowding : troupe::Measure {
+///       static constexpr std::string_view text = "...";
+///       Crowding(const troupe::World& world, std::vector<troupe::Row> robots);
+///       double value(troupe::World& world) override;
+///     };
+///     TROUPE_MEASURE("crowding", Crowding)
+///
+/// engine/sensing_view.hpp and engine/sight.hpp document the functions by which a device reads the world.
+/// engine/world.hpp documents those with which its functions `apply`, `born` and `draw` read and change it,
+/// and those with which a measure reads it.
 
 namespace troupe {
 
 using engine::Actions;
 using engine::Command;
+using engine::CommittedView;
 using engine::DecideBatch;
 using engine::Description;
 using engine::DeviceBatch;
@@ -52,10 +67,14 @@ using engine::FieldType;
 using engine::first_met;
 using engine::from_record;
 using engine::make_device_kind;
+using engine::Measure;
+using engine::MeasureKind;
 using engine::memory_fields;
 using engine::Percept;
 using engine::RayHit;
 using engine::Record;
+using engine::SenseBatch;
+using engine::SensingView;
 using engine::SightRay;
 using engine::StateField;
 using engine::StateTable;
@@ -73,8 +92,8 @@ namespace facts = engine::facts;
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// An element of the linked list of all controllers of this library, or of all its devices, depending on
-/// `Kind`.
+/// An element of the linked list of all controllers of this library, of all its devices or of all its
+/// measures, depending on `Kind`.
 template <class Kind>
 struct Entry {
   using Make = Kind (*)(std::string_view name);  ///< returns the kind
@@ -113,9 +132,22 @@ void list_all(std::vector<Kind>& kinds) {
     kinds.push_back(entry->make(entry->name));
 }
 
-inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices) {
+template <class M>
+engine::MeasureKind measure_of(std::string_view name) {
+  engine::Unit unit = engine::Unit::none;
+  if constexpr (requires { M::unit; }) unit = M::unit;
+  std::string_view definition = M::text;
+  if constexpr (requires { M::definition; }) definition = M::definition;
+  std::string_view formula;
+  if constexpr (requires { M::formula; }) formula = M::formula;
+  return engine::make_measure_kind<M>(name, unit, M::text, definition, formula);
+}
+
+inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices,
+                 std::vector<engine::MeasureKind>& measures) {
   list_all(controllers);
   list_all(devices);
+  list_all(measures);
 }
 
 /// Whether the compiler contracts a product and a sum to one fused multiply-add, which changes bits of
@@ -159,6 +191,15 @@ troupe_plugin() {
                 "a device's name is one word, without / : = and without a leading dot");               \
   static const ::troupe::plugin::Entry<::troupe::engine::DeviceKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::device_of<make>);
+
+/// Registers a class derived from Measure as the measure of this name. It has the constructor that
+/// make_measure_kind() needs, a description `static constexpr std::string_view text`, and may have `unit`,
+/// `definition` and `formula` (engine/measure_kind.hpp). Use the macro at namespace scope, once per measure.
+#define TROUPE_MEASURE(name, ...)                                                                       \
+  static_assert(::troupe::plugin::is_name(name),                                                        \
+                "a measure's name is one word, without / : = and without a leading dot");               \
+  static const ::troupe::plugin::Entry<::troupe::engine::MeasureKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
+      name, ::troupe::plugin::measure_of<__VA_ARGS__>);
 
 #define TROUPE_PLUGIN_ENTRY(n) TROUPE_PLUGIN_ENTRY_NAMED(n)
 #define TROUPE_PLUGIN_ENTRY_NAMED(n) troupe_plugin_entry_##n

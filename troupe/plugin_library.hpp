@@ -1,5 +1,7 @@
 #pragma once
 
+#include "engine/measure_kind.hpp"
+#include "engine/sensing_view.hpp"
 #include "engine/world.hpp"
 #include "troupe/version.hpp"
 
@@ -35,26 +37,35 @@
 namespace troupe::plugin {
 
 /// Version of struct Library and of the functions that it points to.
-inline constexpr std::uint32_t k_interface = 5;
+inline constexpr std::uint32_t k_interface = 6;
 
 /// Build settings that change the layout of types or the bits of results although all headers are equal.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
     ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
 
-/// Returns a hash of the sizes of all types that plug-in and program exchange. It differs if the plug-in was
-/// compiled with headers of another revision of Troupe that has the same version number.
+/// Returns a hash of the sizes of all types that plug-in and program exchange, and of the types whose members
+/// the inline functions of SensingView and World read. It differs if the plug-in was compiled with headers of
+/// another revision of Troupe that has the same version number.
 constexpr std::uint64_t layout() {
   using namespace engine;
-  constexpr std::array k_sizes{sizeof(ControllerKind), sizeof(ControllerKind::Prepared),
-                               sizeof(DeviceKind),     sizeof(DeviceKind::Prepared),
-                               sizeof(DeviceInfo),     sizeof(StateTable),
-                               sizeof(StateField),     sizeof(Field),
-                               sizeof(FieldTable),     sizeof(Value),
-                               sizeof(DecideBatch),    sizeof(Percept),
-                               sizeof(Actions),        sizeof(Readings),
-                               sizeof(Command),        sizeof(Random),
-                               sizeof(DeviceBatch),    sizeof(Effects),
-                               sizeof(World),          sizeof(BodyType)};
+  constexpr std::array k_sizes{
+      // Kinds, and the arguments of their functions.
+      sizeof(ControllerKind), sizeof(ControllerKind::Prepared), sizeof(DeviceKind),
+      sizeof(DeviceKind::Prepared), sizeof(DeviceInfo), sizeof(StateTable), sizeof(StateField), sizeof(Field),
+      sizeof(FieldTable), sizeof(Value), sizeof(DecideBatch), sizeof(Percept), sizeof(Actions),
+      sizeof(Readings), sizeof(Command), sizeof(Random), sizeof(DeviceBatch), sizeof(SenseBatch),
+      sizeof(Effects), sizeof(Effect), sizeof(DeviceView), sizeof(MeasureKind), sizeof(Measure),
+      // What a view consists of.
+      sizeof(SensingView), sizeof(CommittedView), sizeof(PublicColumns), sizeof(TickCounts), sizeof(BodyType),
+      sizeof(BodyType::Device), sizeof(BodyType::Drive), sizeof(BodyType::Joint), sizeof(RayOutline),
+      sizeof(Pose), sizeof(Transform), sizeof(Mount), sizeof(Velocity), sizeof(Carried), sizeof(Life),
+      sizeof(Condition), sizeof(WorldSpec), sizeof(TypeSpec), sizeof(PartSpec), sizeof(BodySpec),
+      sizeof(FixedTargets), sizeof(FixedTargets::Target), sizeof(partition::StaticScene),
+      sizeof(partition::FixedSolid), sizeof(partition::FixedOutlines), sizeof(partition::BodyIndex),
+      sizeof(partition::BodyCircle), sizeof(partition::GridGeometry), sizeof(partition::TileDirectory),
+      sizeof(partition::RayGrid),
+      // apply() and born() change the world.
+      sizeof(World)};
   std::uint64_t mixture = 0;
   for (const std::size_t size : k_sizes) mixture = mixture * 0x9e3779b97f4a7c15 + size;
   return mixture;
@@ -69,9 +80,10 @@ struct Library {
   std::uint64_t layout;     ///< layout()
   /// Whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
   bool (*contracts)();
-  /// Appends the controllers and the devices of the library to the two lists, each under the name that its
-  /// macro states.
-  void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices);
+  /// Appends the controllers, the devices and the measures of the library to the lists, each under the name
+  /// that its macro states.
+  void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices,
+               std::vector<engine::MeasureKind>& measures);
   /// Hash of the bytes of the library file, which the loader writes; 0 before the first load. It is stored in
   /// the library because a process loads a library only once, even if several simulations request it.
   std::atomic<std::uint64_t>* contents;

@@ -63,8 +63,8 @@ Result<> check_contents(std::string_view bytes) {
                     "docs/controllers.md shows how to write one for Troupe",
                     plugin::k_symbol)};
   return Error{
-      fmt::format("is not a Troupe plug-in: it has no symbol {}, which the macros TROUPE_CONTROLLER and "
-                  "TROUPE_DEVICE define",
+      fmt::format("is not a Troupe plug-in: it has no symbol {}, which the macros TROUPE_CONTROLLER, "
+                  "TROUPE_DEVICE and TROUPE_MEASURE define",
                   plugin::k_symbol)};
 }
 
@@ -104,33 +104,42 @@ Error load_error(const fs::path& file) {
 
 }  // namespace
 
+struct Plugins::Kinds {
+  std::vector<engine::ControllerKind> controllers;
+  std::vector<engine::DeviceKind> devices;
+  std::vector<engine::MeasureKind> measures;
+};
+
 struct Plugins::Loaded : Library {
   Result<> found;   ///< success if the file exists; the error lists the searched folders
   Result<> opened;  ///< success if the found library can be used; the error states why it cannot
   bool is_usable() const { return found && opened; }
 
   template <class K>
-  struct Kinds {
+  struct Group {
     using Kind = K;
-    std::string_view what;  ///< "controller" or "sensor or device", for error messages
+    std::string_view what;  ///< "controller", "measure" or "sensor or device", for error messages
     std::vector<Kind> kinds;
     std::deque<std::string> names;  ///< names of the kinds; a deque, because the kinds refer to them
     std::vector<std::string_view> known() const { return {names.begin(), names.end()}; }
   };
-  Kinds<engine::ControllerKind> controllers{"controller"};
-  Kinds<engine::DeviceKind> devices{"sensor or device"};
-  /// Returns, for the error if the library has no controllers, or no sensors and devices, the kinds that it
-  /// has instead.
-  std::string has_else() const {
-    return controllers.names.empty()
-               ? fmt::format("no controller, but {}", comma_list(devices.known()))
-               : fmt::format("no sensor or device, but {}", comma_list(controllers.known()));
+  Group<engine::ControllerKind> controllers{"controller"};
+  Group<engine::DeviceKind> devices{"sensor or device"};
+  Group<engine::MeasureKind> measures{"measure"};
+  std::shared_ptr<const Script> script;  ///< the owner of the kinds, if the library is a script
+  /// Returns, for the error if the library has no kind of one group, the kinds that it has instead.
+  std::string has_else(std::string_view what) const {
+    std::vector<std::string_view> known = controllers.known();
+    for (const std::string_view known_name : devices.known()) known.push_back(known_name);
+    for (const std::string_view known_name : measures.known()) known.push_back(known_name);
+    return fmt::format("no {}, but {}", what, comma_list(known));
   }
 };
 
 Plugins::Plugins(std::vector<fs::path> path, const engine::Registry& registry) : path_(std::move(path)) {
   for (const std::string_view name : registry.controller_names()) taken_controllers_.emplace_back(name);
   for (const engine::DeviceKind& kind : registry.devices) taken_devices_.emplace_back(kind.name);
+  for (const engine::MeasureKind& kind : registry.measures) taken_measures_.emplace_back(kind.name);
 }
 Plugins::~Plugins() = default;
 
@@ -142,25 +151,29 @@ Result<const engine::DeviceKind*> Plugins::device(std::string_view name, std::st
   return find(name, &Loaded::devices, std::move(unknown));
 }
 
-template <class Kinds>
-auto Plugins::find(std::string_view name, Kinds Loaded::*kinds, std::string unknown)
-    -> Result<const typename Kinds::Kind*> {
+Result<const engine::MeasureKind*> Plugins::measure(std::string_view name, std::string unknown) {
+  return find(name, &Loaded::measures, std::move(unknown));
+}
+
+template <class Group>
+auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unknown)
+    -> Result<const typename Group::Kind*> {
   const std::size_t colon = name.find(':');
   const std::string_view library_name = name.substr(0, colon);
   const std::string_view own_name = colon == name.npos ? name : name.substr(colon + 1);
   if (!plugin::is_name(library_name) || !plugin::is_name(own_name)) return Error{std::move(unknown)};
   Loaded& library = loaded(library_name);
   if (!library.found) return Error{fmt::format("{}; {}", unknown, library.found.error().text)};
-  const Kinds& own = library.*kinds;
+  const Group& own = library.*kinds;
   if (!library.opened)
     return Error{fmt::format("{} \"{}\": {}", own.what, name, library.opened.error().text)};
 
   const std::string full_name = own_name == library_name ? std::string(own_name) : std::string(name);
-  const auto kind = std::ranges::find(own.kinds, std::string_view(full_name), &Kinds::Kind::name);
+  const auto kind = std::ranges::find(own.kinds, std::string_view(full_name), &Group::Kind::name);
   if (kind != own.kinds.end()) return &*kind;
   const std::vector<std::string_view> known = own.known();
   return Error{fmt::format("{} has no {} \"{}\"; it has: {}{}", library.file.string(), own.what, name,
-                           known.empty() ? library.has_else() : comma_list(known),
+                           known.empty() ? library.has_else(own.what) : comma_list(known),
                            did_you_mean(name, known))};
 }
 
@@ -238,16 +251,15 @@ Result<> Plugins::open(Loaded& library) {
     std::uint64_t before = 0;
     if (!described->contents->compare_exchange_strong(before, library.contents) && before != library.contents)
       return Error{"was rebuilt since this process loaded it: restart the process"};
-    return read_kinds(library, described->list);
+    Kinds kinds;
+    described->list(kinds.controllers, kinds.devices, kinds.measures);
+    return keep_kinds(library, std::move(kinds));
   } catch (...) {
     return Error{fmt::format("cannot list its kinds: it {}", engine::thrown_text())};
   }
 }
 
-Result<> Plugins::read_kinds(Loaded& library, List list) const {
-  std::vector<engine::ControllerKind> controllers;
-  std::vector<engine::DeviceKind> devices;
-  list(controllers, devices);
+Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
   Result<> all_right;
   const auto keep = [&](auto kinds, const std::vector<std::string>& taken, auto& own) {
     std::ranges::sort(kinds, {},
@@ -255,7 +267,9 @@ Result<> Plugins::read_kinds(Loaded& library, List list) const {
     for (auto& kind : kinds) {
       std::string name(kind.name);
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
-      if (!kind.prepare) all_right = Error{fmt::format("has a {} \"{}\" without `prepare`", own.what, name)};
+      if constexpr (requires { kind.prepare; })
+        if (!kind.prepare)
+          all_right = Error{fmt::format("has a {} \"{}\" without `prepare`", own.what, name)};
       if (std::ranges::find(own.names, name) != own.names.end())
         all_right =
             Error{fmt::format("has two kinds with the name \"{}\", each a {}: rename one", name, own.what)};
@@ -266,20 +280,49 @@ Result<> Plugins::read_kinds(Loaded& library, List list) const {
     }
     own.kinds = std::move(kinds);
   };
-  keep(std::move(controllers), taken_controllers_, library.controllers);
-  keep(std::move(devices), taken_devices_, library.devices);
-  if (library.controllers.kinds.empty() && library.devices.kinds.empty())
-    all_right = Error{"has no controller, sensor or device"};
+  keep(std::move(all.controllers), taken_controllers_, library.controllers);
+  keep(std::move(all.devices), taken_devices_, library.devices);
+  keep(std::move(all.measures), taken_measures_, library.measures);
+  if (library.controllers.kinds.empty() && library.devices.kinds.empty() && library.measures.kinds.empty())
+    all_right = Error{"has no controller, sensor, device or measure"};
   return all_right;
 }
 
-std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<fs::path> path) {
+void Plugins::add(std::shared_ptr<const Script> script) {
+  const std::string name = script->name();
+  if (!plugin::is_name(name))
+    throw InputError(
+        fmt::format("{}: error: \"{}\" is not a valid name of a plug-in: it is one word without : and =",
+                    script->file.string(), name));
+  for (const auto& library : loaded_)
+    if (library->name == name)
+      throw InputError(fmt::format("{}: error: there are two scripts or plug-ins of the name \"{}\"",
+                                   script->file.string(), name));
+  Loaded& library = *loaded_.emplace_back(std::make_unique<Loaded>());
+  library.name = name;
+  library.file = script->file;
+  library.contents = script->contents;
+  Kinds kinds;
+  for (const Script::Controller& controller : script->controllers)
+    kinds.controllers.push_back(controller.kind);
+  kinds.measures = script->measures;
+  library.script = std::move(script);
+  if (const Result<> kept = keep_kinds(library, std::move(kinds)); !kept)
+    throw InputError(fmt::format("{}: error: it {}", library.file.string(), kept.error().text));
+}
+
+std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<fs::path> path,
+                                     std::span<const std::shared_ptr<const Script>> scripts) {
   auto plugins = std::make_shared<Plugins>(std::move(path), registry);
+  for (const std::shared_ptr<const Script>& script : scripts) plugins->add(script);
   registry.plugged_controllers = [plugins](std::string_view name, std::string unknown) {
     return plugins->controller(name, std::move(unknown));
   };
   registry.plugged_devices = [plugins](std::string_view name, std::string unknown) {
     return plugins->device(name, std::move(unknown));
+  };
+  registry.plugged_measures = [plugins](std::string_view name, std::string unknown) {
+    return plugins->measure(name, std::move(unknown));
   };
   return plugins;
 }

@@ -2,6 +2,7 @@
 
 #include "base/result.hpp"
 #include "engine/kinds.hpp"
+#include "troupe/script.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -13,9 +14,9 @@
 
 namespace troupe {
 
-/// Loads controllers and devices by name from plug-ins, which are shared libraries (docs/controllers.md). The
-/// name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to the kind "leader" in
-/// swarm.so. If several folders of the path have such a file, the first folder is used.
+/// Loads controllers, devices and measures by name from plug-ins, which are shared libraries
+/// (docs/controllers.md). The name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to
+/// the kind "leader" in swarm.so. If several folders of the path have such a file, the first folder is used.
 ///
 /// A library stays loaded until the process ends. After each load, the floating-point environment of the
 /// calling thread is restored, because a library that was linked with -ffast-math switches denormal numbers
@@ -42,6 +43,12 @@ class Plugins {
   /// Returns the sensor or other device of this name; Registry::plugged_devices calls this. unknown: the
   /// error text if there is no such plug-in.
   Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
+  /// Returns the measure of this name; Registry::plugged_measures calls this. unknown: the error text if
+  /// there is no such plug-in.
+  Result<const engine::MeasureKind*> measure(std::string_view name, std::string unknown);
+  /// Adds the kinds of a script, as if they were those of a loaded library with its name. Throws InputError
+  /// if there is a library of this name, or as load() returns errors.
+  void add(std::shared_ptr<const Script> script);
   /// Loads the library of this name. The pointer is never null. The error states why the library cannot be
   /// used: `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0,
   /// ...`.
@@ -56,20 +63,22 @@ class Plugins {
   struct Loaded;
   Loaded& loaded(std::string_view name);
   Result<> open(Loaded& library);
-  using List = void (*)(std::vector<engine::ControllerKind>&, std::vector<engine::DeviceKind>&);
-  Result<> read_kinds(Loaded& library, List list) const;
-  template <class Kinds>
-  auto find(std::string_view name, Kinds Loaded::*kinds, std::string unknown)
-      -> Result<const typename Kinds::Kind*>;
+  struct Kinds;
+  Result<> keep_kinds(Loaded& library, Kinds kinds) const;
+  template <class Group>
+  auto find(std::string_view name, Group Loaded::*kinds, std::string unknown)
+      -> Result<const typename Group::Kind*>;
 
   std::vector<std::filesystem::path> path_;
-  std::vector<std::string> taken_controllers_, taken_devices_;
+  std::vector<std::string> taken_controllers_, taken_devices_, taken_measures_;
   std::vector<std::unique_ptr<Loaded>> loaded_;
   std::vector<std::string> warnings_;
 };
 
-/// Allows a registry, and copies of it, to load controllers and devices from plug-ins in these folders.
-/// Returns the object that loads them, which the registry also owns.
-std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path);
+/// Allows a registry, and copies of it, to use the kinds of these scripts and to load controllers, devices
+/// and measures from plug-ins in these folders. Returns the object that loads them, which the registry also
+/// owns. Throws InputError as Plugins::add() does.
+std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path,
+                                     std::span<const std::shared_ptr<const Script>> scripts = {});
 
 }  // namespace troupe

@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
+#include "troupe/effective_options.hpp"
 #include "worldio/json/spec_json.hpp"
 #include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_repair.hpp"
@@ -60,8 +61,7 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
 void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {
   const worldio::RecordingReader recording(file);
   const auto is_free = [](std::string_view key) {
-    return key == "threads" || key == "tile_m" || key == "simd" || key == "resumed_at_tick" ||
-           key.starts_with("set ") || key.starts_with("plugin ");
+    return changes_no_result(key) || key.starts_with("set ") || key.starts_with("plugin ");
   };
   for (const auto& [key, value] : simulation.effective_options()) {
     const auto known = recording.meta().find(key);

@@ -83,14 +83,15 @@ engine::Registry make_registry() {
                           models::brazil_nut_controller(),
                           models::clustering_controller(),
                           models::informed_aggregation_controller()};
-  registry.measures = {models::coverage_measure(),    models::mean_nearest_distance_measure(),
-                       models::neighbours_measure(),  models::stalls_measure(),
-                       models::held_measure(),        models::displacement_measure(),
-                       models::path_length_measure(), models::mean_speed_measure(),
-                       models::order_measure(),       models::spread_measure(),
-                       models::alive_measure(),       models::share_within_measure(),
-                       models::state_mean_measure(),  models::rank_errors_measure(),
-                       models::clusters_measure(),    models::largest_cluster_measure(),
+  registry.measures = {models::coverage_measure(),       models::mean_nearest_distance_measure(),
+                       models::neighbours_measure(),     models::stalls_measure(),
+                       models::held_measure(),           models::displacement_measure(),
+                       models::path_length_measure(),    models::mean_speed_measure(),
+                       models::order_measure(),          models::polarisation_measure(),
+                       models::spread_measure(),         models::alive_measure(),
+                       models::share_within_measure(),   models::state_mean_measure(),
+                       models::state_variance_measure(), models::rank_errors_measure(),
+                       models::clusters_measure(),       models::largest_cluster_measure(),
                        models::deaths_measure()};
   registry.faults = {models::dead_sensors_fault(), models::slow_wheels_fault(), models::drop_out_fault()};
   registry.presets = {models::expand_pioneer_preset(), models::expand_swarm_preset()};

@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "troupe/acts.hpp"
+#include "troupe/effective_options.hpp"
 #include "troupe/simulation.hpp"
 #include "worldio/json/session_json.hpp"
 
@@ -11,7 +12,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <stdexcept>
 #include <string_view>
@@ -23,9 +23,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int k_most_sessions = 100000;  // largest number of session files of one world in a folder
-
-/// Options that change no result, and that a replay may therefore change.
-constexpr std::array<std::string_view, 5> k_free{"world", "threads", "tile_m", "simd", "resumed_at_tick"};
 
 std::string_view program_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
@@ -46,7 +43,7 @@ std::string difference(const worldio::SessionHeader& header, const Simulation& s
       text +=
           fmt::format("{}{} is {} in the session, {} in this run", text.empty() ? "" : "; ", key, then, now);
   };
-  const auto is_free = [](const std::string& key) { return std::ranges::find(k_free, key) != k_free.end(); };
+  const auto is_free = [](const std::string& key) { return key == "world" || changes_no_result(key); };
   for (const auto& [key, value] : header.options)
     if (!is_free(key)) compare(key);
   for (const auto& [key, value] : here)
@@ -103,9 +100,7 @@ void SessionLog::add(const Simulation& simulation, const engine::Act& act) {
   impl_->write(worldio::act_line(simulation.tick(), ++impl_->acts, act));
 }
 
-void SessionLog::end(const Simulation& simulation) {
-  impl_->write(worldio::end_line(simulation.tick(), impl_->acts + 1));
-}
+void SessionLog::end(std::uint64_t tick) { impl_->write(worldio::end_line(tick, impl_->acts + 1)); }
 
 struct SessionReplay::Impl {
   fs::path file;

@@ -31,9 +31,8 @@ class SessionLog {
   /// Appends an act that was applied at the current tick of the simulation. Throws std::runtime_error if it
   /// cannot be written.
   void add(const Simulation& simulation, const engine::Act& act);
-  /// Appends an entry which states that the session ended at the current tick of the simulation. Throws as
-  /// add().
-  void end(const Simulation& simulation);
+  /// Appends an entry which states that the session ended at this tick. Throws as add().
+  void end(std::uint64_t tick);
 
  private:
   struct Impl;

@@ -3,19 +3,25 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "engine/replica.hpp"
 #include "engine/sight.hpp"
 #include "engine/stop_conditions.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
 #include "models/drives/wheels.hpp"
 #include "partition/simd_target.hpp"
+#include "partition/transport.hpp"
 #include "troupe/acts.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/pictures.hpp"
 #include "troupe/plugins.hpp"
+#include "troupe/rank_processes.hpp"
+#include "troupe/rank_team.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/registry.hpp"
+#include "troupe/script.hpp"
 #include "troupe/world_builder.hpp"
+#include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/spec_check.hpp"
 #include "worldio/load.hpp"
@@ -71,8 +77,9 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
     const std::string name = key.substr(k_plugin.size());
     const Result<const Plugins::Library*> loaded = plugins.load(name);
     if (!loaded)
-      throw InputError(fmt::format("{}: error: the run needs plug-in \"{}\": {}", checkpoint.file().string(),
-                                   name, loaded.error().text));
+      throw InputError(fmt::format(
+          "{}: error: the run needs plug-in \"{}\": {}; if it is a Python script, give --controller {}.py",
+          checkpoint.file().string(), name, loaded.error().text, name));
     const Plugins::Library* library = *loaded;
     if (hex(library->contents) == contents) continue;
     const std::string text =
@@ -131,6 +138,8 @@ struct Simulation::Impl {
   std::shared_ptr<engine::Registry> registry;  ///< shared with simulations from another()
   std::shared_ptr<Plugins> plugins;            ///< loads plug-ins for `registry`
   std::unique_ptr<engine::World> world;
+  /// The ranks that compute `world` together with this thread; null if it is computed by one rank.
+  std::unique_ptr<RankGroup> ranks;
   std::vector<std::string> warnings;
   std::filesystem::path file;       ///< world file
   double tile_size_m = 0;           ///< from SimulationOptions
@@ -181,11 +190,22 @@ struct Simulation::Impl {
       changes.emplace_back(k_spare, fmt::format("{}", options.spare));
     }
     spec.ranging = options.ranging.value_or(spec.ranging);
-    world = std::make_unique<engine::World>(
-        std::move(spec), *registry, engine::WorldOptions{options.threads, options.tile_size_m}, diagnostics);
+    make_world(std::move(spec), options, diagnostics);
     watch_for_the_end(diagnostics);
     warnings = diagnostics.warnings();
     append(warnings, plugins->warnings());
+  }
+  /// Makes `world`, and its replicas on the other ranks. options: SimulationOptions or ResumeOptions.
+  template <class Options>
+  void make_world(engine::WorldSpec spec, const Options& options, Diagnostics& diagnostics) {
+    const RankOptions team{options.ranks, options.rank_seed, options.rank_clock};
+    check_ranks(team);
+    const engine::WorldOptions own{threads_per_rank(options.threads, team.ranks), options.tile_size_m};
+    world = std::make_unique<engine::World>(std::move(spec), *registry, own, diagnostics);
+    if (options.processes)
+      ranks = options.processes->add(*world, *registry, *plugins, own, options.rank_seed);
+    else if (team.ranks > 1)
+      ranks = std::make_unique<RankTeam>(*world, *registry, own, team);
   }
   /// Sets up the stop conditions (`stop_when`). `world` must already be set.
   void watch_for_the_end(Diagnostics& diagnostics) {
@@ -558,11 +578,13 @@ Simulation Simulation::load(const std::filesystem::path& file, const SimulationO
   for (const auto& [pointer, value] : options.set) impl->changes.emplace_back("set " + pointer, value);
   impl->file = file;
   impl->registry = std::make_shared<engine::Registry>(std::move(registry));
-  impl->plugins = add_plugins(*impl->registry, options.plugin_path);
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path, options.scripts);
   Diagnostics diagnostics(std::move(files));
   worldio::LoadOptions how{options.seed, options.robots, options.set, options.search_path, options.threads};
   how.place_again = &impl->place_again;
   engine::WorldSpec spec = read(*impl->registry, how, diagnostics);
+  diagnostics.throw_if_errors();
+  assign_controllers(options.scripts, spec, diagnostics);
   diagnostics.throw_if_errors();
   impl->start(std::move(spec), options, diagnostics);
   return Simulation(std::move(impl));
@@ -584,9 +606,11 @@ Simulation Simulation::make(engine::WorldSpec spec, const SimulationOptions& opt
   auto impl = std::make_unique<Impl>();
   impl->file = spec.title.empty() ? "world" : spec.title;
   impl->registry = std::make_shared<engine::Registry>(std::move(registry));
-  impl->plugins = add_plugins(*impl->registry, options.plugin_path);
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path, options.scripts);
   Diagnostics diagnostics(spec.files);
   worldio::check_spec(spec, *impl->registry, diagnostics);
+  diagnostics.throw_if_errors();
+  assign_controllers(options.scripts, spec, diagnostics);
   diagnostics.throw_if_errors();
   if (options.seed) spec.seed = *options.seed;
   impl->start(std::move(spec), options, diagnostics);
@@ -607,7 +631,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   if (const std::string warning = check_version(checkpoint, options.across_versions); !warning.empty())
     impl->warnings.push_back(warning);
   impl->registry = std::make_shared<engine::Registry>(std::move(registry));
-  impl->plugins = add_plugins(*impl->registry, options.plugin_path);
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path, options.scripts);
   append(impl->warnings, load_plugins(checkpoint, *impl->plugins, options.across_plugins));
   append(impl->warnings, impl->plugins->warnings());
   impl->file = checkpoint.header("world");
@@ -615,9 +639,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   engine::WorldSpec spec = checkpoint.spec(*impl->registry, options.set, diagnostics);
   diagnostics.throw_if_errors();
   // Warnings about the world were reported when it was loaded, and are not repeated here.
-  impl->world = std::make_unique<engine::World>(std::move(spec), *impl->registry,
-                                                engine::WorldOptions{options.threads, options.tile_size_m},
-                                                diagnostics);
+  impl->make_world(std::move(spec), options, diagnostics);
   checkpoint.restore(*impl->world);
   impl->resumed_at = checkpoint.tick();
   impl->memories = checkpoint.memories();
@@ -685,6 +707,7 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
       {"tile_m", fmt::format("{}", impl_->world->geometry().tile_m())},
       {"simd", partition::simd_target()},
   };
+  if (ranks() > 1) out.emplace_back("ranks", fmt::format("{}", ranks()));
   if (spec.ranging == RangingEngine::grid)
     out.emplace_back("resolution_m", fmt::format("{}", spec.resolution_m));
   for (const Plugins::Library& library : impl_->plugins->libraries())
@@ -699,10 +722,13 @@ void Simulation::step() {
   Model::refuse_in_for_each(*impl_->world, "step()");
   // A library loaded since the last step may have switched on flush-to-zero for this thread.
   if (!check_fp_environment()) restore_fp_environment();
-  impl_->world->before_tick([this] {
-    if (impl_->before_tick) impl_->before_tick(*this);
-    impl_->holds.apply(*this);
-  });
+  if (impl_->before_tick || !impl_->holds.empty())
+    impl_->world->before_tick([this] {
+      if (impl_->before_tick) impl_->before_tick(*this);
+      impl_->holds.apply(*this);
+    });
+  else
+    impl_->world->before_tick(nullptr);
   impl_->world->step();
   if (impl_->stop) impl_->stop->see();
   if (impl_->recording) impl_->recording->observe(*this);
@@ -812,6 +838,7 @@ Simulation Simulation::another(std::uint64_t seed, unsigned threads) const {
   impl->place_again = impl_->place_again;
   impl->changes = impl_->changes;
   engine::WorldSpec spec = impl_->world->spec();
+  spec.experiment.at.resize(spec.experiment.at.size() - impl_->world->settings_made());
   spec.bodies = std::move(bodies);
   spec.seed = seed;
   Diagnostics diagnostics(spec.files);
@@ -880,7 +907,7 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
   if (without != nullptr && without->place_->world != impl_->world.get())
     throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", without->name()));
   const Rotation rotation(from.heading);
-  return engine::first_met(*impl_->world,
+  return engine::first_met(impl_->world->view(),
                            {.origin = from.position(),
                             .direction = {rotation.cos, rotation.sin},
                             .length = range_max,
@@ -940,6 +967,32 @@ bool Simulation::set_disabled(const Model& model, bool disabled) {
 
 bool Simulation::disable(const Model& model) { return set_disabled(model, true); }
 bool Simulation::enable(const Model& model) { return set_disabled(model, false); }
+
+void Simulation::set(std::string_view type, std::string_view setting) {
+  Model::refuse_in_for_each(*impl_->world, "set()");
+  impl_->world->require_whole();
+  Diagnostics diagnostics;
+  const auto read = worldio::read_setting(type, setting, *impl_->registry, impl_->world->spec(), diagnostics);
+  try {
+    diagnostics.throw_if_errors();
+  } catch (const InputError& error) {
+    throw std::invalid_argument(error.what());
+  }
+  if (const Result<> done = impl_->world->set(*read, *impl_->registry); !done)
+    throw std::invalid_argument(done.error().text);
+}
+
+std::string Simulation::parameters(std::string_view type) const {
+  const std::vector<engine::TypeSpec>& types = impl_->world->spec().types;
+  const auto found = std::ranges::find(types, type, &engine::TypeSpec::name);
+  if (found == types.end()) {
+    std::vector<std::string_view> known;
+    for (const engine::TypeSpec& each : types) known.push_back(each.name);
+    throw std::out_of_range(unknown_name("type", type, known));
+  }
+  const TypeId id(static_cast<std::size_t>(found - types.begin()));
+  return worldio::parameters_json(impl_->world->present_type(id), *impl_->registry);
+}
 
 std::vector<std::string> Simulation::robot_names() const {
   std::vector<std::string> names;
@@ -1019,6 +1072,24 @@ Model::Energy Simulation::energy() const {
 }
 
 unsigned Simulation::threads() const { return impl_->world->parallel().threads(); }
+unsigned Simulation::ranks() const { return rank_statistics().ranks; }
+RankStatistics Simulation::rank_statistics() const {
+  if (!impl_->ranks) return {};
+  const engine::Replica& replica = impl_->ranks->replica();
+  const partition::Transport& transport = replica.transport();
+  return {.ranks = transport.ranks(),
+          .nodes = impl_->ranks->nodes(),
+          .messages = transport.traffic().messages,
+          .bytes = transport.traffic().bytes,
+          .waited_s = transport.waited_s(),
+          .rebalanced = replica.rebalanced(),
+          .requests = replica.requests()};
+}
+
+std::span<const RankWork> Simulation::rank_work() const {
+  if (!impl_->ranks) return {};
+  return impl_->ranks->replica().work();
+}
 
 void Simulation::on_phase(std::function<void(std::optional<Phase>)> callback) {
   impl_->world->on_phase(std::move(callback));

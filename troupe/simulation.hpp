@@ -7,6 +7,7 @@
 #include "engine/energy.hpp"
 #include "engine/phase.hpp"
 #include "engine/ranging_engine.hpp"
+#include "engine/rank_work.hpp"
 #include "engine/ray_hit.hpp"
 #include "engine/state_table.hpp"
 
@@ -25,7 +26,9 @@
 
 namespace troupe {
 class Diagnostics;
+class RankProcesses;
 class SourceFiles;
+struct Script;
 }  // namespace troupe
 namespace troupe::engine {
 class World;
@@ -45,6 +48,9 @@ namespace troupe {
 /// (docs/sensing.md).
 using engine::RangingEngine;
 using engine::RayHit;
+
+/// The largest number of ranks (SimulationOptions::ranks).
+inline constexpr unsigned k_most_ranks = 1024;  // = partition::k_most_ranks
 
 /// How a world is loaded and run. Only the options `seed`, `ranging`, `robots`, `set` and `spare` change the
 /// simulated results.
@@ -71,6 +77,9 @@ struct SimulationOptions {
   /// Directories to search for plug-ins, shared libraries with controllers and sensors that Troupe does not
   /// ship (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path;
+  /// Scripts whose controllers replace those of the world, and whose measures can be used
+  /// (troupe/script.hpp).
+  std::vector<std::shared_ptr<const Script>> scripts;
   /// Allows the program to remove, disable and enable bodies, as `"mortal": true` in the world does. The
   /// state hash does not change while every body that existed at tick 0 is still in the world and enabled.
   bool mortal = false;
@@ -79,6 +88,22 @@ struct SimulationOptions {
   /// Their ids follow those of all other bodies. A world with a reserve has other state hashes than the same
   /// world without it.
   std::uint32_t spare = 0;
+  /// Number of ranks, at most 1,024; a larger number, or 0, throws std::invalid_argument. Each rank is a
+  /// thread of this process with a replica of the world and with worker threads of its own
+  /// (docs/cluster.md). With more than one rank, `threads` is the number per rank; 0: the available
+  /// processors, divided by the number of ranks.
+  unsigned ranks = 1;
+  /// For tests of the ranks: if it is given, messages between ranks arrive late and shuffled, and each robot
+  /// changes its rank at random, as this seed says.
+  std::optional<std::uint64_t> rank_seed;
+  /// A clock by which ranks of this process measure how long their own robots take: returns the time of a
+  /// rank, s. It is called on the threads of all ranks. With it, robots change their ranks if the ranks take
+  /// unequal times, and rank_work() and rank_statistics() have times. Null: no clock. No result depends on
+  /// it.
+  std::function<double(unsigned rank)> rank_clock;
+  /// The processes that compute the world together, of which this is rank 0; only the program `troupe` sets
+  /// this (docs/cluster.md). Null: this process alone.
+  std::shared_ptr<RankProcesses> processes;
 };
 
 /// How a run is resumed from a checkpoint. Only the option `set` changes the simulated results.
@@ -97,8 +122,14 @@ struct ResumeOptions {
   /// Directories to search for plug-ins, as in SimulationOptions. They must contain every plug-in that the
   /// run used.
   std::vector<std::filesystem::path> plugin_path;
+  /// The scripts that the run used.
+  std::vector<std::shared_ptr<const Script>> scripts;
   /// Accepts plug-ins whose files differ from those that the checkpoint was written with.
   bool across_plugins = false;
+  unsigned ranks = 1;  ///< number of ranks, as in SimulationOptions; the saved run may have had another
+  std::optional<std::uint64_t> rank_seed;           ///< for tests, as in SimulationOptions
+  std::function<double(unsigned rank)> rank_clock;  ///< as in SimulationOptions
+  std::shared_ptr<RankProcesses> processes;         ///< as in SimulationOptions
 };
 
 /// The phases of a tick, in the order in which they run (engine/phase.hpp).
@@ -118,6 +149,22 @@ struct Statistics {
   std::uint64_t conflict_rounds = 0;  ///< iterations to resolve conflicting motions, since tick 0
   std::size_t state_bytes = 0;        ///< memory of all state tables, bytes
 };
+
+/// What rank 0 has sent to the other ranks so far, and how long it has waited for them. With one rank, all
+/// numbers but `ranks` and `nodes` are 0.
+struct RankStatistics {
+  unsigned ranks = 1;          ///< number of ranks
+  unsigned nodes = 1;          ///< number of computers of the ranks
+  std::uint64_t messages = 0;  ///< messages sent
+  std::uint64_t bytes = 0;     ///< sum of their lengths
+  double waited_s = 0;  ///< time spent waiting, s; 0 without SimulationOptions::rank_clock or processes
+  /// How often robots changed their ranks because the slowest rank took more than 1.1 times the mean.
+  std::uint64_t rebalanced = 0;
+  std::uint64_t requests = 0;  ///< how often SIGUSR1 asked other processes for a checkpoint
+};
+
+/// What a rank has done for its own robots in the last tick (engine/rank_work.hpp).
+using engine::RankWork;
 
 class Recording;
 class Simulation;
@@ -495,6 +542,20 @@ class Simulation {
   /// Enables a disabled body, between two steps; it continues with its last commands. Returns false if the
   /// body is not disabled. Throws as disable() does.
   bool enable(const Model& model);
+  /// Changes parameters of a type, for all its bodies, between two steps, as the intervention `set` of a
+  /// world file does (docs/experiments.md).
+  /// type     name of the type
+  /// setting  JSON with the new values; other parameters keep theirs. {"drive": {"velocity_max_x_mps": 0.5}},
+  ///          {"device": {"name": "eye", "range_max_m": 3}} or {"controller": {"kind": "wander",
+  ///          "cruise_speed_mps": 0.2}}
+  /// The change lasts until reset(). Checkpoints contain it. Throws std::invalid_argument, and changes
+  /// nothing, if the type has no such parameter, or if a value is not allowed or would change the layout of
+  /// the state.
+  void set(std::string_view type, std::string_view setting);
+  /// The parameters of a type, with the changes of set() and of the world file up to now, as JSON: a list of
+  /// objects like those for set(), one for the drive and for each device and controller. Infinite values and
+  /// lists of records are left out. Throws std::out_of_range, with the known names, if there is no such type.
+  std::string parameters(std::string_view type) const;
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
   /// Makes all sensors of a robot run, as Stage's Subscribe does. Without it, only sensors run that are
@@ -535,7 +596,11 @@ class Simulation {
   /// The sums of the energies of all power packs, J. `infinite` and `charging` are true if they are true for
   /// at least one pack.
   Model::Energy energy() const;
-  unsigned threads() const;  ///< number of worker threads
+  unsigned threads() const;  ///< number of worker threads, per rank
+  unsigned ranks() const;    ///< number of ranks; 1 unless SimulationOptions::ranks says otherwise
+  RankStatistics rank_statistics() const;  ///< numbers that describe the messages between ranks
+  /// What each rank has done in the last tick; empty with one rank. Valid until the next step.
+  std::span<const RankWork> rank_work() const;
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
   /// a tick begins, and with std::nullopt when the tick ends. A null callback removes it.
   void on_phase(std::function<void(std::optional<Phase>)> callback);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <stdexcept>
 #include <utility>
@@ -52,6 +53,9 @@ std::vector<std::string> Swarm::names() const {
   for (const BodyId id : ids_) names.push_back(world_->spec().name(id));
   return names;
 }
+
+std::uint64_t Swarm::tick() const { return world_->tick(); }
+double Swarm::time_s() const { return world_->time_s(); }
 
 std::vector<std::string> Swarm::types() const {
   std::vector<std::string> types;
@@ -172,6 +176,147 @@ double Swarm::range_bound(std::string_view sensor) const {
   return rows_.empty() ? 0 : ranger_of(rows_.front(), sensor).device->prepared.reach_m;
 }
 
+/// A field of the readings or commands of a device of one type of robots, and the device.
+struct Swarm::Cells {
+  const engine::BodyType::Device* device = nullptr;
+  const engine::StateField* field = nullptr;
+  std::size_t index = 0;                         ///< of the field in `readings`
+  const engine::StateTable* readings = nullptr;  ///< null: the field belongs to a command
+
+  std::size_t bytes() const { return field->columns * engine::element_size(field->element); }
+};
+
+namespace {
+
+/// Returns the first device for which wanted(device) is true. Throws std::out_of_range with the names of
+/// those devices for which counts(device) is true.
+template <class Wanted, class Counts>
+const engine::BodyType::Device& device_of(const engine::World& world, Row row, std::string_view what,
+                                          std::string_view name, Wanted&& wanted, Counts&& counts) {
+  std::vector<std::string_view> known;
+  for (const engine::BodyType::Device& device : world.type(row).devices) {
+    if (wanted(device)) return device;
+    if (counts(device)) known.push_back(device.name);
+  }
+  throw std::out_of_range(unknown_name(fmt::format("{} of \"{}\"", what, world.spec().name(world.body(row))),
+                                       name, std::move(known)));
+}
+
+std::size_t index_of(std::span<const engine::StateField> fields, std::string_view name) {
+  return static_cast<std::size_t>(std::ranges::find(fields, name, &engine::StateField::name) -
+                                  fields.begin());
+}
+
+[[noreturn]] void throw_unknown_field(std::string_view what, std::string_view device, std::string_view name,
+                                      std::span<const engine::StateField> fields) {
+  std::vector<std::string_view> known;
+  for (const engine::StateField& field : fields) known.push_back(field.name);
+  throw std::out_of_range(unknown_name(fmt::format("{} of \"{}\"", what, device), name, std::move(known)));
+}
+
+}  // namespace
+
+Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_view wanted) const {
+  const auto has_field = [&](const engine::BodyType::Device& device) {
+    const auto fields = world_->percepts(device).fields();
+    return index_of(fields, field) < fields.size();
+  };
+  const engine::BodyType::Device& device = device_of(
+      *world_, row, wanted.empty() ? "field of the devices" : "device", wanted.empty() ? field : wanted,
+      [&](const engine::BodyType::Device& each) {
+        return wanted.empty() ? has_field(each) : each.name == wanted;
+      },
+      [](const engine::BodyType::Device&) { return true; });
+  const engine::StateTable& table = world_->percepts(device);
+  const std::size_t index = index_of(table.fields(), field);
+  if (index == table.fields().size()) throw_unknown_field("field", device.name, field, table.fields());
+  return {&device, &table.fields()[index], index, &table};
+}
+
+Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_view wanted) const {
+  const auto takes = [](const engine::BodyType::Device& device) { return device.command_table.has_value(); };
+  const engine::BodyType::Device& device = device_of(
+      *world_, row, "device that takes commands", wanted,
+      [&](const engine::BodyType::Device& each) { return takes(each) && each.name == wanted; }, takes);
+  const std::vector<engine::StateField>& fields = device.prepared.commands;
+  const std::size_t index = index_of(fields, field);
+  if (index == fields.size()) throw_unknown_field("command", device.name, field, fields);
+  return {.device = &device, .field = &fields[index]};
+}
+
+/// Calls visit(cells, row, i) for each robot i. bytes: size of the caller's span. Throws
+/// std::invalid_argument if it does not fit, or if the fields of the robots differ.
+template <class Visit>
+void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field, std::string_view device,
+                      Visit&& visit) const {
+  world_->require_whole();
+  const engine::BodyType* type = nullptr;
+  Cells cells;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (const engine::BodyType& own = world_->type(rows_[i]); type != &own) {
+      const Cells its = (this->*find)(rows_[i], field, device);
+      if (type && (its.field->element != cells.field->element || its.field->columns != cells.field->columns))
+        throw std::invalid_argument(
+            fmt::format("robots with different devices: \"{}\" of \"{}\" has {} columns of type {}, that of "
+                        "\"{}\" has {} of type {}; use a swarm of one type",
+                        field, world_->spec().name(ids_.front()), cells.field->columns,
+                        engine::element_name(cells.field->element), world_->spec().name(ids_[i]),
+                        its.field->columns, engine::element_name(its.field->element)));
+      if (bytes != size() * its.bytes())
+        throw std::invalid_argument(fmt::format(
+            "found {} bytes for \"{}\" of {} robots with {} columns each: give robots x columns elements",
+            bytes, field, size(), its.field->columns));
+      cells = its;
+      type = &own;
+    }
+    visit(cells, rows_[i], i);
+  }
+}
+
+const engine::StateField& Swarm::reading_field(std::string_view field, std::string_view device) const {
+  if (rows_.empty()) throw std::logic_error("a swarm without robots has no readings");
+  return *readings_of(rows_.front(), field, device).field;
+}
+
+void Swarm::readings(std::span<std::byte> out, std::string_view field, std::string_view device) const {
+  for_cells(&Swarm::readings_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
+    if (cells.device->kind->is_sensor() && !world_->senses(row, *cells.device))
+      throw std::logic_error(
+          fmt::format("sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step",
+                      cells.device->name, world_->spec().name(ids_[i])));
+    std::memcpy(out.data() + i * cells.bytes(),
+                cells.readings->cell<std::byte>(world_->slot(row), cells.index).data(), cells.bytes());
+  });
+}
+
+std::span<const engine::StateField> Swarm::command_fields(std::string_view device) const {
+  if (rows_.empty()) throw std::logic_error("a swarm without robots has no commands");
+  const auto takes = [](const engine::BodyType::Device& each) { return each.command_table.has_value(); };
+  return device_of(
+             *world_, rows_.front(), "device that takes commands", device,
+             [&](const engine::BodyType::Device& each) { return takes(each) && each.name == device; }, takes)
+      .prepared.commands;
+}
+
+void Swarm::commands(std::span<std::byte> out, std::string_view field, std::string_view device) const {
+  for_cells(&Swarm::commands_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
+    std::memcpy(out.data() + i * cells.bytes(),
+                world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset, cells.bytes());
+  });
+}
+
+void Swarm::set_commands(std::span<const std::byte> values, std::string_view field, std::string_view device,
+                         std::span<const std::uint8_t> where) {
+  Model::refuse_in_for_each(*world_, "a command for a swarm");
+  if (!where.empty()) check_size("elements of `where`", where.size(), size());
+  for_cells(&Swarm::commands_of, values.size(), field, device,
+            [&](const Cells& cells, Row row, std::size_t i) {
+              if ((where.empty() || where[i] != 0) && world_->is_there(row))
+                std::memcpy(world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset,
+                            values.data() + i * cells.bytes(), cells.bytes());
+            });
+}
+
 void Swarm::subscribe() {
   Model::refuse_in_for_each(*world_, "subscribe()");
   if (world_->tick() > 0) throw std::logic_error("subscribe() must be called before the first step");
@@ -185,6 +330,7 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
     robots_.reserve(size());
     for (const BodyId id : ids_) robots_.push_back(Model::of(*world_, id));
   }
+  world_->gather();  // here, because the calls below run in parallel
   world_->parallel().for_each((size() + k_batch - 1) / k_batch, [&](std::size_t batch) {
     std::exception_ptr error;
     for (std::size_t i = batch * k_batch; i < std::min(size(), (batch + 1) * k_batch); ++i) {

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -56,27 +57,44 @@ struct Variant {
   }
 };
 
-std::string variant_name(unsigned threads, double tile_size_m) {
-  return fmt::format("{} thread{}, {}", threads, threads == 1 ? "" : "s",
+std::string variant_name(unsigned ranks, unsigned threads, double tile_size_m) {
+  return fmt::format("{}{} thread{}, {}", ranks == 1 ? "" : fmt::format("{} ranks, ", ranks), threads,
+                     threads == 1 ? "" : "s",
                      tile_size_m > 0 ? fmt::format("tiles of {} m", tile_size_m) : "automatic tiles");
 }
+
+/// The check delays messages in any case.
+std::uint64_t rank_seed_of(const CheckOptions& options) { return options.simulation.rank_seed.value_or(1); }
 
 std::vector<Variant> load(const CheckOptions& options, const engine::Registry& registry) {
   std::vector<Variant> variants;
   SimulationOptions simulation = with_environment(options.simulation);
+  simulation.rank_seed = rank_seed_of(options);
+  const std::shared_ptr<RankProcesses> processes = std::move(simulation.processes);
+  simulation.processes = nullptr;
   const auto add = [&](unsigned threads, double tile_size_m, Memory memory,
                        std::string_view what) -> Variant& {
     simulation.tile_size_m = tile_size_m;
     simulation.threads = threads;
     const FilledStorage filled(k_fills[variants.size() % k_fills.size()]);
-    variants.push_back({fmt::format("{}{}", variant_name(threads, tile_size_m), what),
+    variants.push_back({variant_name(simulation.ranks, threads, tile_size_m) + std::string(what),
                         Simulation(options.world, simulation, registry),
                         {threads, tile_size_m},
                         memory});
     return variants.back();
   };
-  for (const double tile_size_m : options.tile_sizes_m)
-    for (const unsigned threads : options.threads) add(threads, tile_size_m, Memory::kept, "");
+  for (const unsigned ranks : options.ranks) {
+    simulation.ranks = ranks;
+    for (const double tile_size_m : options.tile_sizes_m)
+      for (const unsigned threads : options.threads) add(threads, tile_size_m, Memory::kept, "");
+  }
+  simulation.ranks = 1;
+  if (processes) {
+    simulation.processes = processes;
+    for (const unsigned threads : options.threads)
+      add(threads, options.tile_sizes_m.front(), Memory::kept, ", all processes");
+    simulation.processes = nullptr;
+  }
   if (options.amnesia) {
     const double tile_size_m = options.tile_sizes_m.front();
     const unsigned threads = options.threads.front();
@@ -88,7 +106,7 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
     if (variant.world().spec().ranging == engine::RangingEngine::grid)
       throw InputError(
           "troupe check: error: --reach needs the exact ray engine, but this run uses the grid engine "
-          "(\"ranging\" of the world, or --raytracer)");
+          "(key \"ranging\" of the world file, or option --raytracer)");
     variant.world().hide_beyond_reach(true);
   }
   return variants;
@@ -182,12 +200,26 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
         "-");
 }
 
+/// Names the measures of the world whose values nothing is known about.
+void print_foreign_measures(const Simulation& simulation) {
+  const engine::WorldSpec& world = simulation.world().spec();
+  std::vector<std::string> kinds;
+  for (const engine::MeasureSpec& measure : world.measures) kinds.push_back(measure.kind);
+  for (const engine::StopSpec& condition : world.experiment.stop_when)
+    kinds.push_back(condition.measure.kind);
+  std::ranges::sort(kinds);
+  kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
+  for (const std::string& name : kinds)
+    if (const auto kind = simulation.registry().find_measure(name); kind && (*kind)->is_foreign)
+      fmt::print("note: {} is a measure in Python, outside the promise of equal bits\n", name);
+}
+
 ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {
-  if (options.threads.size() * options.tile_sizes_m.size() < 2 && !options.controllers && !options.amnesia &&
-      !options.reach)
+  if (options.threads.size() * options.tile_sizes_m.size() * options.ranks.size() < 2 &&
+      !options.simulation.processes && !options.controllers && !options.amnesia && !options.reach)
     throw InputError(
         "troupe check: error: there is only one variant and nothing to compare: give several numbers to "
-        "--threads or --tile-size, or give --amnesia, --reach or --controllers");
+        "--threads, --ranks or --tile-size, or give --amnesia, --reach or --controllers");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);
@@ -195,9 +227,12 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
   std::optional<Decisions> decisions;
   if (options.controllers) decisions.emplace(variants.front());
 
+  if (std::ranges::max(options.ranks) > 1)
+    fmt::print("delays between ranks: --rank-seed {}\n", rank_seed_of(options));
   const std::vector<std::string> differences =
       step_to_end(variants, decisions ? &*decisions : nullptr, end_s);
   print_table(variants, decisions ? &*decisions : nullptr);
+  print_foreign_measures(first);
   if (!differences.empty()) {
     fmt::print("differs at tick {} ({:.10g} s):\n", first.tick(), first.time_s());
     for (const std::string& line : differences) fmt::print("{}\n", line);

@@ -10,18 +10,23 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_check_footer = R"(
-Checks that the results of a world depend neither on the number of threads nor on the size of the tiles, the squares of
-the world that threads process. Runs one variant of the world for each combination of --threads and --tile-size, all
-side by side, and compares every component of the state after each tick. Stops at the first tick at which a variant
-differs from the first variant, and prints the component, the robot, the field and both values.
+Checks that the results of a world depend neither on the number of threads or ranks nor on the size of the tiles, the
+squares of the world that threads process. Runs one variant of the world for each combination of --threads, --tile-size
+and --ranks, all side by side, and compares every component of the state after each tick. Stops at the first tick at
+which a variant differs from the first variant, and prints the component, the robot, the field and both values.
+
+With --ranks, each number of ranks is a further variant (docs/cluster.md). The ranks are threads of this process. Their
+messages arrive late and in a shuffled order, and in each tick robots change their ranks at random, both as --rank-seed
+says. After each tick, the data that all ranks compute are compared, too.
 
 --amnesia adds two variants. In one, all data that are not part of the state are overwritten with junk after each tick
 and computed again. In the other, the world is discarded after each tick and rebuilt from its description and its state,
 as in a resumed run. These variants find data that influence a later tick but are not part of the state.
 
---reach adds a variant that finds devices that read further than the reach that they declare (docs/extending.md). In
-this variant, every device computes one robot at a time, while all bodies beyond the reach of the device are removed
-from the world and their state is junk. It is slow, and possible only for worlds with "ranging": "exact".
+--reach adds a variant in which every device computes one robot at a time, while the bodies beyond the reach that the
+device declares are removed from the world and their state is junk. Of the other bodies, only the state that the device
+declares to read is kept. This variant finds a device that reads further or more than it declares, and an effect that
+changes other bodies than its kind declares. Slow, and only for worlds with "ranging": "exact".
 
 --controllers computes every decision of the first variant twice more, from the same readings and memory: once in
 another order, on another thread and in storage filled with junk, and once with a newly constructed controller. The
@@ -36,6 +41,7 @@ Exit codes: 0 same bits; 1 different; 2 bad input or usage.
 Examples:
   troupe check worlds/crowd.json --for 5
   troupe check worlds/hospital.json --for 5 --threads 1,2,3,4,8 --tile-size auto,1.7,45.1
+  troupe check worlds/hospital.json --for 5 --ranks 1,2,3,4,7 --threads 1,2
   troupe check worlds/failures.json --for 20 --threads 1 --tile-size auto --amnesia
   troupe check worlds/cave-simple.json --for 5 --threads 2 --tile-size auto --controllers)";
 
@@ -67,13 +73,20 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
                 options.tile_sizes_m.push_back(item == "auto" ? 0 : tile_size_m(item));
               });
             });
+  add_value(check, "--ranks", "N,...", "Numbers of ranks to compare (default: 1)",
+            [&options](const std::string& text) {
+              options.ranks.clear();
+              split(text, [&](std::string_view item) { options.ranks.push_back(rank_count(item)); });
+            });
+  add_rank_limit_option(check, options);
+  add_rank_seed_option(check, options);
   check
       .add_flag("--amnesia", options.amnesia,
                 "Also compare runs that discard all data except the state after each tick")
       ->disable_flag_override();
   check
       .add_flag("--reach", options.reach,
-                "Also compare a run in which devices see only the bodies within their declared reach")
+                "Also compare a run in which devices see only bodies and state that they declare to read")
       ->disable_flag_override();
   check
       .add_flag("--controllers", options.controllers,

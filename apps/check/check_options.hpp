@@ -2,6 +2,7 @@
 
 #include "apps/options.hpp"
 
+#include <cstdint>
 #include <vector>
 
 namespace troupe::apps {
@@ -12,6 +13,7 @@ struct CheckOptions : WorldOptions {
   /// Edge lengths of tiles, m; 0: the automatic choice. The default of 1.7 m is less than the range of most
   /// sensors, so that their beams cross several tiles.
   std::vector<double> tile_sizes_m{0, 1.7};
+  std::vector<unsigned> ranks{1};  ///< numbers of ranks, each of which is a variant
   bool amnesia = false;      ///< also check variants that discard caches or rebuild the world in each tick
   bool reach = false;        ///< also check a variant that hides bodies beyond the reach of a robot
   bool controllers = false;  ///< also repeat each decision of the controllers and compare the results

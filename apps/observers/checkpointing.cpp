@@ -1,5 +1,6 @@
 #include "apps/observers/checkpointing.hpp"
 
+#include "apps/interrupt.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "apps/run/run_options.hpp"
@@ -15,6 +16,16 @@
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
+
+bool SaveRequests::has_new(const Simulation& simulation) {
+  const std::uint64_t requests = save_requests() + simulation.rank_statistics().requests;
+  if (requests == seen_) return false;
+  seen_ = requests;
+  const auto now = std::chrono::steady_clock::now();
+  if (last_ && now - *last_ < std::chrono::seconds(1)) return false;
+  last_ = now;
+  return true;
+}
 
 Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const Simulation& simulation,
                              std::vector<Observer*> others)
@@ -35,7 +46,8 @@ Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const
 
 void Checkpointing::observe(const Simulation& simulation) {
   const std::uint64_t tick = simulation.tick();
-  if (period_ == 0 || tick % period_ != 0 || tick == first_tick_) return;
+  const bool is_due = period_ > 0 && tick % period_ == 0 && tick != first_tick_;
+  if (!requests_.has_new(simulation) && !is_due) return;
   for (Observer* other : others_) other->before_save();
   save(simulation);
 }
@@ -67,7 +79,7 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
   void add_options(CLI::App& app, RunOptions& options) override {
     CLI::Option* checkpoint = add_value(
         app, "--checkpoint", "FILE.h5",
-        "Save the state when the run ends or is stopped; troupe resume continues from it",
+        "Save the state on SIGUSR1 and when the run ends or is stopped; troupe resume continues from it",
         [&options](const std::string& text) { options.checkpoint = file_name("--checkpoint", text); });
     add_value(app, "--checkpoint-every", "S", "Also save the checkpoint every S simulated seconds",
               [&options](const std::string& text) {

@@ -3,6 +3,7 @@
 #include "apps/observers/observer.hpp"
 #include "apps/run/run_output.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -11,13 +12,25 @@
 
 namespace troupe::apps {
 
-/// Saves the run in a checkpoint periodically and when it ends or is stopped.
+/// The requests for a checkpoint: SIGUSR1 at any process of the run.
+class SaveRequests {
+ public:
+  /// Whether a request has arrived since the last call that returned true. Requests that arrive within a
+  /// second after that call belong to it, because a launcher passes a signal on to all processes.
+  bool has_new(const Simulation& simulation);
+
+ private:
+  std::uint64_t seen_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> last_;
+};
+
+/// Saves the run in a checkpoint periodically, on SIGUSR1, and when it ends or is stopped.
 class Checkpointing : public Observer {
  public:
   /// file: the checkpoint, which each save replaces. every_s: the period in simulated seconds; not given: a
   /// checkpoint is saved only at the end. others: the other observers of the run, which must outlive this
-  /// object; before_save() is called on them before each periodic checkpoint. The constructor writes a trial
-  /// checkpoint next to `file` and removes it, so that a full disk or a world that cannot be saved is
+  /// object; before_save() is called on them before each checkpoint during the run. The constructor writes a
+  /// trial checkpoint next to `file` and removes it, so that a full disk or a world that cannot be saved is
   /// reported before the run. Throws OutputError if this fails.
   Checkpointing(std::filesystem::path file, std::optional<double> every_s, const Simulation& simulation,
                 std::vector<Observer*> others);
@@ -34,6 +47,7 @@ class Checkpointing : public Observer {
   std::uint64_t period_ = 0;  // ticks; 0: only at the end
   std::uint64_t first_tick_;
   std::optional<std::uint64_t> saved_;  // the tick of the last checkpoint
+  SaveRequests requests_;
 };
 
 /// Returns the output that --checkpoint, --checkpoint-every and --wall-limit add to a run. Parsing stores

@@ -17,6 +17,9 @@
 namespace troupe::apps {
 namespace {
 
+// The groups of tracks, which the format calls processes.
+constexpr int k_this_process = 1;
+constexpr int k_ranks = 2;
 constexpr std::size_t k_tick_track = 0;  // the track of ticks; the tracks of workers follow it
 
 double microseconds(std::chrono::steady_clock::duration d) {
@@ -48,9 +51,15 @@ Profile::Profile(const std::filesystem::path& file, const Simulation& simulation
   stream_ << k_profile_mark;
   end_ = stream_.tellp();
   tracks_.own();  // makes the calling thread the first worker
-  add(fmt::format(R"({{"name":"process_name","ph":"M","pid":1,"args":{{"name":"troupe"}}}})"));
-  add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{},"args":{{"name":"ticks"}}}})",
-                  k_tick_track));
+  const auto name_group = [&](int group, std::string_view name) {
+    add(fmt::format(R"({{"name":"process_name","ph":"M","pid":{},"args":{{"name":"{}"}}}})", group, name));
+  };
+  name_group(k_this_process, "troupe");
+  add_name(k_this_process, k_tick_track, "ticks");
+  const unsigned ranks = simulation.ranks();
+  if (ranks > 1) name_group(k_ranks, "ranks");
+  for (unsigned rank = 0; ranks > 1 && rank < ranks; ++rank)
+    add_name(k_ranks, rank, fmt::format("rank {}", rank));
   flush();
 }
 
@@ -90,11 +99,11 @@ void Profile::observe(const Simulation& simulation) {
   --ticks_left_;
 
   const Span whole{phases_.front().begin, phases_.back().end};
-  add_span("tick", whole, k_tick_track, fmt::format("\"tick\":{}", tick_));
+  add_span("tick", whole, k_this_process, k_tick_track, fmt::format("\"tick\":{}", tick_));
   for (std::size_t i = 0; i < k_phases; ++i)
-    add_span(std::string(phase_name(static_cast<Phase>(i))), phases_[i], k_tick_track,
+    add_span(std::string(phase_name(static_cast<Phase>(i))), phases_[i], k_this_process, k_tick_track,
              fmt::format("\"tick\":{}{}", tick_, load(static_cast<Phase>(i))));
-  write_tasks();
+  write_tasks(simulation.rank_work());
   const Statistics statistics = simulation.statistics();
   add_counter("state bytes", whole.end, statistics.state_bytes);
   add_counter("resident bytes", whole.end, resident_bytes());
@@ -122,8 +131,21 @@ std::string Profile::load(Phase phase) const {
   return fmt::format(",\"imbalance\":{:.3f},\"busy_us\":{:.1f}", most * workers / sum, sum);
 }
 
-void Profile::write_tasks() {
-  std::size_t count = 0;
+void Profile::write_rank(std::size_t rank, const RankWork& work) {
+  Clock::time_point begin = phases_[static_cast<std::size_t>(Phase::sense)].begin;
+  for (const auto& [phase, seconds] :
+       {std::pair{Phase::sense, work.sense_s}, std::pair{Phase::actuate, work.actuate_s},
+        std::pair{Phase::decide, work.decide_s}}) {
+    const auto end =
+        begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    add_span(std::string(phase_name(phase)), {begin, end}, k_ranks, rank,
+             fmt::format("\"tick\":{},\"rows\":{}", tick_, work.rows));
+    begin = end;
+  }
+}
+
+void Profile::write_tasks(std::span<const RankWork> ranks) {
+  std::size_t count = 3 * ranks.size();
   for (const Track& track : tracks_.all()) count += track.tasks.size();
   const bool shown = count <= tasks_left_;
   if (shown)
@@ -132,15 +154,19 @@ void Profile::write_tasks() {
     left_out_ = fmt::format("tasks from tick {} on", tick_);
   for (std::size_t t = 0; t < tracks_.all().size(); ++t) {
     Track& track = tracks_.all()[t];
-    if (!std::exchange(track.named, true))
-      add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{0},"args":{{"name":"worker {0}"}}}})",
-                      t + 1));
+    if (!std::exchange(track.named, true)) add_name(k_this_process, t + 1, fmt::format("worker {}", t + 1));
     for (const Task& task : track.tasks)
       if (shown)
-        add_span(std::string(phase_name(task.phase)), task.span, t + 1,
+        add_span(std::string(phase_name(task.phase)), task.span, k_this_process, t + 1,
                  fmt::format("\"task\":{}", task.index));
     track.tasks.clear();
   }
+  for (std::size_t rank = 0; shown && rank < ranks.size(); ++rank) write_rank(rank, ranks[rank]);
+}
+
+void Profile::add_name(int group, std::size_t track, const std::string& name) {
+  add(fmt::format(R"({{"name":"thread_name","ph":"M","pid":{},"tid":{},"args":{{"name":"{}"}}}})", group,
+                  track, name));
 }
 
 void Profile::add(const std::string& event) {
@@ -148,10 +174,11 @@ void Profile::add(const std::string& event) {
   pending_ += event;
 }
 
-void Profile::add_span(const std::string& name, const Span& span, std::size_t track,
+void Profile::add_span(const std::string& name, const Span& span, int group, std::size_t track,
                        const std::string& arguments) {
-  add(fmt::format(R"({{"name":"{}","ph":"X","ts":{:.3f},"dur":{:.3f},"pid":1,"tid":{},"args":{{{}}}}})", name,
-                  microseconds(span.begin - start_), microseconds(span.end - span.begin), track, arguments));
+  add(fmt::format(R"({{"name":"{}","ph":"X","ts":{:.3f},"dur":{:.3f},"pid":{},"tid":{},"args":{{{}}}}})",
+                  name, microseconds(span.begin - start_), microseconds(span.end - span.begin), group, track,
+                  arguments));
 }
 
 void Profile::add_counter(const std::string& name, Clock::time_point at, std::uint64_t value) {

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,12 +35,14 @@ struct ProfileLimits {
 };
 
 /// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read: one track
-/// with the ticks and their phases, one track per worker thread with its tasks (batches of robots), and
-/// counters of memory and robots.
+/// with the ticks and their phases, one track per worker thread with its tasks (batches of robots), one track
+/// per rank if there are several, and counters of memory and robots.
 ///
 /// file    valid after each tick: it can be read during the run, and after the program was killed
 /// tasks   the argument of a task is its index in its parallel loop; in the sense phase, tasks are batches of
 ///         neighbouring robots, in the order of the tiles. A phase may run several parallel loops
+/// ranks   each tick shows the times that a rank spent in the phases sense, actuate and decide for its own
+///         robots. The first of them begins when it began on rank 0, because the clocks of processes differ
 /// load    the argument `imbalance` of a phase is the time that the busiest worker spent in tasks, divided by
 ///         the mean over all workers (1: equal work; the number of threads: one worker did everything). It is
 ///         absent if the phase ran no task
@@ -77,9 +80,12 @@ class Profile : public Observer, public TickWatcher {
   };
 
   void add(const std::string& event);
-  void add_span(const std::string& name, const Span& span, std::size_t track, const std::string& arguments);
+  void add_name(int group, std::size_t track, const std::string& name);
+  void add_span(const std::string& name, const Span& span, int group, std::size_t track,
+                const std::string& arguments);
   void add_counter(const std::string& name, Clock::time_point at, std::uint64_t value);
-  void write_tasks();
+  void write_tasks(std::span<const RankWork> ranks);
+  void write_rank(std::size_t rank, const RankWork& work);
   std::string load(Phase phase) const;
   /// Writes the pending events over the closing brackets of the file, and then the brackets again, so that
   /// the file is complete.

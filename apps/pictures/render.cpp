@@ -172,8 +172,9 @@ void refuse_given(const RenderOptions& options, std::span<const std::string_view
 Simulation load(const RenderOptions& options, bool is_checkpoint) {
   const SimulationOptions& simulation = options.simulation;
   if (is_checkpoint)
-    return Simulation::resume(
-        options.world, {.threads = simulation.threads, .plugin_path = plugin_path(simulation.plugin_path)});
+    return Simulation::resume(options.world, {.threads = simulation.threads,
+                                              .plugin_path = plugin_path(simulation.plugin_path),
+                                              .scripts = simulation.scripts});
   return Simulation(options.world, with_environment(simulation));
 }
 

@@ -31,6 +31,14 @@ double Report::beams_per_tick() const {
   return ratio(static_cast<double>(statistics.beams), static_cast<double>(statistics.ticks));
 }
 
+double Report::bytes_per_tick() const {
+  return ratio(static_cast<double>(ranks.bytes), static_cast<double>(ticks_here()));
+}
+
+double Report::messages_per_tick() const {
+  return ratio(static_cast<double>(ranks.messages), static_cast<double>(ticks_here()));
+}
+
 double Report::observe_s() const {
   return std::max(0.0, wall_s - waited_s - std::accumulate(phase_s.begin(), phase_s.end(), 0.0));
 }
@@ -66,6 +74,13 @@ std::string summary_text(const Report& report) {
   line("phases", shares + "observe " + percent(report.observe_s(), report.wall_s));
   line("threads", fmt::format("{}, serial share {:.1f} %, imbalance {:.2f}", report.threads,
                               100 * report.serial_share, report.imbalance));
+  if (report.ranks.ranks > 1)
+    line("ranks", fmt::format("{} on {} node{}, rank 0 waited {} s, sent {} bytes in {} messages per tick, "
+                              "rebalanced {} time{}",
+                              report.ranks.ranks, report.ranks.nodes, report.ranks.nodes == 1 ? "" : "s",
+                              four_digits(report.ranks.waited_s), four_digits(report.bytes_per_tick()),
+                              four_digits(report.messages_per_tick()), report.ranks.rebalanced,
+                              report.ranks.rebalanced == 1 ? "" : "s"));
   line("peak memory",
        fmt::format("{} MiB", four_digits(static_cast<double>(report.peak_rss_bytes) / (1024.0 * 1024.0))));
   line("stalled", fmt::format("{} ({})", grouped(s.stalled),
@@ -104,6 +119,14 @@ std::string summary_json(const Report& report) {
         ratio(report.phase_s[i], report.wall_s);
   json["share_observe"] = ratio(report.observe_s(), report.wall_s);
   json["threads"] = report.threads;
+  if (report.ranks.ranks > 1) {
+    json["ranks"] = report.ranks.ranks;
+    json["nodes"] = report.ranks.nodes;
+    json["rank_waited_s"] = report.ranks.waited_s;
+    json["rank_bytes_per_tick"] = report.bytes_per_tick();
+    json["rank_messages_per_tick"] = report.messages_per_tick();
+    json["rank_rebalanced"] = report.ranks.rebalanced;
+  }
   json["serial_share"] = report.serial_share;
   json["imbalance"] = report.imbalance;
   json["peak_rss_bytes"] = report.peak_rss_bytes;

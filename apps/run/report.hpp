@@ -21,11 +21,12 @@ struct Report {
   double end_s = 0;        ///< requested end, world time, s
   bool stopped = false;    ///< stopped before end_s by a signal or --wall-limit
   std::string stopped_by;  ///< the condition of the world's `stop_when` that ended the run; empty: none
-  unsigned threads = 0;
-  double load_s = 0;    ///< wall time of loading
-  double wall_s = 0;    ///< wall time of all ticks, including the observers (hash log, ...)
-  double rate = 0;      ///< limit of the speed, times real time; 0: no limit
-  double waited_s = 0;  ///< part of wall_s spent waiting because of `rate`
+  unsigned threads = 0;    ///< per rank
+  RankStatistics ranks;    ///< of the ticks of this run
+  double load_s = 0;       ///< wall time of loading
+  double wall_s = 0;       ///< wall time of all ticks, including the observers (hash log, ...)
+  double rate = 0;         ///< limit of the speed, times real time; 0: no limit
+  double waited_s = 0;     ///< part of wall_s spent waiting because of `rate`
   /// Part of wall_s that each phase took, s. The rest was spent waiting and in observers.
   std::array<double, k_phases> phase_s{};
   double serial_share = 0;  ///< fraction of the ticks' time outside parallel loops, 0 to 1 (LoadClock)
@@ -38,6 +39,8 @@ struct Report {
   double times_real_time() const;    ///< simulated time of this run divided by wall_s
   double ns_per_robot_tick() const;  ///< wall time without waiting, per robot and tick, ns
   double beams_per_tick() const;     ///< mean number of beams per tick, since tick 0
+  double bytes_per_tick() const;     ///< mean number of bytes that rank 0 sent to other ranks per tick
+  double messages_per_tick() const;  ///< mean number of messages that rank 0 sent to other ranks per tick
 
   double observe_s() const;  ///< part of wall_s that was spent in observers, s
   /// Number of ticks of this run, without those before it was resumed.

@@ -107,6 +107,9 @@ void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool sh
 
 ExitCode run_checked(const RunOptions& options) {
   const auto start = Clock::now();
+  if (options.view && (options.worlds.size() > 1 || !options.session.empty()))
+    throw InputError("--view: error: shows the run of one world, and not together with --session");
+  count_save_requests();
   std::vector<RunOptions> each = one_for_each_world(options);
   check_files(each);
   const Runs runs = load(each);
@@ -118,6 +121,7 @@ ExitCode run_checked(const RunOptions& options) {
   };
   for (const auto& run : runs) run->rehearse();
   for (const auto& run : runs) run->open_outputs(is_over);
+  if (options.view) runs.front()->open_view(is_over);
 
   if (!options.quiet && !options.json)
     for (const auto& run : runs) run->print_options();

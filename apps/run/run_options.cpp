@@ -1,6 +1,7 @@
 #include "apps/run/run_options.hpp"
 
 #include "apps/pictures/picture_options.hpp"
+#include "apps/scripts.hpp"
 #include "engine/watch_spec.hpp"
 #include "worldio/json/spec_json.hpp"
 
@@ -25,6 +26,9 @@ must be given. The run ends with the first tick whose time is S or later.
 the same ticks as in the session. Without --for the run ends at the tick at which the session ended. The program exits
 with an error if the first line of the session describes another run, or if an act is not possible.
 
+--view prints the address of a page that shows the run and lets its user pause and change it, as troupe view does. The
+acts are written to a session file in the working folder.
+
 Several worlds run side by side, each to its own end, and do not interact. All worlds are loaded before the first tick.
 Then, again and again, the world with the earliest simulated time makes its next tick. With several worlds, the names
 of outputs must contain {world}, which is replaced by the name of the world: --hash-log {world}.log. A summary is
@@ -36,11 +40,15 @@ file sets (rate in JSON, speedup in Stage's syntax).
 Whether outputs can be written is checked before the first tick. Errors and warnings name the file and the line, as in
 maze.world:41: error: ...
 Results depend only on the world, --seed, --raytracer, --robots, --spare, --session and --set. They do not depend on
---threads, --tile-size or --simd.
+--threads, --ranks, --tile-size or --simd.
+
+With --ranks N, this process computes N replicas of the world on threads of their own, which exchange messages. It is
+for testing a world before it runs on several processes (docs/cluster.md); on one computer, --threads is faster.
 
 A checkpoint contains the state and the world. troupe resume needs no other file and continues with the same bits as an
 uninterrupted run. Each checkpoint is written to a temporary file that then replaces the previous one, so a valid
 checkpoint exists even if the program is killed at any time. If the file exists before the run, --force is required.
+On SIGUSR1 (kill -USR1), a run with --checkpoint saves it after the current tick and goes on.
 
 Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or
 --wall-limit: the current tick was finished, and the summary and all files, including the checkpoint, were written.
@@ -71,6 +79,7 @@ Continues a run from its checkpoint with the same bits as an uninterrupted run, 
 files of the world. --for S is a world time in seconds, counted from tick 0 as in troupe run. The outputs are those of
 troupe run. An existing hash log, recording or table is continued after the tick of the checkpoint, without gaps or
 repetitions; a new file begins at that tick. --checkpoint may name the checkpoint that is resumed, without --force.
+SIGUSR1 saves it after the current tick, as in troupe run.
 
 --set changes values of the stored world from this tick on. The command h5dump -d /world CHECKPOINT prints the stored
 world. Only values that do not change the layout of the state can be changed:
@@ -91,11 +100,16 @@ Examples:
 
 /// Adds the options for threads, tile size and outputs, which `run` and `resume` have in common.
 void add_output_options(CLI::App& app, RunOptions& options) {
-  add_value(app, "--threads", "N", "Worker threads (default: one per available processor)",
+  add_value(app, "--threads", "N", "Worker threads of each rank (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_value(app, "--ranks", "N",
+            "Ranks: replicas of the world that divide its robots among themselves (default: 1)",
+            [&options](const std::string& text) { options.simulation.ranks = rank_count(text); });
   add_value(app, "--tile-size", "M",
             "Edge length of the tiles (squares of the world that threads process), m (default: automatic)",
             [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
+  add_rank_seed_option(app, options);
+  add_rank_limit_option(app, options);
   options.outputs.add_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {
     app.add_flag(name, on, help)->disable_flag_override();
@@ -103,6 +117,7 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   add_switch("--force", options.force, "Replace an existing checkpoint or recording");
   add_switch("--json", options.json, "Print only the summary, as one flat JSON object, on standard output");
   add_switch("--quiet", options.quiet, "Print only errors (and the JSON object of --json)");
+  add_switch("--view", options.view, "Show the run in a browser, as troupe view does (docs/live.md)");
 }
 
 void add_session_option(CLI::App& app, RunOptions& options) {
@@ -172,6 +187,7 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
                 "Resume even if another version of Troupe wrote the checkpoint")
       ->disable_flag_override();
   add_plugin_path_option(resume, options.simulation.plugin_path);
+  add_controller_option(resume, options.simulation.scripts);
   add_simd_option(resume);
   resume
       .add_flag("--across-plugins", options.across_plugins,

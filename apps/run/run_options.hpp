@@ -25,6 +25,7 @@ struct RunOptions : WorldOptions {
   std::filesystem::path record;        ///< recording; empty: the one that the world file names, if any
   RecordingOptions recording;
   std::filesystem::path session;  ///< session to repeat; empty: none
+  bool view = false;              ///< show the run in browsers (docs/live.md)
   bool force = false;             ///< replace existing outputs
   bool clock = false;             ///< print the time even if the world does not ask for it
   double rate = 0;                ///< limit of the speed, times real time; 0: as fast as possible

@@ -18,21 +18,22 @@ namespace {
 
 /// A kind of output. make: creates it. order: observers of outputs with lower numbers observe a tick first.
 /// The checkpoint is last, because the other outputs must be flushed before it is saved.
-struct Row {
+struct OutputRow {
   std::unique_ptr<RunOutput> (*make)();
   int order;
 };
 
 // All outputs, in the order of their options in --help.
 constexpr std::array k_rows{
-    Row{checkpoint_output, 9}, Row{hash_log_output, 2}, Row{pictures_output, 7}, Row{profile_output, 3},
-    Row{camera_output, 5},     Row{record_output, 1},   Row{measures_output, 4}, Row{events_output, 6},
+    OutputRow{checkpoint_output, 9}, OutputRow{hash_log_output, 2}, OutputRow{pictures_output, 7},
+    OutputRow{profile_output, 3},    OutputRow{camera_output, 5},   OutputRow{record_output, 1},
+    OutputRow{measures_output, 4},   OutputRow{events_output, 6},
 };
 
 }  // namespace
 
 RunOutputs::RunOutputs() {
-  for (const Row& row : k_rows) all_.push_back(row.make());
+  for (const OutputRow& row : k_rows) all_.push_back(row.make());
 }
 
 RunOutputs::RunOutputs(const RunOutputs& other) {

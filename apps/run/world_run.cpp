@@ -24,6 +24,10 @@ std::uint64_t peak_rss_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
 }
 
+double rank_clock(unsigned) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 Simulation load(const RunOptions& options) {
   const SimulationOptions& simulation = options.simulation;
   if (options.is_checkpoint)
@@ -32,9 +36,15 @@ Simulation load(const RunOptions& options) {
                                               .set = simulation.set,
                                               .across_versions = options.across_versions,
                                               .plugin_path = plugin_path(simulation.plugin_path),
-                                              .across_plugins = options.across_plugins});
+                                              .scripts = simulation.scripts,
+                                              .across_plugins = options.across_plugins,
+                                              .ranks = simulation.ranks,
+                                              .rank_seed = simulation.rank_seed,
+                                              .rank_clock = rank_clock,
+                                              .processes = simulation.processes});
   SimulationOptions given = with_environment(simulation);
-  given.mortal = !options.session.empty();
+  given.mortal = !options.session.empty() || options.view;
+  given.rank_clock = rank_clock;
   return Simulation(options.world, given);
 }
 
@@ -106,6 +116,19 @@ void WorldRun::open_outputs(std::function<bool()> is_over) {
   }
 }
 
+void WorldRun::open_view(const std::function<bool()>& is_over) {
+  view_ = std::make_unique<live::View>(
+      simulation_,
+      live::View::Options{.bind = {},
+                          .hosts = {},
+                          .rate = 0,  // --rate limits the run
+                          .folder = {},
+                          .is_over = is_over,
+                          .report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); }});
+  fmt::print(stderr, "view       {}\nread-only  {}\nsession    {}\n", view_->address(), view_->look_address(),
+             view_->session().string());
+}
+
 void WorldRun::print_options() const {
   fmt::print("running\n");
   for (const auto& [key, value] : report_.options) fmt::print("  {:<18} {}\n", key, value);
@@ -115,6 +138,7 @@ void WorldRun::print_options() const {
 }
 
 void WorldRun::begin() {
+  report_.ranks = simulation_.rank_statistics();
   simulation_.on_phase([this](std::optional<Phase> phase) {
     phases_(phase);
     load_.tick(phase && phase != Phase::intervene);  // interventions may wait for a user
@@ -134,6 +158,11 @@ void WorldRun::step() {
   simulation_.step();
   is_intact_ = true;
   for (const auto& observer : observers_) observer->observe(simulation_);
+  if (options_.checkpoint.empty() && requests_.has_new(simulation_) && !options_.quiet)
+    fmt::print(stderr,
+               "{}: warning: SIGUSR1 asks for a checkpoint, but the run has no file for it: give it one with "
+               "--checkpoint FILE.h5\n",
+               options_.world.string());
   report_.wall_s += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
@@ -147,6 +176,11 @@ void WorldRun::finish() {
   report_.imbalance = load_.imbalance(report_.threads);
   report_.stopped = !is_done();
   report_.stopped_by = simulation_.stopped().value_or("");
+  const RankStatistics before = std::exchange(report_.ranks, simulation_.rank_statistics());
+  report_.ranks.messages -= before.messages;
+  report_.ranks.bytes -= before.bytes;
+  report_.ranks.waited_s -= before.waited_s;
+  report_.ranks.rebalanced -= before.rebalanced;
   report_.statistics = simulation_.statistics();
   report_.hashes = simulation_.hashes();
   report_.waited_s = pacer_ ? pacer_->waited_s() : 0;

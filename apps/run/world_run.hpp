@@ -1,10 +1,12 @@
 #pragma once
 
+#include "apps/observers/checkpointing.hpp"
 #include "apps/observers/observer.hpp"
 #include "apps/run/load_clock.hpp"
 #include "apps/run/phase_clock.hpp"
 #include "apps/run/report.hpp"
 #include "apps/run/run_options.hpp"
+#include "live/view.hpp"
 #include "troupe/session.hpp"
 
 #include <chrono>
@@ -42,6 +44,9 @@ class WorldRun {
   /// Opens the outputs. is_over: returns true if the run was asked to stop; a wait because of
   /// RunOptions::rate then ends early.
   void open_outputs(std::function<bool()> is_over);
+  /// Shows the run in browsers and prints the addresses on standard error. is_over: as for open_outputs(); a
+  /// wait because a user has paused the run then ends.
+  void open_view(const std::function<bool()>& is_over);
   /// Whether the run prints lines with the time; a progress bar would interfere with them.
   bool tells_time() const;
   /// Prints the effective options on standard output.
@@ -82,7 +87,9 @@ class WorldRun {
   const Pacer* pacer_ = nullptr;
   PhaseClock phases_;
   LoadClock load_;
-  bool is_intact_ = true;  // false after a failed step, because the state is then invalid
+  std::unique_ptr<live::View> view_;  // null without RunOptions::view
+  SaveRequests requests_;             // of a run without a checkpoint
+  bool is_intact_ = true;             // false after a failed step, because the state is then invalid
 };
 
 }  // namespace troupe::apps

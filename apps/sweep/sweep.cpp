@@ -3,6 +3,8 @@
 #include "apps/interrupt.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
+#include "apps/ranks/ranks.hpp"
+#include "apps/scripts.hpp"
 #include "apps/sweep/journal.hpp"
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
@@ -54,7 +56,8 @@ nor on interruptions.
 
 With --part, several machines share a study, as in a SLURM array of eight jobs:
   sbatch --array=1-8 --wrap 'troupe sweep study.json -o results --part $SLURM_ARRAY_TASK_ID/8'
-The process that finishes last writes the tables.
+The process that finishes last writes the tables. Under mpirun or srun, all processes share the runs (docs/cluster.md):
+  mpirun -n 8 troupe sweep study.json -o results
 
 Exit codes: 0 finished (with --part: this part); 1 runs failed, see the messages and the table's column `error`; 2 bad
 study or usage; 3 stopped by Ctrl-C or SIGTERM.
@@ -66,6 +69,7 @@ Examples:
 SimulationOptions options_of(const Study& study, const Study::Run& run, const SweepOptions& options) {
   SimulationOptions simulation = with_environment({});
   simulation.plugin_path = plugin_path(options.plugin_path);
+  simulation.scripts = options.scripts;
   simulation.threads = 1;
   simulation.seed = run.seed;
   simulation.set = study.settings(run);
@@ -165,15 +169,18 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
 /// Returns a text that identifies the study, and the columns of its measures. The text is a hash of the study
 /// file, of the world with its images, and of the version of the program; it does not depend on the folders
 /// of the files. Loads the world of the first run, so that errors in it are reported before any run.
-std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options) {
+std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options,
+                                                          bool shows_warnings) {
   Simulation simulation(study.world, options_of(study, study.run(0), options));
   const Measures measures(simulation, study.measures);
   end_of(study, simulation);
-  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  if (shows_warnings)
+    for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
   auto spec = nlohmann::json::parse(worldio::spec_to_json(simulation.world().spec(), simulation.registry()));
   spec.erase("files");
-  const std::string text = fmt::format("{}\n{}\n{:016x}\n{}", worldio::read_file(options.study).value_or(""),
-                                       spec.dump(), simulation.state_hash(), version_line());
+  std::string text = fmt::format("{}\n{}\n{:016x}\n{}", worldio::read_file(options.study).value_or(""),
+                                 spec.dump(), simulation.state_hash(), version_line());
+  for (const auto& script : options.scripts) text += fmt::format("\n{:016x}", script->contents);
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }
 
@@ -273,32 +280,88 @@ void print_runs(const Study& study) {
   }
 }
 
-ExitCode sweep_checked(const SweepOptions& options) {
+/// Returns those of the runs of this part that are not finished yet.
+std::vector<std::size_t> runs_to_make(const Study& study, const SweepOptions& options,
+                                      const std::string& identity) {
+  const auto done = read_journals(options.folder, identity);
+  std::vector<std::size_t> runs;
+  for (std::size_t r = options.part - 1; r < study.run_count(); r += options.parts)
+    if (!done.contains(r) || (study.series && !fs::exists(series_file(options.folder, r)))) runs.push_back(r);
+  return runs;
+}
+
+/// Returns the runs that rank 0 deals to this rank: those at `rank`, `rank` + number of ranks, ... of its
+/// list.
+std::vector<std::size_t> dealt(const partition::Message& list, const RankDeal& deal) {
+  partition::MessageReader reader(list);
+  std::vector<std::size_t> own;
+  for (std::size_t i = 0; !reader.is_done(); ++i)
+    if (const auto run = reader.get<std::uint64_t>(); i % deal.ranks() == deal.rank()) own.push_back(run);
+  return own;
+}
+
+/// Returns the failed runs of all ranks on rank 0. The other ranks have then finished their runs.
+std::map<std::size_t, std::string> gathered(const std::map<std::size_t, std::string>& failed,
+                                            const RankDeal& deal) {
+  partition::MessageWriter own;
+  for (const auto& [run, error] : failed) {
+    own.put(std::uint64_t{run});
+    own.put_text(error);
+  }
+  std::map<std::size_t, std::string> all;
+  for (const partition::Message& message : deal.gather(own.take()))
+    for (partition::MessageReader reader(message); !reader.is_done();) {
+      const auto run = reader.get<std::uint64_t>();
+      all[run] = reader.get_text();
+    }
+  return all;
+}
+
+ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
+  partition::Message list;  // of all runs to make
+  if (deal.rank() > 0) {
+    std::optional<partition::Message> shared = deal.shared();  // first, so that rank 0 reports errors
+    if (!shared) return k_finished;
+    list = *std::move(shared);
+  }
   engine::Registry registry = make_registry();
+  add_plugins(registry, plugin_path(options.plugin_path), options.scripts);
   Diagnostics diagnostics;
   const Study study = worldio::load_study(options.study, registry, diagnostics);
   diagnostics.throw_if_errors();
+  if (deal.ranks() > 1 && options.parts > 1)
+    throw InputError(
+        "troupe sweep: error: --part shares a study between machines without a launcher; under mpirun all "
+        "processes share it: leave out --part");
   if (options.list) {
     print_runs(study);
     return k_finished;
   }
   if (options.folder.empty())
     throw InputError("troupe sweep: error: -o DIR is required, the folder for the runs and the table");
-  const auto [identity, measures] = identify(study, options);
+  const auto [identity, measures] = identify(study, options, deal.rank() == 0);
   check_folder(options.folder);
   const fs::path csv = options.folder / "table.csv";
   const fs::path hdf5 = options.folder / "table.h5";
   if (fs::exists(options.folder)) check_outputs({}, {csv, hdf5, options.folder / "series.csv"});
   stop_on_signals();
   fs::create_directories(study.series ? options.folder / "series" : options.folder);
+  if (deal.rank() == 0) {
+    partition::MessageWriter writer;
+    for (const std::size_t run : runs_to_make(study, options, identity)) writer.put(std::uint64_t{run});
+    list = writer.take();
+    deal.share(list);
+  }
+  const std::vector<std::size_t> runs = dealt(list, deal);
+  if (deal.ranks() > 1) {
+    options.part = deal.rank() + 1;
+    options.parts = deal.ranks();
+    options.quiet = options.quiet || deal.rank() > 0;
+  }
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
-  const auto done = read_journals(options.folder, identity);
-  std::vector<std::size_t> runs;
-  for (std::size_t r = options.part - 1; r < study.run_count(); r += options.parts)
-    if (!done.contains(r) || (study.series && !fs::exists(series_file(options.folder, r)))) runs.push_back(r);
-
   SweepTable table{.study = study, .measures = measure_columns(measures, study.statistics)};
-  table.failed = make_all(study, runs, options, journal);
+  table.failed = gathered(make_all(study, runs, options, journal), deal);
+  if (deal.rank() > 0) return k_finished;
   for (const auto& [run, error] : table.failed) fmt::print(stderr, "run {}: {}\n", run, error);
   table.outcomes = read_journals(options.folder, identity);
   const std::size_t left = study.run_count() - table.outcomes.size() - table.failed.size();
@@ -359,16 +422,20 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
       ->disable_flag_override();
   command.add_flag("--quiet", options.quiet, "Print only errors")->disable_flag_override();
   add_plugin_path_option(command, options.plugin_path);
+  add_controller_option(command, options.scripts);
   add_simd_option(command);
 }
 
 ExitCode sweep(const SweepOptions& options) {
-  try {
-    return sweep_checked(options);
-  } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return k_bad_input;
-  }
+  return on_each_rank([&](RankDeal& deal) {
+    try {
+      return sweep_checked(options, deal);
+    } catch (const OutputError& error) {
+      if (deal.ranks() > 1 && deal.has_shared()) throw;  // of this rank alone
+      fmt::print(stderr, "{}\n", error.what());
+      return k_bad_input;
+    }
+  });
 }
 
 }  // namespace troupe::apps

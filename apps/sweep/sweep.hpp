@@ -1,9 +1,11 @@
 #pragma once
 
 #include "apps/exit_code.hpp"
+#include "troupe/script.hpp"
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
@@ -22,6 +24,7 @@ struct SweepOptions {
   bool list = false;  ///< only print the runs
   bool quiet = false;
   std::vector<std::filesystem::path> plugin_path;
+  std::vector<std::shared_ptr<const Script>> scripts;  ///< --controller
 };
 
 /// Adds the options of `sweep`; parsing fills `options`, which must outlive `command`.

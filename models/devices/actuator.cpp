@@ -1,7 +1,6 @@
 #include "models/devices/actuator.hpp"
 
 #include "engine/device_kind.hpp"
-#include "engine/world.hpp"
 
 #include <fmt/format.h>
 

@@ -20,6 +20,8 @@ struct Brush {
   using State = BrushState;
   using Command = BrushCommand;
 
+  static constexpr engine::ApplyScope scope = engine::ApplyScope::trees;
+
   sensors::Ground ground;
   Vec2 point;  // position of the brush, in the frame of the body or of its joint
 
@@ -40,9 +42,9 @@ struct Brush {
       const auto& command = batch.commands->as<BrushCommand>(batch.slot(i));
       if (command.paints == 0) continue;
       const sensors::Ground::Zone zone =
-          ground.below(batch.world, batch.rows[i], batch.mount(i).transform * point, false);
-      if (!zone.body.valid() || !batch.world.row(zone.body).valid()) continue;
-      if (engine::color_device(batch.world.type(batch.world.row(zone.body)), zone.part) == nullptr) continue;
+          ground.below(batch.view, batch.rows[i], batch.mount(i).transform * point);
+      if (!zone.body.valid() || !batch.view.row(zone.body).valid()) continue;
+      if (engine::color_device(batch.view.type(batch.view.row(zone.body)), zone.part) == nullptr) continue;
       batch.emit(i, 0, zone.part, zone.body, {command.red, command.green, command.blue});
     }
   }

@@ -81,6 +81,8 @@ struct Flags {
   };
   using Command = FlagCommand;
 
+  static constexpr engine::ApplyScope scope = engine::ApplyScope::any_target;
+
   Params params;
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {

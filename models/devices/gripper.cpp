@@ -16,6 +16,7 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Mount;
+using engine::SensingView;
 using engine::World;
 
 constexpr double k_rate = 0.5;  // 1/s: 2 s from end to end
@@ -55,6 +56,7 @@ struct Gripper {
   using Command = GripperCommand;
   static constexpr std::array joints{std::string_view("left"), std::string_view("right")};
   static constexpr bool carries = true;
+  static constexpr engine::ApplyScope scope = engine::ApplyScope::trees;
   static constexpr engine::FrameLayer layer = engine::FrameLayer::grips;
 
   Params params;
@@ -106,8 +108,9 @@ std::vector<DeviceKind::Fixture> Gripper::body(const Params& params) {
 /// between them.
 class Hand {
  public:
-  Hand(const World& world, const Gripper& gripper, const GripperState& state, Row row, const Mount& frame)
-      : world_(world),
+  Hand(const SensingView& view, const Gripper& gripper, const GripperState& state, Row row,
+       const Mount& frame)
+      : view_(view),
         gripper_(gripper),
         state_(state),
         row_(row),
@@ -119,14 +122,14 @@ class Hand {
   template <class Visit>
   void for_each_near(Visit&& visit) const {
     const double reach = gripper_.size().head<2>().norm() / 2;
-    world_.index().for_each_near(
+    view_.index().for_each_near(
         Box::around(frame_.transform.position, reach), [&](const partition::BodyCircle& circle) {
           const Row other(circle.row);
-          const partition::ObstacleShape& shape = world_.type(other).grip;
+          const partition::ObstacleShape& shape = view_.type(other).grip;
           if (other == row_ || shape.empty()) return;
-          const Transform& at = world_.transform(other);
+          const Transform& at = view_.transform(other);
           if (!partition::in_reach(frame_.transform.position, reach, at.position, shape.radius)) return;
-          visit(other, partition::PlacedShape(shape, at, world_.poses()[other.index()].z));
+          visit(other, partition::PlacedShape(shape, at, view_.poses()[other.index()].z));
         });
   }
 
@@ -178,7 +181,7 @@ class Hand {
   }
 
  private:
-  const World& world_;
+  const SensingView& view_;
   const Gripper& gripper_;
   const GripperState& state_;
   Row row_;
@@ -197,7 +200,7 @@ struct Touched {
 
 /// Updates the beams and contacts in `state`, and writes the bodies that the paddles would hold to `touched`.
 /// closer: the paddle position, 0 to 1, after one more step of closing.
-void feel(const World& world, const Hand& hand, double closer, GripperState& state, Touched& touched) {
+void feel(const SensingView& view, const Hand& hand, double closer, GripperState& state, Touched& touched) {
   state.beam_inner = state.beam_outer = state.contact_left = state.contact_right = 0;
   hand.for_each_near([&](Row row, const partition::PlacedShape& shape) {
     state.beam_inner = state.beam_inner != 0 || hand.breaks_beam(shape, k_beams[0]);
@@ -205,7 +208,7 @@ void feel(const World& world, const Hand& hand, double closer, GripperState& sta
     const auto touch = [&](double side, std::uint8_t& contact, BodyId& lowest) {
       if (!hand.touches(shape, side, closer)) return;
       contact = 1;
-      if (hand.fits(shape) && (!lowest.valid() || world.body(row) < lowest)) lowest = world.body(row);
+      if (hand.fits(shape) && (!lowest.valid() || view.body(row) < lowest)) lowest = view.body(row);
     };
     touch(1, state.contact_left, touched.left);
     touch(-1, state.contact_right, touched.right);
@@ -226,8 +229,8 @@ void obey(std::uint8_t order, GripperState& state) {
 
 /// Whether the gripper of the body `own` no longer carries the body that it held. Only the death of the held
 /// body causes this: no other gripper can take it.
-bool has_lost(const World& world, BodyId own, const GripperState& state) {
-  return state.held != 0 && world.carrier(world.row(BodyId(state.held - 1))) != own;
+bool has_lost(const SensingView& view, BodyId own, const GripperState& state) {
+  return state.held != 0 && view.carrier(view.row(BodyId(state.held - 1))) != own;
 }
 
 /// The position after one step of length `step` towards `end`. If the step would end short of `end` by no
@@ -254,11 +257,11 @@ void Gripper::act(const DeviceBatch& batch) const {
   const double step = k_rate * batch.period_s;
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     auto& state = batch.state.as<GripperState>(batch.slot(i));
-    if (has_lost(batch.world, batch.body(i), state)) state.held = 0;
+    if (has_lost(batch.view, batch.body(i), state)) state.held = 0;
     const Mount frame = compose(batch.mount(i), place);
-    const Hand hand(batch.world, *this, state, batch.rows[i], frame);
+    const Hand hand(batch.view, *this, state, batch.rows[i], frame);
     Touched touched;
-    feel(batch.world, hand, towards(state.paddle_position, 1, step), state, touched);
+    feel(batch.view, hand, towards(state.paddle_position, 1, step), state, touched);
     state.stalled = 0;
     if (params.autosnatch)
       obey(state.beam_inner != 0 || state.beam_outer != 0 ? GripperCommand::close : GripperCommand::open,
@@ -319,7 +322,7 @@ void Gripper::apply(World& world, const engine::Effect& effect) const {
     return;
   }
   const Mount frame = compose(world.mount(row, device.joint), place);
-  const Hand hand(world, *this, state, row, frame);
+  const Hand hand(world.view(), *this, state, row, frame);
   const partition::PlacedShape shape(world.type(target).grip, world.transform(target),
                                      world.poses()[target.index()].z);
   const double closer =

@@ -1,7 +1,7 @@
 #include "models/devices/light.hpp"
 
 #include "engine/description.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 
 #include <cmath>
 
@@ -34,7 +34,7 @@ DeviceKind make_light(std::string_view name, std::string_view text) {
   };
   kind.act = [](const DeviceBatch& batch) {
     const LightSource& light = *std::any_cast<LightSource>(&batch.data);
-    const bool by_itself = is_lit(light, batch.world.time_s());
+    const bool by_itself = is_lit(light, batch.view.time_s());
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       const auto& command = batch.commands->as<LightCommand>(batch.slot(i));
       const bool lit =

@@ -15,6 +15,7 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Effect;
+using engine::SensingView;
 using engine::World;
 using partition::PlacedShape;
 
@@ -36,6 +37,7 @@ struct PowerContact {
   };
   using State = PowerContactState;
   static constexpr bool needs_supply = true;
+  static constexpr engine::ApplyScope scope = engine::ApplyScope::trees;
 
   Params params;
   partition::ObstacleShape shape = {};  ///< shape of the part that carries the contact, body frame
@@ -82,14 +84,14 @@ class Takers {
 
 /// Adds to `takers` the taking contacts of the body in row `other` that touch `giver`, the shape of the
 /// giving contact.
-void add_touched(const World& world, const PlacedShape& giver, Row other, Takers& takers) {
-  const BodyType& type = world.type(other);
+void add_touched(const SensingView& view, const PlacedShape& giver, Row other, Takers& takers) {
+  const BodyType& type = view.type(other);
   for (std::size_t d = 0; d < type.devices.size(); ++d) {
     const PowerContact* contact = as_contact(type.devices[d]);
     if (!contact || !(contact->params.take > 0) || !type.devices[d].supply || contact->shape.empty())
       continue;
-    const PlacedShape shape(contact->shape, world.mount(other, type.devices[d].joint).transform, 0);
-    if (partition::come_within(giver, shape, k_contact_m)) takers.add({world.body(other), d});
+    const PlacedShape shape(contact->shape, view.mount(other, type.devices[d].joint).transform, 0);
+    if (partition::come_within(giver, shape, k_contact_m)) takers.add({view.body(other), d});
   }
 }
 
@@ -110,17 +112,17 @@ Result<> PowerContact::bind_part(const engine::TypeSpec& type, std::uint32_t par
 /// transfer changes what the packs hold for the next one.
 void PowerContact::act(const DeviceBatch& batch) const {
   if (!(params.give > 0) || shape.empty()) return;
-  const World& world = batch.world;
+  const SensingView& view = batch.view;
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     const Row row = batch.rows[i];
     const Transform at = batch.mount(i).transform;
     const PlacedShape placed(shape, at, 0);
     Takers takers;
-    world.index().for_each_near(Box::around(placed.position(), shape.radius + k_contact_m),
-                                [&](const partition::BodyCircle& circle) {
-                                  if (const Row other(circle.row); !world.same_tree(other, row))
-                                    add_touched(world, placed, other, takers);
-                                });
+    view.index().for_each_near(Box::around(placed.position(), shape.radius + k_contact_m),
+                               [&](const partition::BodyCircle& circle) {
+                                 if (const Row other(circle.row); !view.same_tree(other, row))
+                                   add_touched(view, placed, other, takers);
+                               });
     batch.state.as<State>(batch.slot(i)).touched = static_cast<std::uint8_t>(takers.list().size());
     std::uint32_t sequence = 0;
     for (const Taker& taker : takers.list())

@@ -63,6 +63,8 @@ struct PowerPack {
     }
   };
 
+  static constexpr engine::ApplyScope scope = engine::ApplyScope::trees;
+
   Params params;
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
@@ -83,19 +85,18 @@ struct PowerPack {
   }
 
   void act(const DeviceBatch& batch) const {
-    const BodyType& type = batch.world.type(batch.rows.front());
+    const BodyType& type = batch.view.type(batch.rows.front());
     const auto feeds = [&batch](std::optional<std::size_t> supply) { return supply == batch.device; };
     const bool feeds_drive = type.drive && feeds(type.drive->supply);
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-      const Row row = batch.rows[i];
       auto& state = batch.state.as<PowerPackState>(batch.slot(i));
       if (state.charging != 0) batch.emit(i, 0, k_ask_whether_charging, batch.body(i), {state.received});
       if (params.when_empty == WhenEmpty::die && state.is_empty()) batch.emit_death(i, 1, batch.body(i));
       double watts = params.draw;
-      if (feeds_drive) watts += drive_watts(batch.world.velocities()[row.index()]);
-      for (const BodyType::Device& device : type.devices)
-        if (feeds(device.supply) && batch.world.senses(row, device) && batch.world.is_on(row, device))
-          watts += device.prepared.watts;
+      if (feeds_drive) watts += drive_watts(batch.velocity(i));
+      for (std::size_t d = 0; d < type.devices.size(); ++d)
+        if (feeds(type.devices[d].supply) && batch.senses(i, d) && batch.is_on(i, d))
+          watts += type.devices[d].prepared.watts;
       double joules = watts * batch.period_s;
       if (!params.infinite) {
         joules = std::min(joules, state.stored);

@@ -1,7 +1,7 @@
 #include "models/devices/remover.hpp"
 
 #include "engine/device_kind.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ namespace {
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Mount;
-using engine::World;
+using engine::SensingView;
 
 /// A list of body ids in ascending order. If more than k_most_removed ids are added, it keeps the lowest
 /// k_most_removed of them.
@@ -81,23 +81,23 @@ struct Remover {
     return Error{fmt::format("removes {}", unknown_name("type", params.of, known))};
   }
 
-  bool takes(const World& world, Row row) const {
-    const engine::BodyType& type = world.type(row);
-    const auto index = static_cast<std::size_t>(&type - world.types().data());
+  bool takes(const SensingView& view, Row row) const {
+    const engine::BodyType& type = view.type(row);
+    const auto index = static_cast<std::size_t>(&type - view.types().data());
     const bool fits = types.empty() ? type.drive.has_value() : types[index] != 0;
-    return fits && !world.carrier(row);
+    return fits && !view.carrier(row);
   }
 
   void act(const DeviceBatch& batch) const {
-    const World& world = batch.world;
+    const SensingView& view = batch.view;
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       const Vec2 at = compose(batch.mount(i), place).transform.position;
       Lowest found;
-      world.index().for_each_near(Box::around(at, params.radius), [&](const partition::BodyCircle& circle) {
+      view.index().for_each_near(Box::around(at, params.radius), [&](const partition::BodyCircle& circle) {
         const Row row(circle.row);
         if (row == batch.rows[i]) return;
-        if ((world.transform(row).position - at).squaredNorm() > params.radius * params.radius) return;
-        if (takes(world, row)) found.add(world.body(row));
+        if ((view.transform(row).position - at).squaredNorm() > params.radius * params.radius) return;
+        if (takes(view, row)) found.add(view.body(row));
       });
       std::uint32_t sequence = 0;
       for (const BodyId body : found.list()) batch.emit_death(i, sequence++, body);

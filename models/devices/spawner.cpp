@@ -23,17 +23,20 @@ using engine::World;
 
 /// Number of periods of `every_s` seconds that have ended since the spawner last ran. The first period begins
 /// with the birth of the spawner's body, in `row`. own_period: number of ticks since the spawner last ran.
-std::uint64_t periods_ended(const World& world, Row row, std::uint64_t own_period, double every_s) {
-  const std::uint64_t age = world.tick() - world.birth_tick(row);
-  const std::uint64_t every = engine::period_ticks(every_s, world.tick_s());
+std::uint64_t periods_ended(const engine::SensingView& view, Row row, std::uint64_t own_period,
+                            double every_s) {
+  const std::uint64_t age = view.tick() - view.birth_tick(row);
+  const std::uint64_t every = engine::period_ticks(every_s, view.tick_s());
   return age / every - (age - std::min(age, own_period)) / every;
 }
 
-/// Number of flags that the body in `row` has received from other bodies since its birth.
-std::uint64_t flags_received(const World& world, Row row) {
+/// Number of flags that body i of the batch, of the given type, has received from other bodies since its
+/// birth.
+std::uint64_t flags_received(const DeviceBatch& batch, const BodyType& type, std::size_t i) {
   std::uint64_t sum = 0;
-  for (const BodyType::Device& device : world.type(row).devices)
-    if (device.kind->flags) sum += device.kind->flags(world.percepts(device), world.slot(row)).received;
+  for (std::size_t d = 0; d < type.devices.size(); ++d)
+    if (const auto flags = type.devices[d].kind->flags)
+      sum += flags(batch.percepts(d), batch.slot(i)).received;
   return sum;
 }
 
@@ -49,7 +52,8 @@ struct Spawner {
       using enum engine::Unit;
       d.member<&Params::population>(
           "population",
-          "name of the population whose bodies are spawned; the population must have a reserve");
+          "name of the population whose bodies are spawned; the population must have a reserve of "
+          "unborn bodies (key `reserve`)");
       d.member<&Params::every>("every", seconds, at_least(0), at_most(engine::k_most_seconds),
                                "time from one birth to the next; 0: no periodic births");
       d.member<&Params::per_flags>(
@@ -105,17 +109,16 @@ struct Spawner {
   }
 
   void act(const DeviceBatch& batch) const {
-    const World& world = batch.world;
+    const BodyType& type = batch.view.type(batch.rows.front());
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-      const Row row = batch.rows[i];
       auto& state = batch.state.as<SpawnerState>(batch.slot(i));
       const std::uint32_t request = batch.commands->as<SpawnerCommand>(batch.slot(i)).request;
       std::uint64_t due = request - state.request;
       state.request = request;
       if (params.every > 0)
-        due += periods_ended(world, row, world.type(row).devices[batch.device].period, params.every);
+        due += periods_ended(batch.view, batch.rows[i], type.devices[batch.device].period, params.every);
       if (const auto per_flags = static_cast<std::uint64_t>(params.per_flags); per_flags > 0) {
-        const std::uint64_t received = flags_received(world, row);
+        const std::uint64_t received = flags_received(batch, type, i);
         due += received / per_flags - state.flags / per_flags;
         state.flags = received;
       }

@@ -1,7 +1,8 @@
 #include "models/drives/wheels.hpp"
 
 #include "engine/device_kind.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing_view.hpp"
+#include "engine/step_error.hpp"
 #include "models/drives/drives.hpp"
 
 #include <fmt/format.h>
@@ -100,7 +101,7 @@ void Wheels::act(const DeviceBatch& batch) const {
                              {state.forward, state.left, state.turn});
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn))
       throw engine::StepError(fmt::format("tick {}: the command of a part of \"{}\" is not a finite number",
-                                          batch.world.tick(), batch.world.spec().name(batch.body(i))));
+                                          batch.view.tick(), batch.view.spec().name(batch.body(i))));
     state = {at.x + 0.0, at.y + 0.0, at.z + 0.0, at.heading + 0.0, v.x + 0.0, v.y + 0.0, v.turn + 0.0, 0};
     if (v.x == 0 && v.y == 0 && v.turn == 0) continue;
     const Pose to = moved(q, v, batch.period_s);

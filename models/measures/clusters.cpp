@@ -3,8 +3,11 @@
 #include "engine/world.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 namespace troupe::models {
@@ -14,22 +17,34 @@ using engine::Measure;
 using engine::Unit;
 using engine::World;
 
-/// Base of the measures of clusters of pushable bodies. It finds the clusters by union-find.
+/// The bodies whose clusters are counted.
+enum class Bodies : std::uint8_t { pushable, robots };
+constexpr std::array<std::string_view, 2> names_of(Bodies) { return {"pushable", "robots"}; }
+
+/// Base of the measures of clusters of bodies. It finds the clusters by union-find.
 class Clusters : public Measure {
  public:
   struct Params {
     double distance = 0;
+    Bodies bodies = Bodies::pushable;
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::distance>(
           "distance", Unit::meters, above(0), at_most(1000), required,
           "two bodies are in one cluster if their origins are at most this far apart");
+      d.member<&Params::bodies>("bodies",
+                                "pushable: all pushable bodies; robots: the robots that `of` selects");
     }
   };
 
-  Clusters(const World& world, const Params& params, const std::vector<Row>&)
-      : distance_(params.distance), parents_(world.rows()), sizes_(world.rows()) {}
+  Clusters(const World& world, const Params& params, const std::vector<Row>& robots)
+      : distance_(params.distance), parents_(world.rows()), sizes_(world.rows()), is_member_(world.rows()) {
+    for (std::size_t row = 0; row < world.rows(); ++row)
+      is_member_[row] = params.bodies == Bodies::pushable && world.type(Row(row)).pushable;
+    if (params.bodies == Bodies::robots)
+      for (const Row row : robots) is_member_[row.index()] = true;
+  }
 
  protected:
   struct Count {
@@ -40,9 +55,7 @@ class Clusters : public Measure {
   Count count(const World& world) {
     std::iota(parents_.begin(), parents_.end(), 0u);
     std::ranges::fill(sizes_, 0u);
-    const auto counts = [&](std::uint32_t row) {
-      return world.type(Row(row)).pushable && world.is_there(Row(row));
-    };
+    const auto counts = [&](std::uint32_t row) { return is_member_[row] && world.is_there(Row(row)); };
     Count found;
     for (std::uint32_t row = 0; row < world.rows(); ++row) {
       if (!counts(row)) continue;
@@ -72,6 +85,7 @@ class Clusters : public Measure {
   double distance_;
   std::vector<std::uint32_t> parents_;  // union-find forest, per row
   std::vector<std::uint32_t> sizes_;    // number of bodies in the cluster, at the row that is its root
+  std::vector<bool> is_member_;  // per row: whether the body is one of those whose clusters are counted
 };
 
 class ClusterCount : public Clusters {
@@ -94,17 +108,22 @@ class LargestCluster : public Clusters {
 
 engine::MeasureKind clusters_measure() {
   return engine::make_measure_kind<ClusterCount>(
-      "clusters", Unit::none, "number of clusters of pushable bodies",
-      "The number of connected components of the graph that joins all pairs of pushable bodies whose origins "
-      "are at most `distance` apart. A body without neighbours is a cluster of one. All pushable bodies "
-      "count, whatever robots `of` selects.");
+      "clusters", Unit::none, "number of clusters of pushable bodies or of robots",
+      "The number of connected components of the graph that joins all pairs of bodies whose origins are at "
+      "most `distance` apart. The bodies are all pushable bodies, whatever robots `of` selects, or, with "
+      "`bodies`: \"robots\", the robots that `of` selects. A body without neighbours is a cluster of one. "
+      "Source, for aggregates of robots: Garnier et al., The embodiment of cockroach aggregation behavior in "
+      "a group of micro-robots, Artificial Life 14, 2008.",
+      "number of components of the graph {(i, j): |x_i - x_j| <= distance}");
 }
 
 engine::MeasureKind largest_cluster_measure() {
   return engine::make_measure_kind<LargestCluster>(
-      "largest_cluster", Unit::none, "fraction of the pushable bodies that are in the largest cluster",
+      "largest_cluster", Unit::none,
+      "fraction of the pushable bodies or of the robots that are in the largest cluster",
       "The number of bodies in the largest of the clusters that the measure `clusters` counts, divided by "
-      "the number of all pushable bodies. The value is NaN if there are no pushable bodies.");
+      "the number of all these bodies. The value is NaN if there are none.",
+      "max_c |c| / sum_c |c|, over the clusters c");
 }
 
 }  // namespace troupe::models

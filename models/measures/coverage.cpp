@@ -152,7 +152,8 @@ engine::MeasureKind coverage_measure() {
       "four of them. A cell is free if its centre is within the bounds of the world and in no static "
       "obstacle, whatever the height of the obstacle. If the world has no bounds, the box around the static "
       "geometry and the robots at the start is used instead. Free cells that no robot can reach count as "
-      "free.");
+      "free.",
+      "|visited free cells| / |free cells|");
 }
 
 }  // namespace troupe::models

@@ -194,8 +194,8 @@ class ShareWithin : public OfRobots {
   Params circle_;
 };
 
-/// The mean of one number of the state over the robots whose types have this number.
-class StateMean : public OfRobots {
+/// Base of the measures of one number of the state, over the robots whose types have this number.
+class OfState : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
     std::size_t field = 0;
@@ -220,19 +220,18 @@ class StateMean : public OfRobots {
     }
   };
 
-  StateMean(const World& world, const Params& params, std::vector<Row> rows)
-      : StateMean(world, params, std::move(rows), cells_of(world, params)) {}
+  OfState(const World& world, const Params& params, std::vector<Row> rows)
+      : OfState(world, params, std::move(rows), cells_of(world, params)) {}
 
-  double value(World& world) override {
-    return mean(world, [&](std::size_t i) {
-      const Cell& cell = cells_[i];
-      return number(world.tables()[cell.table], cell);
-    });
+ protected:
+  /// The number of robots()[i].
+  double number_of(const World& world, std::size_t i) const {
+    return number(world.tables()[cells_[i].table], cells_[i]);
   }
 
  private:
   /// cells: the result of cells_of().
-  StateMean(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
+  OfState(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
       : OfRobots(world, with(world, cells, std::move(rows))),
         column_(static_cast<std::size_t>(params.column)) {
     for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
@@ -299,6 +298,26 @@ class StateMean : public OfRobots {
   std::vector<Cell> cells_;  // per robot, in the order of robots()
 };
 
+class StateMean : public OfState {
+ public:
+  using OfState::OfState;
+  double value(World& world) override {
+    return mean(world, [&](std::size_t i) { return number_of(world, i); });
+  }
+};
+
+class StateVariance : public OfState {
+ public:
+  using OfState::OfState;
+  double value(World& world) override {
+    const double middle = mean(world, [&](std::size_t i) { return number_of(world, i); });
+    return mean(world, [&](std::size_t i) {
+      const double from_mean = number_of(world, i) - middle;
+      return from_mean * from_mean;
+    });
+  }
+};
+
 class Alive : public OfRobots {
  public:
   using OfRobots::OfRobots;
@@ -343,33 +362,38 @@ class Deaths : public Measure {
 engine::MeasureKind stalls_measure() {
   return engine::make_measure_kind<Stalls>("stalls", Unit::none, "number of stalled robots",
                                            "The number of robots whose last motion was blocked by something "
-                                           "in its way, or would have left the bounds of the world.");
+                                           "in its way, or would have left the bounds of the world.",
+                                           "sum_i [robot i is stalled]");
 }
 
 engine::MeasureKind alive_measure() {
   return engine::make_measure_kind<Alive>("alive", Unit::none, "number of robots in the world",
                                           "The number of robots that have been born and have not died. Other "
-                                          "measures of robots cover only these robots.");
+                                          "measures of robots cover only these robots.",
+                                          "n");
 }
 
 engine::MeasureKind deaths_measure() {
   return engine::make_measure_kind<Deaths>(
       "deaths", Unit::none, "number of bodies of a type that have died",
       "The number of bodies of a type that have died, such as pucks that a remover took or robots whose "
-      "power packs ran empty. All bodies of the type count, whatever robots `of` selects.");
+      "power packs ran empty. All bodies of the type count, whatever robots `of` selects.",
+      "sum_b [body b of the type is dead]");
 }
 
 engine::MeasureKind held_measure() {
   return engine::make_measure_kind<Held>("held", Unit::none, "number of robots stopped at the world's bounds",
                                          "The number of robots whose last motion would have left the bounds "
-                                         "of the world. The measure `stalls` counts these robots as well.");
+                                         "of the world. The measure `stalls` counts these robots as well.",
+                                         "sum_i [robot i is held at the bounds]");
 }
 
 engine::MeasureKind displacement_measure() {
   return engine::make_measure_kind<Displacement>(
       "displacement", Unit::meters, "mean distance of the robots from where they started",
       "The mean over the robots of the straight-line distance between a robot's origin now and its origin at "
-      "tick 0, or at its birth if it was born later.");
+      "tick 0, or at its birth if it was born later.",
+      "1/n sum_i |x_i(t) - x_i(0)|");
 }
 
 engine::MeasureKind path_length_measure() {
@@ -377,14 +401,24 @@ engine::MeasureKind path_length_measure() {
       "path_length", Unit::meters, "mean length of the robots' paths",
       "The mean over the robots of the length of a robot's path. That is the sum, over all ticks since "
       "measuring began, of the straight-line distance between the robot's origin before and after the tick. "
-      "If a program places a robot elsewhere between two ticks, this distance does not count.");
+      "If a program places a robot elsewhere between two ticks, this distance does not count.",
+      "1/n sum_i sum_t |x_i(t) - x_i(t - 1)|");
 }
 
 engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
       "mean_speed", Unit::meters_per_second, "mean speed of the robots in the last tick",
       "The mean over the robots of the speed of a robot's origin in the last tick, in whatever direction it "
-      "moved. The speed is 0 for a stalled robot, and for all robots before the first tick.");
+      "moved. The speed is 0 for a stalled robot, and for all robots before the first tick.",
+      "1/n sum_i |v_i|");
+}
+
+engine::MeasureKind polarisation_measure() {
+  engine::MeasureKind kind = order_measure();
+  kind.name = "polarisation";
+  kind.same_as = "order";
+  kind.text = "another name of the measure `order`";
+  return kind;
 }
 
 engine::MeasureKind order_measure() {
@@ -393,19 +427,22 @@ engine::MeasureKind order_measure() {
       "The length of the mean of the robots' unit heading vectors, also called polarisation: 1 if all "
       "headings are equal, near 0 if they are random. Source, for particles of equal speed: Vicsek et al., "
       "Novel type of phase transition in a system of self-driven particles, Physical Review Letters 75, "
-      "1995.");
+      "1995.",
+      "|1/n sum_i (cos h_i, sin h_i)|, with the heading h_i of robot i");
 }
 
 engine::MeasureKind spread_measure() {
   return engine::make_measure_kind<Spread>(
       "spread", Unit::meters, "mean distance of the robots from their centre",
-      "The mean over the robots of the distance between a robot's origin and the mean of all their origins.");
+      "The mean over the robots of the distance between a robot's origin and the mean of all their origins.",
+      "1/n sum_i |x_i - 1/n sum_j x_j|");
 }
 
 engine::MeasureKind share_within_measure() {
   return engine::make_measure_kind<ShareWithin>(
       "share_within", Unit::none, "fraction of the robots that are in a circle",
-      "The fraction of the robots whose origin is at most `radius` away from `center`.");
+      "The fraction of the robots whose origin is at most `radius` away from `center`.",
+      "1/n sum_i [|x_i - center| <= radius]");
 }
 
 engine::MeasureKind state_mean_measure() {
@@ -413,7 +450,16 @@ engine::MeasureKind state_mean_measure() {
       "state_mean", Unit::none, "mean of one number of the robots' state",
       "The mean of one number of the state, such as a variable in the memory of a controller or a reading of "
       "a sensor, over the robots that have this number. If the number is 0 or 1, the mean is the fraction of "
-      "these robots for which it is 1.");
+      "these robots for which it is 1.",
+      "m = 1/n sum_i s_i");
+}
+
+engine::MeasureKind state_variance_measure() {
+  return engine::make_measure_kind<StateVariance>(
+      "state_variance", Unit::none, "variance of one number of the robots' state",
+      "The variance, over the robots, of the number whose mean is the measure `state_mean`: the mean square "
+      "of its difference from this mean. It is 0 if all robots have the same number.",
+      "1/n sum_i (s_i - m)^2, with m = 1/n sum_i s_i");
 }
 
 }  // namespace troupe::models

@@ -16,10 +16,14 @@ engine::MeasureKind path_length_measure();   ///< `path_length`, m: mean length 
 engine::MeasureKind mean_speed_measure();    ///< `mean_speed`, m/s: mean speed of the robots in the last tick
 /// `order`: agreement of the robots' headings, from 0 (none) to 1 (all headings are equal).
 engine::MeasureKind order_measure();
+/// `polarisation`: another name of `order`.
+engine::MeasureKind polarisation_measure();
 /// `spread`, m: mean distance of the robots from the mean of their positions.
 engine::MeasureKind spread_measure();
 engine::MeasureKind share_within_measure();  ///< `share_within`: fraction of the robots in a given circle
 /// `state_mean`: mean of one number of the state, such as a reading, over the robots that have this number.
 engine::MeasureKind state_mean_measure();
+/// `state_variance`: variance of such a number over the robots.
+engine::MeasureKind state_variance_measure();
 
 }  // namespace troupe::models

@@ -142,7 +142,8 @@ engine::MeasureKind mean_nearest_distance_measure() {
       "The mean over the robots of the distance from a robot's origin to the origin of the nearest other "
       "robot, among the robots that `of` selects. Walls between two robots make no difference. The value is "
       "NaN for fewer than two robots. Source: Clark and Evans, Distance to nearest neighbor as a measure of "
-      "spatial relationships in populations, Ecology 35, 1954.");
+      "spatial relationships in populations, Ecology 35, 1954.",
+      "1/n sum_i min_(j != i) |x_i - x_j|");
 }
 
 engine::MeasureKind neighbours_measure() {
@@ -150,7 +151,8 @@ engine::MeasureKind neighbours_measure() {
       "neighbours", Unit::none, "mean number of other robots nearby",
       "The mean over the robots of the number of other robots, among those that `of` selects, whose origin "
       "is within `radius` of the robot's origin. Walls between two robots make no difference. The value is "
-      "the mean degree of the graph that joins all pairs of robots within that distance.");
+      "the mean degree of the graph that joins all pairs of robots within that distance.",
+      "1/n sum_i sum_(j != i) [|x_i - x_j| <= radius]");
 }
 
 }  // namespace troupe::models

@@ -18,7 +18,7 @@ except ModuleNotFoundError as missing:
         "troupe_python), and import the package from build/release/lib/python3/dist-packages or from the folder in "
         "which it is installed") from missing
 
-from . import math
+from . import _show, math
 from ._core import (
     BatchEnv,
     Event,
@@ -31,18 +31,22 @@ from ._core import (
     Pose,
     Random,
     Recording,
+    Robots,
     Simulation,
     Speed,
     StepError,
     Swarm,
     Table,
+    View,
     __version__,
     version_line,
 )
+from ._script import Controller, measure
 from ._sweep import sweep
 
 __all__ = [
     "BatchEnv",
+    "Controller",
     "Event",
     "Events",
     "Field",
@@ -53,13 +57,16 @@ __all__ = [
     "Pose",
     "Random",
     "Recording",
+    "Robots",
     "Simulation",
     "Speed",
     "StepError",
     "Swarm",
     "Table",
+    "View",
     "__version__",
     "math",
+    "measure",
     "sweep",
     "version_line",
 ]

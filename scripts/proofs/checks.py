@@ -11,6 +11,16 @@ THREADS = (1, 2, 3, 8)
 TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: automatic
 # Checks that are an option of `troupe check`, with one thread and one tile size.
 OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia", "reach": "--reach"}
+# The part of all worlds that are also computed by several ranks.
+RANKS = 0.5
+
+
+def options_of(check):
+    """The options of `troupe check` for a check that is made with it."""
+    options = [OPTIONS[check["check"]]] if check["check"] in OPTIONS else []
+    if check["check"] == "ranks":
+        options += ["--ranks", ",".join(map(str, check["ranks"])), "--rank-seed", str(check["seed"])]
+    return options
 
 
 def plan(seed, index, ticks, program_only=False, controllers=False):
@@ -31,6 +41,9 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
             checks.append({"check": "converted", "to": draws.choice(("json", "json", "world"))})
         if draws.random() < 0.1:
             checks.append(program)
+    if draws.random() < RANKS:
+        checks.append({"check": "ranks", "ranks": [1, *sorted(draws.sample((2, 3, 4, 7), 2))], "threads": [draws.choice((1, 2))],
+                       "seed": draws.randrange(1 << 32)})
     checks.append({"check": "amnesia"})
     checks.append({"check": "reach"})
     if controllers:

@@ -9,7 +9,8 @@ from .runs import Fault
 FAMILIES = ("drive", "sensor", "device", "controller", "measure", "fault")
 # Keys of every sensor, device or controller in addition to its own parameters.
 COMMON = {"kind", "name", "pose", "active", "joint", "on", "color", "obstacle", "ranger_return", "fiducial_return",
-          "fiducial_key", "gripper_return", "blob_return", "pushable", "blocks", "of", "update_period_s", "update_period_ms"}
+          "fiducial_key", "gripper_return", "blob_return", "pushable", "blocks", "of", "ring", "update_period_s",
+          "update_period_ms"}
 
 
 class Kind:

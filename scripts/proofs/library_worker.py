@@ -17,7 +17,7 @@ import sys
 import troupe
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from checks import OPTIONS, difference  # noqa: E402
+from checks import difference, options_of  # noqa: E402
 
 
 class Job:
@@ -132,11 +132,9 @@ class Job:
         if check["check"] == "reach" and self.world.get("ranging") == "grid":
             return  # needs the exact engine
         command = [self.program, "check", self.folder / "world.json", "--for", repr(self.ticks * self.world.get("tick_s", 0.1))]
-        if check["check"] in OPTIONS:
-            command += ["--threads", "1", "--tile-size", "auto", OPTIONS[check["check"]]]
-        else:
-            command += ["--threads", ",".join(map(str, check["threads"])),
-                        "--tile-size", ",".join(str(tile) if tile else "auto" for tile in check["tiles"])]
+        command += ["--threads", ",".join(map(str, check.get("threads", [1]))),
+                    "--tile-size", ",".join(str(tile) if tile else "auto" for tile in check.get("tiles", [0])),
+                    *options_of(check)]
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
         if done.returncode != 0:
             told = done.stdout[done.stdout.find("differs at"):] if "differs at" in done.stdout else done.stdout
@@ -146,7 +144,7 @@ class Job:
         """None, or the failure: {"check", "tick", "text"}."""
         run = {"threads": self.threads, "checkpoints": self.checkpoints, "reset": self.reset, "steps": self.steps_of,
                "observed": self.observed, "converted": self.converted, "program": self.program_check,
-               "amnesia": self.program_check, "reach": self.program_check,
+               "ranks": self.program_check, "amnesia": self.program_check, "reach": self.program_check,
                "controllers": self.program_check}[check["check"]]
         plain = self.expected
         try:

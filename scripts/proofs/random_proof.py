@@ -167,7 +167,7 @@ class Program:
                     if found:
                         told["failures"].append({"check": check, "tick": found[0], "text": found[1]})
                     continue
-                options = [check_plans.OPTIONS[check["check"]]] if check["check"] in check_plans.OPTIONS else []
+                options = check_plans.options_of(check)
                 done = self._call("check", file, "--for", end_s, "--threads", ",".join(map(str, check.get("threads", [1]))),
                                   "--tile-size", ",".join(str(tile) if tile else "auto" for tile in check.get("tiles", [0])), *options)
             except (Fault, subprocess.TimeoutExpired) as fault:

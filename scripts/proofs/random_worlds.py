@@ -466,7 +466,7 @@ class Generator(Parameters):
             one = {"kind": name, **self.parameters(self.kinds.of("measure")[name])}
             if name == "deaths":
                 one["type"] = "focus"
-            elif name == "state_mean":
+            elif name in ("state_mean", "state_variance"):
                 one.update(component="pose", field="x")
                 one.pop("column", None)
             elif name == "rank_errors":

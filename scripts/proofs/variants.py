@@ -32,6 +32,13 @@ def threads_and_tiles(program, threads, tiles):
     return Proof("T0 threads and tiles", f"{len(threads)} thread counts x {len(tiles)} tile sizes", variants)
 
 
+def ranks(base, teams):
+    """Several ranks in one process, (ranks, threads, seed): late, shuffled messages, and robots that change their ranks."""
+    variants = tuple(replace(base, label=f"{n} ranks, {threads} threads, seed {seed}", threads=threads,
+                             options=("--ranks", n, "--rank-seed", seed)) for n, threads, seed in teams)
+    return Proof("T0 ranks", "late, shuffled messages; robots change their ranks", variants)
+
+
 def scheduler(base):
     """The program with a parallel loop that shuffles its tasks and sleeps in them (tests/hostile/parallel_shuffled.cpp)."""
     program = base.program.with_name("troupe_shuffled")

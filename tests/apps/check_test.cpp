@@ -1,14 +1,21 @@
 #include "apps/check/check.hpp"
 
 #include "engine/device_kind.hpp"
+#include "engine/sensing_view.hpp"
 #include "engine/world.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::apps {
@@ -22,6 +29,7 @@ using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
+using ::testing::ThrowsMessage;
 
 class CheckProgram : public ProgramTest {};
 
@@ -75,6 +83,19 @@ TEST_F(CheckProgram, ChecksTheControllersOfARoom) {
                           MatchesRegex("120 decisions, each 3 times +10  same bits  -")));
 }
 
+TEST_F(CheckProgram, ComparesNumbersOfRanks) {
+  write("room.world", k_room);
+  const Outcome outcome = troupe({"check", "room.world", "--for", "1", "--threads", "1,2", "--tile-size",
+                                  "auto", "--ranks", "1,3", "--rank-seed", "9"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(lines_of(outcome.out),
+              ElementsAre("delays between ranks: --rank-seed 9", StartsWith("variant "),
+                          MatchesRegex("1 thread, automatic tiles .* same bits  [0-9a-f]{16}"),
+                          MatchesRegex("2 threads, automatic tiles .* same bits  [0-9a-f]{16}"),
+                          MatchesRegex("3 ranks, 1 thread, automatic tiles .* same bits  [0-9a-f]{16}"),
+                          MatchesRegex("3 ranks, 2 threads, automatic tiles .* same bits  [0-9a-f]{16}")));
+}
+
 TEST_F(CheckProgram, BadInputIsExitCode2) {
   write("room.world", k_room);
   write("bad.json", "{\n  \"troupe\": 1,\n  \"types\": 3\n}\n");
@@ -90,7 +111,7 @@ TEST_F(CheckProgram, BadInputIsExitCode2) {
             "room.world: error: no end time: give --for SECONDS, or set quit_time in the world\n");
   EXPECT_EQ(error_of({"check", "room.world", "--for", "1", "--threads", "2", "--tile-size", "3"}),
             "troupe check: error: there is only one variant and nothing to compare: give several numbers to "
-            "--threads or --tile-size, or give --amnesia, --reach or --controllers\n");
+            "--threads, --ranks or --tile-size, or give --amnesia, --reach or --controllers\n");
 }
 
 /// A sensor that counts the bodies within 1 m, and declares a reach of its own.
@@ -113,15 +134,59 @@ struct Counter {
   }
   std::uint64_t sense(const engine::DeviceBatch& batch) const {
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-      const Vec2 here = batch.world.transform(batch.rows[i]).position;
+      const Vec2 here = batch.view.transform(batch.rows[i]).position;
       std::uint32_t count = 0;
-      batch.world.index().for_each_near(Box::around(here, 1), [&](const partition::BodyCircle& circle) {
-        const Vec2 there = batch.world.transform(Row(circle.row)).position;
+      batch.view.index().for_each_near(Box::around(here, 1), [&](const partition::BodyCircle& circle) {
+        const Vec2 there = batch.view.transform(Row(circle.row)).position;
         count += (there - here).norm() < 1;
       });
       batch.state.as<State>(batch.slot(i)).count = count;
     }
     return 0;
+  }
+};
+
+/// A sensor that reads the speeds of the bodies within 1 m, and declares that it does.
+struct Doppler {
+  struct State {
+    double speed = 0;
+    TROUPE_FIELDS(speed)
+  };
+  static constexpr std::array reads{engine::k_velocity_of_others};
+
+  static engine::DeviceKind::Prepared prepare(const Pose&) { return {.data = Doppler(), .reach_m = 1}; }
+  std::uint64_t sense(const engine::SenseBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      const Vec2 here = batch.view.transform(batch.rows[i]).position;
+      double speed = 0;
+      batch.view.index().for_each_near(Box::around(here, 1), [&](const partition::BodyCircle& circle) {
+        const Row row(circle.row);
+        if ((batch.view.transform(row).position - here).norm() < 1)
+          speed = std::max(speed, std::abs(batch.committed.velocity(row).x));
+      });
+      batch.state.as<State>(batch.slot(i)).speed = speed;
+    }
+    return 0;
+  }
+};
+
+/// A device that in each tick writes to the next body of the world.
+struct Meddler {
+  struct State {
+    std::uint32_t count = 0;
+    TROUPE_FIELDS(count)
+  };
+  static constexpr engine::ApplyScope scope = engine::ApplyScope::trees;
+
+  static engine::DeviceKind::Prepared prepare(const Pose&) { return {.data = Meddler(), .most_effects = 1}; }
+  void act(const engine::DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) batch.emit(i, 0, 0, BodyId());
+  }
+  void apply(engine::World& world, const engine::Effect& effect) const {
+    const BodyId next(effect.source.index() + 1);
+    if (next.index() >= world.spec().bodies.size() || !world.row(next).valid()) return;
+    const Row row = world.row(next);
+    ++world.state(world.type(row).devices[effect.device]).as<State>(world.slot(row)).count;
   }
 };
 
@@ -134,6 +199,12 @@ class Check : public test::ScratchTest {
       for (engine::ControllerKind& kind : test::rogue_controllers())
         all.controllers.push_back(std::move(kind));
       all.devices.push_back(engine::make_device_kind<Counter>("counter", "counts the bodies near it"));
+      all.devices.push_back(engine::make_device_kind<Doppler>("doppler", "the speeds of bodies near it"));
+      all.devices.push_back(engine::make_device_kind<Doppler>("secret_doppler", "the same, not declared"));
+      all.devices.back().reads.clear();
+      all.devices.push_back(engine::make_device_kind<Meddler>("meddler", "writes to another body"));
+      all.devices.push_back(engine::make_device_kind<Meddler>("frank_meddler", "the same, declared"));
+      all.devices.back().scope = engine::ApplyScope::anything;
       return all;
     }();
     return kinds;
@@ -231,13 +302,49 @@ TEST_F(Check, ReachFindsADeviceThatReadsFurtherThanItDeclares) {
   }
 }
 
+/// Devices in one list of a type, in a crowd of robots that drive.
+std::string crowd_with(std::string_view list, std::string_view kind) {
+  return fmt::format(R"({{
+    "troupe": 1, "types": {{"bot": {{"size_m": [0.1, 0.1, 0.2], "drive": {{"kind": "diff"}},
+      "controller": {{"kind": "honest"}}, "{}": [{{"name": "it", "kind": "{}", "active": true}}]}}}},
+    "populations": [{{"name": "r", "type": "bot", "count": 40,
+                      "place": {{"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}}}}]}})",
+                     list, kind);
+}
+
+TEST_F(Check, ReachFindsADeviceThatReadsMoreThanItDeclares) {
+  for (const auto& [kind, code] : {std::pair("doppler", 0), std::pair("secret_doppler", 1)}) {
+    CheckOptions blinkered = options("honest");
+    blinkered.world = write("crowd.json", crowd_with("sensors", kind));
+    blinkered.threads = {2};
+    blinkered.reach = true;
+    const Outcome outcome = check(blinkered);
+    EXPECT_EQ(outcome.code, code) << kind << "\n" << outcome.out << outcome.err;
+  }
+}
+
+TEST_F(Check, ReachFindsAnEffectThatChangesMoreThanItsKindDeclares) {
+  CheckOptions blinkered = options("honest");
+  blinkered.threads = {1};
+  blinkered.reach = true;
+  blinkered.world = write("frank.json", crowd_with("devices", "frank_meddler"));
+  const Outcome frank = check(blinkered);
+  EXPECT_EQ(frank.code, 0) << frank.out << frank.err;
+  blinkered.world = write("meddlers.json", crowd_with("devices", "meddler"));
+  EXPECT_THAT(
+      [&] { check(blinkered); },
+      ThrowsMessage<engine::StepError>("tick 1: device \"it\" (meddler) of \"r0\" changed the component "
+                                       "\"meddler/it\" of \"r1\", which is outside the scope that its "
+                                       "kind declares"));
+}
+
 TEST_F(CheckProgram, ReachNeedsTheExactRayEngine) {
   write("room.world", k_room);
   const Outcome outcome = troupe({"check", "room.world", "--for", "1", "--reach", "--raytracer", "grid"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.err,
             "troupe check: error: --reach needs the exact ray engine, but this run uses the grid engine "
-            "(\"ranging\" of the world, or --raytracer)\n");
+            "(key \"ranging\" of the world file, or option --raytracer)\n");
 }
 
 struct Rogue {

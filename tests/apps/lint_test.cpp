@@ -269,11 +269,12 @@ TEST_F(LintTest, AWorldThatCannotBeLoadedIsNoFinding) {
   EXPECT_THAT(outcome.out, IsEmpty());
   EXPECT_THAT(outcome.err, HasSubstr("bad.world:1: error: \"size\" must be above 0"));
 
-  write("overlap.json", R"({ "troupe": 1, "types": {"bot": {"size_m": [1, 1, 1]}},
+  write("overlap.json", R"({ "troupe": 1, "types": {"bot": {"size_m": [1, 1, 1], "pushable": true}},
   "models": [ {"name": "a", "type": "bot"}, {"name": "b", "type": "bot"} ] })");
   outcome = troupe({"lint", "overlap.json"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("overlap.json:2: error: /models/1: \"b\" overlaps \"a\" at the start"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("overlap.json:2: error: /models/1: \"b\" overlaps \"a\" by 0.5 m at the start"));
 
   write("blind.json", json_world(R"({"kind": "ranger", "transducers": [{"range_max_m": 0}]})"));
   outcome = troupe({"lint", "blind.json"});

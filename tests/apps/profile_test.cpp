@@ -34,17 +34,23 @@ struct Trace {
     for (const auto& e : json.at("traceEvents")) {
       const std::string kind = e.at("ph");
       if (kind == "C") counters[e.at("name")].push_back(e.at("args").at(e.at("name").get<std::string>()));
-      if (kind == "M" && e.at("name") == "thread_name") tracks[e.at("tid")] = e.at("args").at("name");
+      const bool is_of_rank = e.at("pid") == 2;
+      if (kind == "M" && e.at("name") == "thread_name")
+        (is_of_rank ? ranks : tracks)[e.at("tid")] = e.at("args").at("name");
       if (kind != "X") continue;
       const double begin = e.at("ts");
       const Event event{e.at("name"), begin, begin + e.at("dur").get<double>(), e.at("tid"), e.at("args")};
-      (event.track > 0 ? tasks : event.name == "tick" ? ticks : phases).push_back(event);
+      (is_of_rank             ? of_ranks
+       : event.track > 0      ? tasks
+       : event.name == "tick" ? ticks
+                              : phases)
+          .push_back(event);
     }
   }
   nlohmann::json json;
-  std::vector<Event> ticks, phases, tasks;
+  std::vector<Event> ticks, phases, tasks, of_ranks;
   std::map<std::string, std::vector<std::uint64_t>> counters;
-  std::map<std::size_t, std::string> tracks;
+  std::map<std::size_t, std::string> tracks, ranks;
 };
 
 std::vector<int> numbers(const std::vector<Event>& ticks) {
@@ -78,6 +84,25 @@ class Profiles : public ProgramTest {
     return Trace(read("trace.json"));
   }
 };
+
+TEST_F(Profiles, ShowEachRank) {
+  troupe({"run", k_hospital, "--robots", "300", "--for", "0.4", "--ranks", "3", "--threads", "1", "--profile",
+          "ranks.json", "--quiet"});
+  const Trace ranks(read("ranks.json"));
+  EXPECT_THAT(numbers(ranks.ticks), ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(ranks.ranks,
+              ElementsAre(std::pair(0, "rank 0"), std::pair(1, "rank 1"), std::pair(2, "rank 2")));
+  ASSERT_THAT(ranks.of_ranks, SizeIs(4 * 3 * 3));
+  std::map<int, int> rows;  // by tick
+  for (const Event& bar : ranks.of_ranks) {
+    EXPECT_THAT(bar.name, ::testing::AnyOf("sense", "actuate", "decide"));
+    if (bar.name != "sense") continue;
+    EXPECT_GT(bar.end, bar.begin);
+    rows[bar.arguments.at("tick")] += bar.arguments.at("rows").get<int>();
+  }
+  EXPECT_THAT(rows, ElementsAre(std::pair(1, 300), std::pair(2, 300), std::pair(3, 300), std::pair(4, 300)));
+  EXPECT_THAT(trace({"--for", "0.2"}).of_ranks, IsEmpty());
+}
 
 class ProfilesOf : public Profiles, public ::testing::WithParamInterface<int> {};
 INSTANTIATE_TEST_SUITE_P(Threads, ProfilesOf, ::testing::Values(1, 2, 3, 8));

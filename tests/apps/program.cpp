@@ -111,18 +111,26 @@ Outcome ProgramTest::troupe_with_file_limit(const std::vector<std::string>& argu
   return finish(process);
 }
 
-Outcome ProgramTest::troupe_until(const std::vector<std::string>& arguments, const std::string& file,
-                                  std::size_t lines, int signal) const {
+Outcome ProgramTest::troupe_with_signals(const std::vector<std::string>& arguments,
+                                         const std::vector<Signal>& signals) const {
   const int out = create(streams_ / "out");
   const int err = create(streams_ / "err");
   const int process = start(arguments, out, err);
   close(out);
   close(err);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (lines_of(content(folder_ / file)).size() < lines && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  kill(process, signal);
+  for (const Signal& signal : signals) {
+    while (!signal.when() && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    kill(process, signal.number);
+  }
   return finish(process);
+}
+
+Outcome ProgramTest::troupe_until(const std::vector<std::string>& arguments, const std::string& file,
+                                  std::size_t lines, int signal) const {
+  return troupe_with_signals(arguments,
+                             {{signal, [&] { return lines_of(content(folder_ / file)).size() >= lines; }}});
 }
 
 Outcome ProgramTest::troupe_on_terminal(const std::vector<std::string>& arguments) const {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,14 @@ class ProgramTest : public ::testing::Test {
 
   /// Runs `troupe ARGUMENTS...` to its end.
   Outcome troupe(const std::vector<std::string>& arguments) const;
+  /// A signal, and a condition as soon as which it is sent.
+  struct Signal {
+    int number;
+    std::function<bool()> when;
+  };
+  /// The same; it is sent signals, one after the other.
+  Outcome troupe_with_signals(const std::vector<std::string>& arguments,
+                              const std::vector<Signal>& signals) const;
   /// The same; as soon as `file` has `lines` lines it is sent `signal`.
   Outcome troupe_until(const std::vector<std::string>& arguments, const std::string& file, std::size_t lines,
                        int signal) const;

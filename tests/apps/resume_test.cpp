@@ -5,8 +5,13 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <utility>
 
 namespace troupe::apps {
+namespace fs = std::filesystem;
 namespace {
 
 using ::testing::Contains;
@@ -133,6 +138,50 @@ TEST_F(Resume, ATermSignalSavesTheState) {
   straight_log(end);
   EXPECT_GT(ticks("h.log").size(), before.size());
   EXPECT_EQ(ticks("h.log"), ticks("straight.log"));
+}
+
+/// On SIGUSR1 the run saves its checkpoint and goes on; the tests end it later.
+class ResumeAfterUsr1 : public Resume, public ::testing::WithParamInterface<std::string> {
+ protected:
+  /// Returns a condition: the hash log has this number of ticks more than when it was last looked at.
+  std::function<bool()> further(std::size_t more) {
+    return [this, more, first = std::size_t{0}, is_first = true]() mutable {
+      const std::size_t now = fs::exists(path("h.log")) ? ticks("h.log").size() : 0;
+      if (std::exchange(is_first, false)) first = now;
+      return now >= first + more;
+    };
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Ranks, ResumeAfterUsr1, ::testing::Values("1", "3"));
+
+TEST_P(ResumeAfterUsr1, GoesOnFromTheCheckpoint) {
+  const auto saved = [&] { return fs::exists(path("c.h5")); };
+  bool is_early = false;
+  const auto later = [&, enough = further(40)]() mutable {
+    is_early = is_early || saved();
+    return enough();
+  };
+  const auto after = [&, enough = further(40)]() mutable { return saved() && enough(); };
+  const Outcome killed = troupe_with_signals({"run", "room.world", "--for", "1e9", "--checkpoint", "c.h5",
+                                              "--hash-log", "h.log", "--ranks", GetParam()},
+                                             {{SIGUSR1, later}, {SIGKILL, after}});
+  EXPECT_FALSE(is_early);
+  EXPECT_EQ(killed.code, 128 + SIGKILL);
+  good({"resume", "c.h5", "--for", "1e9", "--wall-limit", "0.01", "--hash-log", "later.log"}, 3);
+  const std::string first = ticks("later.log").front();
+  EXPECT_GE(std::stoi(first), 39);
+  EXPECT_THAT(ticks("h.log"), Contains(first));
+  EXPECT_NE(ticks("h.log").back(), first) << "the run did not go on";
+}
+
+TEST_P(ResumeAfterUsr1, WithoutACheckpointIsAWarning) {
+  const Outcome outcome =
+      troupe_with_signals({"run", "room.world", "--for", "1e9", "--hash-log", "h.log", "--ranks", GetParam()},
+                          {{SIGUSR1, further(40)}, {SIGTERM, further(40)}});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(
+      outcome.err,
+      HasSubstr("room.world: warning: SIGUSR1 asks for a checkpoint, but the run has no file for it"));
 }
 
 TEST_F(Resume, AKillLeavesTheLastCheckpoint) {

@@ -1,6 +1,8 @@
 #include "tests/apps/program.hpp"
 
+#include "engine/kinds.hpp"
 #include "partition/simd_target.hpp"
+#include "troupe/registry.hpp"
 
 namespace troupe::apps {
 namespace {
@@ -11,6 +13,7 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class Usage : public ProgramTest {};
@@ -273,6 +276,25 @@ TEST_F(Describe, FieldsHaveKeyDefaultRangeAndMeaning) {
   EXPECT_THAT(lines_of(outcome.out), ::testing::Contains(MatchesRegex("  key +default +range +meaning")));
   EXPECT_THAT(lines_of(outcome.out),
               ::testing::Contains(MatchesRegex(" +fov_rad .?_deg. +0\\.1 +number .*rad .+")));
+}
+
+TEST_F(Describe, DevicesShowWhatTheyReadAndChangeOfOthers) {
+  EXPECT_THAT(
+      troupe({"describe", "radio"}).out,
+      HasSubstr("other bodies\n  reads of other bodies, besides their places: radio/command, runs\n"));
+  EXPECT_THAT(
+      troupe({"describe", "flags"}).out,
+      HasSubstr("other bodies\n  changes: its own body, a target anywhere in the world, and what these "
+                "carry or are carried by\n"));
+  EXPECT_THAT(troupe({"describe", "ranger"}).out, Not(HasSubstr("other bodies\n")));
+}
+
+// Kinds of others may leave the scope at its default, `anything`.
+TEST_F(Describe, ShippedKindsDeclareTheScopeOfTheirEffects) {
+  for (const engine::DeviceKind& kind : make_registry().devices)
+    if (kind.apply != nullptr) {
+      EXPECT_NE(kind.scope, engine::ApplyScope::anything) << kind.name;
+    }
 }
 
 TEST_F(Describe, PresetsShowTheirOwnDefaults) {

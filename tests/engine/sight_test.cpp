@@ -109,7 +109,7 @@ TEST(Sight, MeetsFirstWhatBruteForceMeetsFirst) {
         ray.own = Row(random.below(static_cast<std::uint32_t>(world.rows())));
         own = world.body(ray.own);
       }
-      const RayHit got = first_met(world, ray);
+      const RayHit got = first_met(world.view(), ray);
       const RayHit want = oracle(scene.spec, edges, ray, own);
       ASSERT_NEAR(got.range_m, want.range_m, 1e-9) << "world " << w << ", ray " << r;
       ASSERT_EQ(got.body, want.body) << "world " << w << ", ray " << r;
@@ -155,12 +155,12 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
         line = {{troupe::cos(heading), troupe::sin(heading)}, reach * random.uniform(0, 1)};
       }
       std::vector<RayHit> found(rays.size());
-      query.stand(world, ray.origin, reach, ray.own, ray.z);
+      query.stand(world.view(), ray.origin, reach, ray.own, ray.z);
       query.first_met(rays, found);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         ray.direction = rays[i].direction;
         ray.length = rays[i].length;
-        const RayHit want = first_met(world, ray);
+        const RayHit want = first_met(world.view(), ray);
         ASSERT_EQ(found[i].range_m, want.range_m) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].body, want.body) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].part, want.part);
@@ -183,7 +183,7 @@ TEST(Sight, ALookoutKnowsWhoIsInReach) {
   add("far", robot, 2.3);
   const World world = scene.world();
   VisibilityQuery query;
-  query.stand(world, {0, 0}, 2, world.row(near[0]), {});
+  query.stand(world.view(), {0, 0}, 2, world.row(near[0]), {});
   std::vector<BodyId> found;
   for (const std::uint32_t row : query.bodies()) found.push_back(world.body(Row(row)));
   std::ranges::sort(found);
@@ -197,10 +197,10 @@ TEST(Sight, OfTwoSurfacesAtOneRangeTheLowerBodyIsMet) {
   scene.body("robot", robot, {3, 0, 0, 0});
   const BodyId crate_body = scene.body("crate", crate, {3, 0, 0, 0});
   const World world = scene.world();
-  EXPECT_EQ(first_met(world, {.length = 9}).body, BodyId(1));
-  EXPECT_EQ(first_met(world, {.length = 9, .own = world.row(BodyId(1))}).body, crate_body);
-  EXPECT_EQ(first_met(world, {.length = 9}).range_m, 2.5);
-  EXPECT_FALSE(first_met(world, {.length = 2.5}).met());  // as far as the ray is long
+  EXPECT_EQ(first_met(world.view(), {.length = 9}).body, BodyId(1));
+  EXPECT_EQ(first_met(world.view(), {.length = 9, .own = world.row(BodyId(1))}).body, crate_body);
+  EXPECT_EQ(first_met(world.view(), {.length = 9}).range_m, 2.5);
+  EXPECT_FALSE(first_met(world.view(), {.length = 2.5}).met());  // as far as the ray is long
 }
 
 TEST(Sight, NoRaySlipsBetweenTwoEdges) {
@@ -213,7 +213,8 @@ TEST(Sight, NoRaySlipsBetweenTwoEdges) {
       const Vec2 origin(0.01 * i, -0.013 * i);
       // From within the crate's width each corner lies before its far side.
       const Vec2 way = Vec2(5, 0.3) + 0.999999999999 * (corner - Vec2(5, 0.3)) - origin;
-      const RayHit first = first_met(world, {.origin = origin, .direction = way / way.norm(), .length = 20});
+      const RayHit first =
+          first_met(world.view(), {.origin = origin, .direction = way / way.norm(), .length = 20});
       EXPECT_EQ(first.body, crate) << i;
     }
 }
@@ -225,10 +226,10 @@ TEST(Sight, AColourIsThePartsOrElseTheBodys) {
   const BodyId post = scene.body("post", type, {2, 0, 0, 0});
   scene.spec.bodies[post.index()].color = {0, 1, 0, 1};
   const World world = scene.world();
-  const RayHit sign = first_met(world, {.length = 9});
+  const RayHit sign = first_met(world.view(), {.length = 9});
   EXPECT_EQ(sign.part, 1u);
-  EXPECT_EQ(color_of(world, sign), (Color{0, 0, 1, 1}));
-  EXPECT_EQ(color_of(world, {.body = post, .part = 0}), (Color{0, 1, 0, 1}));
+  EXPECT_EQ(color_of(world.view(), sign), (Color{0, 0, 1, 1}));
+  EXPECT_EQ(color_of(world.view(), {.body = post, .part = 0}), (Color{0, 1, 0, 1}));
 }
 
 }  // namespace

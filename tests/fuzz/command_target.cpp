@@ -2,7 +2,7 @@
 #include "apps/command_line.hpp"
 #include "apps/run/run_options.hpp"
 #include "apps/sweep/sweep.hpp"
-#include "apps/view/view_command.hpp"
+#include "apps/view_command.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -159,6 +159,7 @@ void limit_view(apps::ViewOptions& options) {
   limit_world(options);
   options.for_s = 0;
   options.port = 0;
+  options.bind.clear();
   options.open = false;
 }
 

@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus,
                                            Target{"bitmap", read_bitmap}, Target{"map", read_map},
                                            Target{"recording", read_recording},
                                            Target{"checkpoint", read_checkpoint}, Target{"study", read_study},
-                                           Target{"command", run_command}),
+                                           Target{"live", talk_to_view}, Target{"command", run_command}),
                          [](const auto& target) { return target.param.name; });
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {

@@ -27,6 +27,11 @@ void read_checkpoint(std::string_view text);
 /// The text of a study of tests/fuzz/files/study_room.json: some of its runs are loaded and make some ticks.
 void read_study(std::string_view text);
 
+/// What a client sends to `troupe view`, which shows a small world in a scratch folder of the process: bytes
+/// to its port, by the first byte of the input before or after the handshake of a WebSocket and the token, or
+/// a text frame a line. Checked: the program listens afterwards, and closes the connection.
+void talk_to_view(std::string_view input);
+
 /// A command line of `troupe`, an argument a line: parsed, and run for a moment, in a scratch folder of the
 /// process with a world of each format and one file of every other kind (`run.h5`, `a.log`, ...). Arguments
 /// that could name a file elsewhere are left out. Checked: the exit code is one of the four; with 2 no file

@@ -75,9 +75,7 @@ MeasureSpec spec(std::string kind, std::string of = {},
           .params = known ? test::record(known->params, values) : engine::Record{}};
 }
 
-bool needs_nothing(const engine::MeasureKind& kind) {
-  return std::ranges::all_of(kind.params.defaults(), &engine::Value::given);
-}
+bool needs_nothing(const engine::MeasureKind& kind) { return kind.is_usual(); }
 
 std::vector<double> origin() { return {0, 0}; }
 
@@ -562,6 +560,57 @@ TEST(Measures, ARobotWhoseNumberBeginsOtherNumbersIsMeasuredAlone) {
   const World world = scene.world();
   EXPECT_EQ(engine::robots_of(world, "r1").size(), 1u) << "not r10 and r11";
   EXPECT_EQ(engine::robots_of(world, "r").size(), 12u);
+}
+
+TEST(Measures, ClustersOfRobotsAreThoseThatAreMeasured) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
+  const TypeId puck = scene.type("puck", {test::box(0.1, 0.1)}, {.pushable = true});
+  // Three robots in a chain, one beside them that is not measured, one apart; two pucks that touch.
+  for (const double x : {0.0, 1.0, 2.0, 9.0}) scene.body(fmt::format("r{}", x), bot, {x, 0, 0, 0});
+  scene.body("other", bot, {1, 1, 0, 0});
+  scene.body("p0", puck, {5, 0, 0, 0});
+  scene.body("p1", puck, {5.5, 0, 0, 0});
+  World world = scene.world();
+  const auto value = [&](const char* kind, const char* bodies, const char* of = "") {
+    Diagnostics diagnostics;
+    const std::vector<MeasureSpec> specs{spec(kind, of, {{"distance", 1.0}, {"bodies", bodies}})};
+    MeasureSet set(world, test::registry(), specs, diagnostics);
+    EXPECT_FALSE(diagnostics.has_errors());
+    return set.values().front();
+  };
+  EXPECT_EQ(value("clusters", "robots"), 2);
+  EXPECT_EQ(value("largest_cluster", "robots"), 4 / 5.0);
+  EXPECT_EQ(value("clusters", "robots", "r"), 2);
+  EXPECT_EQ(value("largest_cluster", "robots", "r"), 3 / 4.0);
+  EXPECT_EQ(value("clusters", "pushable"), 1);
+  EXPECT_EQ(value("largest_cluster", "pushable"), 1);
+}
+
+TEST(Measures, VarianceIsTheMeanSquareAboutTheMean) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
+  for (int i = 0; i < 4; ++i) scene.body(fmt::format("r{}", i), bot, {1e8 + i * i, 0, 0, 0});
+  World world = scene.world();
+  Diagnostics diagnostics;
+  const std::vector<MeasureSpec> specs{spec("state_variance", "", {{"component", "pose"}, {"field", "x"}}),
+                                       spec("state_mean", "", {{"component", "pose"}, {"field", "x"}})};
+  MeasureSet set(world, test::registry(), specs, diagnostics);
+  ASSERT_FALSE(diagnostics.has_errors());
+  EXPECT_EQ(set.values()[1], 1e8 + 3.5);
+  EXPECT_EQ(set.values()[0], (3.5 * 3.5 + 2.5 * 2.5 + 0.5 * 0.5 + 5.5 * 5.5) / 4);
+}
+
+TEST(Measures, PolarisationIsOrderAndNotAmongTheUsualOnes) {
+  World world = crowd().world();
+  Diagnostics diagnostics;
+  const std::vector<MeasureSpec> specs{spec("order"), spec("polarisation")};
+  MeasureSet set(world, test::registry(), specs, diagnostics);
+  EXPECT_EQ(set.values()[0], set.values()[1]);
+  EXPECT_THAT(set.columns(), ElementsAre("order", "polarisation"));
+  EXPECT_TRUE(test::registry().measure("order")->is_usual());
+  EXPECT_FALSE(test::registry().measure("polarisation")->is_usual());
+  for (const engine::MeasureKind& kind : test::registry().measures) EXPECT_NE(kind.formula, "") << kind.name;
 }
 
 TEST(Measures, SayWhatIsWrongWithThem) {

@@ -100,6 +100,51 @@ TEST(NearbyOutlines, BandsHoldAllThatComesNearAndPaddingNothing) {
   EXPECT_GT(found, 10000u / k_thrift);
 }
 
+TEST(NearCircles, HoldEachBodyOnceAndAllThatReachIntoTheDisc) {
+  Parallel parallel(1);
+  NearCircles near;
+  std::size_t found = 0;
+  for (std::uint32_t trial = 0; trial < 400 / k_thrift; ++trial) {
+    Random random(1, 2, 0, trial);
+    const Scene scene = any_scene(random);
+    BodyIndex bodies(GridGeometry{random.uniform(0.05, 3), random.below(6)});
+    bodies.rebuild(scene.places, scene.radii, parallel);
+    const FixedOutlines fixed(scene.edges, random.uniform(0.05, 5));
+    const Vec2 eye(random.uniform(-10, 10), random.uniform(-10, 10));
+    const double reach = random.uniform(0.1, 6);
+    near.begin(eye, reach);
+    near.add_bodies(bodies, [](std::uint32_t row) { return row % 7 == 3; });
+    const std::span<const std::uint32_t> list(near.circles().row.data(), near.size());
+    const std::set<std::uint32_t> rows(list.begin(), list.end());
+    ASSERT_EQ(rows.size(), near.size()) << "a body twice, trial " << trial;
+    for (std::uint32_t r = 0; r < scene.places.size(); ++r) {
+      const double gap = (scene.places[r].position - eye).norm() - scene.radii[r];
+      if (gap <= reach) {
+        ASSERT_EQ(rows.contains(r), r % 7 != 3) << "trial " << trial << ", row " << r;
+        ++found;
+      } else if (gap > reach + 1e-3) {
+        ASSERT_FALSE(rows.contains(r)) << "trial " << trial << ", row " << r;
+      }
+    }
+    const std::size_t count = near.size();
+    near.add_pieces(fixed, reach, 1u << 31);
+    std::vector<bool> edges(scene.edges.size());
+    for (std::size_t i = count; i < near.size(); ++i) {
+      ASSERT_NE(near.circles().row[i] & 1u << 31, 0u);
+      for_each_edge(fixed.chain(near.circles().row[i] & ~(1u << 31)), [&](const Vec2& from, const Vec2& to) {
+        for (std::size_t k = 0; k < scene.edges.size(); ++k)
+          if (scene.edges[k].a == from && scene.edges[k].b == to) edges[k] = true;
+      });
+    }
+    for (std::size_t k = 0; k < scene.edges.size(); ++k)
+      if (distance(eye, scene.edges[k]) <= reach) {
+        ASSERT_TRUE(edges[k]) << "trial " << trial << ", edge " << k;
+        ++found;
+      }
+  }
+  EXPECT_GT(found, 2000u / k_thrift);
+}
+
 TEST(FixedOutlines, CirclesOfAPieceCoverItsEdges) {
   for (std::uint32_t trial = 0; trial < 200 / k_thrift; ++trial) {
     Random random(1, 2, 0, trial);

@@ -174,25 +174,27 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
   EXPECT_THAT(error_of("of_stage"),
               AllOf(testing::StartsWith(about("of_stage") + "is a controller of Stage (it has Init"),
                     HasSubstr("docs/controllers.md")));
-  EXPECT_EQ(error_of("nothing"), about("nothing") +
-                                     "is not a Troupe plug-in: it has no symbol troupe_plugin, which the "
-                                     "macros TROUPE_CONTROLLER and TROUPE_DEVICE define");
+  EXPECT_EQ(
+      error_of("nothing"),
+      about("nothing") +
+          "is not a Troupe plug-in: it has no symbol troupe_plugin, which the macros TROUPE_CONTROLLER, "
+          "TROUPE_DEVICE and TROUPE_MEASURE define");
   EXPECT_THAT(
       error_of("undefined_symbol"),
       AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
             HasSubstr("no_such_function"), EndsWith(" (link it with the CMake target troupe::plugin)")));
   EXPECT_THAT(error_of("another_version"),
-              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 5., but this "
-                                                      "program is troupe 0.2.0 .interface 5.: rebuild it"));
+              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 6., but this "
+                                                      "program is troupe 0.2.0 .interface 6.: rebuild it"));
   EXPECT_THAT(error_of("old_interface"),
               MatchesRegex(about("old_interface") + "was built for troupe 0.2.0 .interface 3., but this "
-                                                    "program is troupe 0.2.0 .interface 5.: rebuild it"));
+                                                    "program is troupe 0.2.0 .interface 6.: rebuild it"));
   EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, but Troupe with libstdc..*"));
   EXPECT_THAT(error_of("other_headers"), HasSubstr("was built with other headers of troupe 0.2.0"));
   EXPECT_THAT(error_of("contracting"), HasSubstr("-ffp-contract=off"));
-  EXPECT_THAT(error_of("empty"), EndsWith("has no controller, sensor or device"));
+  EXPECT_THAT(error_of("empty"), EndsWith("has no controller, sensor, device or measure"));
   EXPECT_THAT(error_of("throwing"), EndsWith("cannot list its kinds: it threw: a table is missing"));
   for (const char* number : {"throwing_a_number", "throwing_at_once"})
     EXPECT_THAT(error_of(number),
@@ -442,7 +444,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
       error(room("another_version"), "unusable"),
       MatchesRegex(at("3", "/kind") +
                    "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                   "99.1.0 .interface 5., but this program is troupe 0.2.0 .interface 5.: rebuild it"));
+                   "99.1.0 .interface 6., but this program is troupe 0.2.0 .interface 6.: rebuild it"));
   EXPECT_THAT(
       error(room("ranger:ranger"), "unusable"),
       EndsWith(
@@ -544,7 +546,8 @@ TEST_F(PluginsResumed, WithoutThemSayWhichIsMissing) {
   EXPECT_EQ(fault_of_resume("nowhere"), (folder_ / "c.h5").string() +
                                             ": error: the run needs plug-in \"walker\": there is no "
                                             "walker.so in " +
-                                            folder_of("nowhere").string());
+                                            folder_of("nowhere").string() +
+                                            "; if it is a Python script, give --controller walker.py");
 }
 
 }  // namespace

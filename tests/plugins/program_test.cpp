@@ -95,6 +95,57 @@ TEST_F(PluginProgram, DescribesThem) {
                 "/swarm.so has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy\n");
 }
 
+TEST_F(PluginProgram, MeasuresWithThem) {
+  const std::vector<std::string> path{"--plugin-path", folder_of("plugins")};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), path.begin(), path.end());
+    return words;
+  };
+  const Outcome described = troupe(with({"describe", "crowd"}));
+  EXPECT_EQ(described.code, 0) << described.err;
+  EXPECT_THAT(described.out, AllOf(HasSubstr("measure crowd (m): distance between the two robots"),
+                                   HasSubstr("    max_(i, j) |x_i - x_j|\n")));
+  // Of all robots, of one, with the name of the library and with parameters.
+  const Outcome outcome = run(with({"--measures", "m.csv", "--measure", "crowd,crowd:r3", "--measure",
+                                    R"({"kind": "crowd:beyond", "x_m": -9})", "--measure-every", "0.5"}));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<std::string> lines = lines_of(read("m.csv"));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0], "tick,time_s,crowd_m,crowd_m:r3,crowd:beyond");
+  EXPECT_THAT(lines[1], MatchesRegex("0,0,4.12[0-9]+,0,1"));
+  EXPECT_THAT(lines[2], MatchesRegex("5,0.5,4.[0-9]+,0,6"));
+
+  const Outcome missing = run(with({"--measures", "n.csv", "--measure", "crowd:beyondd"}));
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.err, HasSubstr("crowd"));
+  const Outcome nowhere = run({"--measure", "crowd", "--measures", "n.csv", "--plugin-path", "/nowhere"});
+  EXPECT_EQ(nowhere.code, 2);
+}
+
+TEST_F(PluginProgram, StopsAndSweepsByTheirMeasures) {
+  const std::string folder = folder_of("plugins");
+  const std::string text = read("w.json");
+  write(
+      "w.json",
+      text.substr(0, text.size() - 1) +
+          R"(, "quit_time_s": 2, "stop_when": [{"measure": {"kind": "crowd:beyond", "x_m": -9}, "is": ">= 4"}]})");
+  const Outcome stopped = troupe({"run", "w.json", "--plugin-path", folder});
+  EXPECT_EQ(stopped.code, 0) << stopped.err;
+  EXPECT_THAT(stopped.out, HasSubstr("ticks              3 of 0.1 s"));
+  // The memory of the measure is in the checkpoint.
+  EXPECT_EQ(troupe({"run", "w.json", "--plugin-path", folder, "--for", "0.1", "--checkpoint", "c.h5"}).code,
+            worldio::has_hdf5() ? 0 : 2);
+  if (worldio::has_hdf5()) {
+    const Outcome resumed = troupe({"resume", "c.h5", "--plugin-path", folder, "--for", "2"});
+    EXPECT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_THAT(resumed.out, HasSubstr("ticks              3 of 0.1 s"));
+  }
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "seeds": [1, 2], "measures": ["crowd"]})");
+  const Outcome sweep = troupe({"sweep", "study.json", "-o", "out", "--plugin-path", folder});
+  EXPECT_EQ(sweep.code, 0) << sweep.err << sweep.out;
+  EXPECT_THAT(lines_of(read("out/table.csv")).front(), HasSubstr("crowd_m"));
+}
+
 TEST_F(PluginProgram, LintsAndTellsOfWorldsThatNeedThem) {
   EXPECT_EQ(troupe({"lint", "w.json"}).code, 2);
   EXPECT_EQ(troupe({"lint", "w.json", "--plugin-path", folder_of("plugins")}).out, "w.json: nothing found\n");
@@ -140,7 +191,7 @@ TEST_F(PluginProgram, GoesOnFromACheckpoint) {
 
   EXPECT_EQ(resume({}).err,
             "c.h5: error: the run needs plug-in \"walker\": no folder to search for walker.so: give "
-            "--plugin-path\n");
+            "--plugin-path; if it is a Python script, give --controller walker.py\n");
   const Outcome other = resume({"--plugin-path", folder_of("other")});
   EXPECT_EQ(other.code, 2);
   EXPECT_THAT(other.err, HasSubstr("give --across-plugins to resume it anyway"));

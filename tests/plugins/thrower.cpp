@@ -52,8 +52,8 @@ troupe::DeviceKind sensor() {
     return troupe::DeviceKind::Prepared{.percepts = troupe::memory_fields<Reading>(),
                                         .percept_bytes = sizeof(Reading)};
   };
-  kind.sense = [](const troupe::DeviceBatch& batch) -> std::uint64_t {
-    if (batch.world.tick() == 3) throw 42;
+  kind.sense = [](const troupe::SenseBatch& batch) -> std::uint64_t {
+    if (batch.view.tick() == 3) throw 42;
     return 0;
   };
   return kind;

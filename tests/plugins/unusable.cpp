@@ -32,7 +32,8 @@ namespace {
 using namespace troupe;
 
 bool contracts() { return FAULT == FAULT_contracting; }
-void list(std::vector<engine::ControllerKind>&, std::vector<engine::DeviceKind>&) {
+void list(std::vector<engine::ControllerKind>&, std::vector<engine::DeviceKind>&,
+          std::vector<engine::MeasureKind>&) {
   if (FAULT == FAULT_throwing) throw std::runtime_error("a table is missing");
   if (FAULT == FAULT_throwing_a_number) throw 42;
 #if FAULT == FAULT_undefined_symbol

@@ -2,6 +2,7 @@
 
 import copy
 import gc
+import json
 import math
 import os
 import signal
@@ -15,6 +16,9 @@ import weakref
 import numpy as np
 import troupe
 from support import HOSPITAL, ROOM, ROOT, InAFolder
+
+sys.path.insert(0, str(ROOT))
+from tests.support.websocket import Socket  # noqa: E402
 
 
 class Loading(InAFolder):
@@ -117,6 +121,50 @@ class Running(InAFolder):
         (self.folder / "bad.h5").write_bytes(b"\x89HDF")
         with self.assertRaisesRegex(troupe.InputError, "^bad.h5: error: "):
             troupe.Simulation.resume("bad.h5")
+
+    def test_ranks_give_the_same_bits(self):
+        def drive(world):
+            swarm = world.swarm("r")
+            seen = swarm.ranges()
+            swarm.set_speeds(0.3, seen[:, 0] - seen[:, 2])
+            cart = world.find("cart")
+            if world.tick == 3:
+                cart.set_pose((1, 4, 0))
+            if world.tick == 4:
+                world.spawn("r", (-3, -3, 0))
+            if world.tick == 6:
+                world.remove(world.find("r2"))
+
+        worlds = [troupe.Simulation(ROOM, threads=1, ranks=ranks) for ranks in (1, 2, 3)]
+        self.assertEqual([world.ranks for world in worlds], [1, 2, 3])
+        hashes = set()
+        for world in worlds:
+            world.swarm("r").subscribe()
+            views = [world.find(name).ranges() for name in ("r0", "r3", "r5")]  # which show new values after each step
+            world.on_tick(drive)
+            world.step(10)
+            seen = tuple(tuple(view) for view in views)
+            hashes.add((world.state_hash(), seen, tuple(world.table("command")["x"])))
+        self.assertEqual(len(hashes), 1)
+        try:
+            worlds[2].save("c.h5")
+        except RuntimeError as error:
+            self.skipTest(str(error))
+        resumed = troupe.Simulation.resume("c.h5", threads=1, ranks=2)
+        self.assertEqual(resumed.ranks, 2)
+        for world in (worlds[0], resumed):
+            world.on_tick(None)
+            world.step(5)
+        self.assertEqual(resumed.state_hash(), worlds[0].state_hash())
+
+    def test_ranks_are_1_to_1024(self):
+        for ranks in (0, 1025):
+            with self.assertRaisesRegex(ValueError, f"^{ranks} ranks: must be 1 to 1024$"):
+                troupe.Simulation(ROOM, ranks=ranks)
+            with self.assertRaisesRegex(ValueError, f"^{ranks} ranks: must be 1 to 1024$"):
+                troupe.Simulation.from_text(HOSPITAL.read_text(), HOSPITAL, ranks=ranks)
+        with self.assertRaises(TypeError):
+            troupe.Simulation(ROOM, ranks=-1)
 
     def test_other_threads_run_meanwhile_and_may_not_use_it(self):
         world = troupe.Simulation(HOSPITAL, robots=500, threads=1)
@@ -473,6 +521,53 @@ class Models(InAFolder):
             world.spawn("q", (0, 0, 0))
         with self.assertRaisesRegex(RuntimeError, "another simulation"):
             world.remove(troupe.Simulation(ROOM).find("r1"))
+
+    def test_parameters_change_while_it_runs(self):
+        world = troupe.Simulation(ROOM)
+        before = world.parameters("cart")
+        drive = next(each["drive"] for each in before if "drive" in each)
+        world.set("cart", {"drive": {"velocity_max_x_mps": drive["velocity_max_x_mps"] + 1}})
+        after = next(each["drive"] for each in world.parameters("cart") if "drive" in each)
+        self.assertEqual(after, {**drive, "velocity_max_x_mps": drive["velocity_max_x_mps"] + 1})
+        with self.assertRaisesRegex(ValueError, "velocity_x: lower bound"):
+            world.set("cart", {"drive": {"velocity_max_x_mps": -100}})
+        with self.assertRaisesRegex(ValueError, 'unknown type "x"'):
+            world.set("x", {"drive": {"velocity_max_x_mps": 1}})
+        with self.assertRaisesRegex(LookupError, 'unknown type "x"'):
+            world.parameters("x")
+        world.reset()
+        self.assertEqual(world.parameters("cart"), before)
+
+    def test_a_view_steps_it_or_the_program_does(self):
+        world = troupe.Simulation.from_text(json.dumps({**ROOM, "mortal": True}), "room.json")
+        view = world.view(rate=0, out=self.folder)
+        self.assertRegex(view.address, r"^http://127\.0\.0\.1:\d+/#[0-9a-f]{32}$")
+        self.assertNotEqual(view.address, view.read_only_address)
+        port, token = view.address.removeprefix("http://127.0.0.1:").split("/#")
+        answers = []
+
+        def act():
+            with Socket(int(port)) as viewer:
+                viewer.send(token)
+                viewer.receive()
+                answers.append(viewer.ask(do="disable", robot="cart"))
+                answers.append(viewer.ask(do="restart"))
+                while True:  # until the run is over
+                    viewer.state()
+        user = threading.Thread(target=act, daemon=True)
+        user.start()
+        view.run(for_s=1000)
+        self.assertEqual(world.tick, 5000)
+        self.assertEqual([answer["type"] for answer in answers], ["done", "done"])
+        world.step(5)
+        self.assertEqual(world.tick, 5005, "the program goes on")
+        lines = [json.loads(line) for line in (self.folder / "room.session.jsonl").read_text().splitlines()]
+        self.assertEqual([line.get("do") for line in lines], [None, "disable", "end"])
+        self.assertEqual(view.session, self.folder / "room.session-2.jsonl")
+        view.close()
+        with self.assertRaisesRegex(RuntimeError, "closed"):
+            view.run()
+        world.step()
 
     def test_ranges_are_shown_not_copied(self):
         world = troupe.Simulation(ROOM)

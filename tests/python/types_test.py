@@ -41,6 +41,23 @@ hash: int = world.hashes()["pose"]
 picture = world.picture()[:, :, 0]
 env = VectorEnv(Navigation(robots=2), 8, threads=1)
 copies: int = env.batch.core.copies
+
+
+class Roam(troupe.Controller):
+    memory = {"turn": np.float32(0)}
+
+    def decide(self, robots: troupe.Robots) -> None:
+        robots.set_speeds(robots.ranges().min(axis=1) > 0.4, robots.normal())
+
+
+@troupe.measure(unit="m")
+def reach(robots: troupe.Swarm) -> float:
+    return float(robots.poses()[:, 0].max())
+
+
+world.film("f.mp4", 2, camera="top")
+world.replay("page.html", seconds=2, every_s=0.2)
+html: str = world._repr_html_()
 """
 BAD = {
     "world.steps()": "attr-defined",
@@ -48,6 +65,7 @@ BAD = {
     "text: str = world.tick": "assignment",
     "world.find('r0').set_speed(1)": "call-arg",
     "swarm.set_speeds(0.3, 0, 0.1)": "misc",
+    "world.film('f.mp4')": "call-arg",
 }
 
 

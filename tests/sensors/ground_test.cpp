@@ -152,7 +152,7 @@ TEST(Led, ShowsItsColourToAllThatLook) {
   scene[id].controllers = {{.kind = "signaller", .params = {}, .where = {}}};
   const BodyId post = scene.body("post", id, {2, 0, 0, 0});
   World world = scene.world();
-  const auto seen = [&] { return color_of(world, first_met(world, {.length = 9})); };
+  const auto seen = [&] { return color_of(world.view(), first_met(world.view(), {.length = 9})); };
   EXPECT_EQ(seen(), (Color{0.5f, 0, 1, 1}));
   EXPECT_EQ(world.frame().mobile.front().color, (Color{0.5f, 0, 1, 1}));
   world.step();

@@ -160,13 +160,14 @@ class Page:
         self.mouse("mousePressed", x, y, button="left", clickCount=1)
         self.mouse("mouseReleased", x, y, button="left", clickCount=1)
 
-    def drag(self, start, end, button="left", steps=8):
-        self.mouse("mouseMoved", *start)
-        self.mouse("mousePressed", *start, button=button, clickCount=1)
+    def drag(self, start, end, button="left", steps=8, shift=False):
+        keys = {"modifiers": 8 if shift else 0}
+        self.mouse("mouseMoved", *start, **keys)
+        self.mouse("mousePressed", *start, button=button, clickCount=1, **keys)
         for i in range(1, steps + 1):
             at = [a + (b - a) * i / steps for a, b in zip(start, end)]
-            self.mouse("mouseMoved", *at, button=button, buttons=1 if button == "left" else 2)
-        self.mouse("mouseReleased", *end, button=button, clickCount=1)
+            self.mouse("mouseMoved", *at, button=button, buttons=1 if button == "left" else 2, **keys)
+        self.mouse("mouseReleased", *end, button=button, clickCount=1, **keys)
 
     def screenshot(self, box=None):
         """PNG bytes of the page, or of a box (x0, y0, x1, y1) of it."""

@@ -59,10 +59,8 @@ TEST_F(MeasuresOfASimulation, AreThoseOfTheWorldElseAll) {
   EXPECT_THAT(Measures(asks, {"spread"}).columns(), ElementsAre("spread_m"));
   Simulation asks_for_none = simulation();
   const auto all = make_registry().measures;
-  const auto needs_nothing = [](const engine::MeasureKind& kind) {
-    return std::ranges::all_of(kind.params.defaults(), &engine::Value::given);
-  };
-  EXPECT_EQ(Measures(asks_for_none).columns().size(), std::ranges::count_if(all, needs_nothing));
+  EXPECT_EQ(Measures(asks_for_none).columns().size(),
+            std::ranges::count_if(all, &engine::MeasureKind::is_usual));
 }
 
 TEST_F(MeasuresOfASimulation, ListWhatIsWrong) {

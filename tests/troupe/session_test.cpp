@@ -51,15 +51,24 @@ class Draws {
 
 Act random_act(Draws& draws) {
   Act act{.kind = static_cast<Kind>(draws.below(engine::k_acts.size()))};
-  act.whom = act.kind == Kind::add  ? "b"
-             : draws.below(20) == 0 ? "rock"
-                                    : fmt::format("b{}", draws.below(20));
+  act.whom = act.kind == Kind::add   ? "b"
+             : act.kind == Kind::set ? "bot"
+             : draws.below(20) == 0  ? "rock"
+                                     : fmt::format("b{}", draws.below(20));
   act.pose = {draws.within(-7, 7), draws.within(-7, 7), 0, draws.within(-4, 4)};
   act.speed = {draws.within(-1, 1), 0, draws.within(-2, 2)};
   if (act.kind == Kind::command) {
     act.device = "lamp";
     act.values = {{"shows", {static_cast<double>(draws.below(2))}}, {"red", {draws.within(0, 1)}}};
   }
+  if (act.kind == Kind::set)
+    act.setting = fmt::format(
+        fmt::runtime(draws.below(2) == 0 ? R"({{"controller": {{"kind": "wander", "cruise_speed_mps": {}}}}})"
+                     : draws.below(2) == 0
+                         ? R"({{"drive": {{"velocity_max_x_mps": {}}}}})"
+                         : R"({{"device": {{"name": "eye", "transducers": [{{"range_max_m": {}, )"
+                           R"("samples": 9, "fov_deg": 180}}]}}}})"),
+        draws.within(0.1, 2));
   return act;
 }
 
@@ -108,7 +117,7 @@ TEST_F(Sessions, AreRepeatedToTheSameBitsOnAnyThreadsAndFromACheckpoint) {
       SessionLog log(folder_, simulation);
       file = log.file();
       simulation.before_tick([&](Simulation& s) {
-        for (std::size_t i = draws.below(4); i > 0; --i) {
+        for (std::size_t i = draws.below(10); i > 0; --i) {
           const Act act = random_act(draws);
           try {
             s.act(act);
@@ -125,7 +134,7 @@ TEST_F(Sessions, AreRepeatedToTheSameBitsOnAnyThreadsAndFromACheckpoint) {
         lines.push_back(simulation.hash_log_line());
         if (simulation.tick() == saved && worldio::has_hdf5()) simulation.save(checkpoint);
       }
-      log.end(simulation);
+      log.end(simulation.tick());
     }
     const auto repeat = [&](Simulation simulation) {
       SessionReplay replay(file, simulation);
@@ -205,6 +214,52 @@ TEST_F(Sessions, AHoldBeatsTheControllerUntilItIsReleasedAndIsSaved) {
   EXPECT_NE(simulation.find("b1").speed().forward, 0) << "it wanders again";
 }
 
+constexpr const char* k_track = R"({"troupe": 1, "title": "track", "bounds_m": [[0, -2], [1000, 2]],
+  "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff", "velocity_max_x_mps": 9},
+    "sensors": [{"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2, "samples": 9, "fov_deg": 90}]}],
+    "controller": {"kind": "wander", "cruise_speed_mps": 1}}},
+  "models": [{"name": "b", "type": "bot", "pose": {"x_m": 1}}],
+  "at": [{"time_s": 2, "set": {"type": "bot", "drive": {"velocity_max_x_mps": 4}}},
+         {"time_s": 3, "set": {"type": "bot", "controller": {"kind": "wander", "cruise_speed_mps": 6}}}]})";
+
+TEST_F(Sessions, AParameterThatIsSetHoldsWithThoseThatTheWorldSetsLater) {
+  const auto track = [] { return Simulation::from_text(k_track, "track.json", {.threads = 1}); };
+  const auto speed_at = [](Simulation& simulation, std::uint64_t tick) {
+    while (simulation.tick() < tick) simulation.step();
+    return simulation.find("b").speed().forward;
+  };
+  const auto set = [](Simulation& simulation, const char* setting) {
+    simulation.act({.kind = Kind::set, .whom = "bot", .setting = setting});
+  };
+  Simulation simulation = track();
+  EXPECT_EQ(speed_at(simulation, 5), 1);
+  set(simulation, R"({"controller": {"kind": "wander", "cruise_speed_mps": 3}})");
+  EXPECT_EQ(speed_at(simulation, 8), 3);
+  set(simulation, R"({"drive": {"velocity_max_x_mps": 2}})");
+  EXPECT_EQ(speed_at(simulation, 11), 2) << "both changes hold";
+  EXPECT_THAT(simulation.parameters("bot"), HasSubstr("\"velocity_max_x_mps\": 2"));
+  EXPECT_EQ(speed_at(simulation, 25), 3) << "at 2 s the world sets the limit to 4 m/s";
+  if (worldio::has_hdf5()) {
+    simulation.save(folder_ / "set.h5");
+    Simulation resumed = Simulation::resume(folder_ / "set.h5", {.threads = 2});
+    EXPECT_EQ(speed_at(resumed, 28), 3);
+    EXPECT_EQ(speed_at(resumed, 35), 4) << "6 m/s are commanded, 4 m/s are the limit";
+  }
+  EXPECT_EQ(speed_at(simulation, 35), 4);
+  for (const bool with_seed : {false, true}) {
+    with_seed ? simulation.reset(simulation.seed()) : simulation.reset();
+    Simulation fresh = track();
+    for (int i = 0; i < 40; ++i) {
+      simulation.step();
+      fresh.step();
+      ASSERT_EQ(simulation.state_hash(), fresh.state_hash()) << with_seed << " at tick " << i;
+    }
+    set(simulation, R"({"controller": {"kind": "wander", "cruise_speed_mps": 0.5}})");
+  }
+  Simulation other = simulation.another(simulation.seed(), 1);
+  EXPECT_EQ(speed_at(other, 45), 4) << "what was set is not of another run";
+}
+
 TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
   Simulation simulation = yard(1);
   simulation.step();
@@ -243,6 +298,24 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
               HasSubstr("cannot represent 300"));
   EXPECT_THAT(refusal({.kind = Kind::command, .whom = "b0", .device = "lamp", .values = {{"off", {1}}}}),
               HasSubstr("takes no command \"off\"; known: "));
+  const auto setting = [&](const std::string& type, const std::string& text) {
+    return refusal({.kind = Kind::set, .whom = type, .setting = text});
+  };
+  EXPECT_THAT(setting("bat", R"({"drive": {"velocity_max_x_mps": 1}})"), HasSubstr("unknown type \"bat\""));
+  EXPECT_THAT(setting("bot", R"({"drive": {"velocity_max_x_mps": -5}})"),
+              HasSubstr("velocity_x: lower bound"));
+  EXPECT_THAT(setting("bot", R"({"drive": {}})"), HasSubstr("expected at least one parameter"));
+  EXPECT_THAT(setting("bot", R"({"controller": {"kind": "wander", "speed_mps": 1}})"),
+              HasSubstr("speed_mps"));
+  EXPECT_THAT(setting("bot", R"({"controller": {"kind": "script"}})"),
+              HasSubstr("unknown controller of the type \"script\""));
+  EXPECT_THAT(setting("bot", R"({"device": {"name": "eye", "transducers": [{"samples": 8}]}})"),
+              HasSubstr("must not change the number or layout of the readings"));
+  EXPECT_THAT(setting("bot", R"({"type": "bot", "drive": {"velocity_max_x_mps": 1}})"),
+              HasSubstr("unknown key \"type\""));
+  EXPECT_THAT(setting("bot", "{}"), HasSubstr("give one of \"drive\", \"device\" and \"controller\""));
+  EXPECT_THAT(setting("bot", "{"), HasSubstr("error"));
+  EXPECT_THAT(setting("rock", R"({"drive": {"velocity_max_x_mps": 1}})"), HasSubstr("has no drive"));
 }
 
 TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {

@@ -155,12 +155,12 @@ std::vector<Style> styles() {
        3,
        5,
        false,
-       {"inc/carts.inc:149: warning: old syntax: \"origin\" takes [x y z heading]; three values are read "
-        "as [x y heading]",
-        "inc/carts.inc:150: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
-        "as [x y heading] (and 2 more)",
-        "inc/carts.inc:145: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with "
-        "a height of 0.02 m",
+       {"inc/carts.inc:149: warning: old syntax: the three values of \"origin\" are read as [x y heading]; "
+        "write [x y z heading]",
+        "inc/carts.inc:150: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
+        "write [x y z heading] (and 2 more)",
+        "inc/carts.inc:145: warning: old syntax: the two values of \"size\" are read as [x y], with a "
+        "height of 0.02 m; write [x y z]",
         "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
         "odometry.world:7: warning: obsolete properties, ignored as in Stage: interval_real, gui_disable, "
@@ -171,10 +171,10 @@ std::vector<Style> styles() {
        1,
        3,
        true,
-       {"inc/beacons.inc:2: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with "
-        "a height of 1 m (and 1 more)",
-        "lab.world:12: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as [x "
-        "y heading]",
+       {"inc/beacons.inc:2: warning: old syntax: the two values of \"size\" are read as [x y], with a "
+        "height of 1 m; write [x y z] (and 1 more)",
+        "lab.world:12: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
+        "write [x y z heading]",
         "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
         "inc/beacons.inc:2: warning: obsolete properties, ignored as in Stage: laser_return"}},
@@ -223,11 +223,11 @@ std::vector<Style> styles() {
        10,
        0,
        false,
-       {"old_swarm.world:7: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with "
-        "a height of 1 m",
+       {"old_swarm.world:7: warning: old syntax: the two values of \"size\" are read as [x y], with a "
+        "height of 1 m; write [x y z]",
         "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing",
-        "old_swarm.world:16: warning: old syntax: \"pose\" takes [x y z heading]; three values are read "
-        "as [x y heading] (and 9 more)",
+        "old_swarm.world:16: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
+        "write [x y z heading] (and 9 more)",
         "old_swarm.world:3: warning: obsolete properties, ignored as in Stage: size, gui_interval, polygons, "
         "polygon[k].points, polygon[k].point[k], scount, spose[k], ssize, sview"}}};
 }

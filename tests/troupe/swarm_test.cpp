@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -257,6 +258,78 @@ TEST(Swarms, DrivenFromOutsideMakeTheBitsOfControllers) {
       ASSERT_EQ(simulation.state_hash(), inside.state_hash()) << tick;
     }
   }
+}
+
+/// Two kinds of robots that talk and shine; those of the first can say more.
+constexpr std::string_view k_talkers = R"({
+  "troupe": 1, "mortal": true, "types": {
+    "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+      "sensors": [{"name": "radio", "kind": "radio", "range_m": 3, "payload": 4, "most_heard": 5}],
+      "devices": [{"name": "lamp", "kind": "led"}]},
+    "truck": {"size_m": [1, 0.5, 0.5], "drive": {"kind": "omni"},
+      "sensors": [{"name": "radio", "kind": "radio", "range_m": 3, "payload": 8, "most_heard": 5}],
+      "devices": [{"name": "lamp", "kind": "led"}]}
+  },
+  "models": [
+    {"name": "b0", "type": "bot"}, {"name": "t0", "type": "truck", "pose": {"x_m": 1}},
+    {"name": "b1", "type": "bot", "pose": {"x_m": 2}}, {"name": "b2", "type": "bot", "pose": {"x_m": 20}}]
+})";
+
+template <class T>
+std::vector<T> read(const Swarm& swarm, std::string_view field, std::string_view device) {
+  const engine::StateField& its = swarm.reading_field(field, device);
+  std::vector<T> values(swarm.size() * its.columns);
+  swarm.readings(std::as_writable_bytes(std::span(values)), field, device);
+  return values;
+}
+
+TEST(SwarmDevices, AreReadAndCommandedInTheOrderOfTheSwarm) {
+  Simulation simulation = yard(k_talkers);
+  Swarm bots = simulation.swarm("bot");
+  const std::vector<float> red{0.25f, 0.5f, 0.75f};
+  const std::vector<std::uint8_t> on{1, 1, 1};
+  bots.set_commands(std::as_bytes(std::span(red)), "red", "lamp");
+  bots.set_commands(std::as_bytes(std::span(on)), "shows", "lamp", std::vector<std::uint8_t>{1, 0, 1});
+  std::vector<std::uint8_t> shows(3);
+  bots.commands(std::as_writable_bytes(std::span(shows)), "shows", "lamp");
+  EXPECT_THAT(shows, ElementsAre(1, 0, 1));
+  EXPECT_EQ(bots.command_fields("lamp").size(), 4u);
+  const std::vector<std::uint8_t> words{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  const std::vector<std::uint8_t> lengths{4, 4, 4};
+  bots.set_commands(std::as_bytes(std::span(on)), "mode", "radio");
+  bots.set_commands(std::as_bytes(std::span(lengths)), "length", "radio");
+  bots.set_commands(std::as_bytes(std::span(words)), "payload", "radio");
+  simulation.step();
+  simulation.step();
+  EXPECT_THAT(read<float>(bots, "shown_color", "lamp"), ElementsAre(0.25f, 0, 0, 1, 1, 1, 0.75f, 0, 0));
+  EXPECT_THAT(read<std::uint32_t>(bots, "count", "radio"), ElementsAre(1, 1, 0));
+  const std::vector<std::uint8_t> heard = read<std::uint8_t>(bots, "payload", {});
+  ASSERT_EQ(heard.size(), 3u * 5 * 4);
+  EXPECT_THAT(std::vector(heard.begin(), heard.begin() + 4), ElementsAre(5, 6, 7, 8));
+  EXPECT_THAT(std::vector(heard.begin() + 20, heard.begin() + 24), ElementsAre(1, 2, 3, 4));
+  // Each is what the model says.
+  Model b1 = simulation.find("b1");
+  const Model::Reading one = b1.reading("payload", "radio");
+  EXPECT_TRUE(std::ranges::equal(one.bytes, std::as_bytes(std::span(heard)).subspan(20, 20)));
+}
+
+TEST(SwarmDevices, SayWhatIsWrong) {
+  Simulation simulation = yard(k_talkers);
+  Swarm all = simulation.swarm();
+  std::vector<std::byte> bytes(4);
+  EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "cuont", "radio"); }),
+              HasSubstr("unknown field of \"radio\" \"cuont\"; known: bearing, count, "));
+  EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
+              HasSubstr("unknown device of \"b0\" \"radoi\"; known: lamp, radio (did you mean \"radio\"?)"));
+  EXPECT_THAT(message_of<std::out_of_range>([&] { all.command_fields("eye"); }),
+              HasSubstr("unknown device that takes commands of \"b0\" \"eye\"; known: lamp, radio"));
+  EXPECT_THAT(message_of<std::invalid_argument>([&] { all.readings(bytes, "count", "radio"); }),
+              HasSubstr("found 4 bytes for \"count\" of 4 robots with 1 columns each"));
+  bytes.resize(4 * 5 * 4);
+  EXPECT_THAT(
+      message_of<std::invalid_argument>([&] { all.readings(bytes, "payload", "radio"); }),
+      HasSubstr("robots with different devices: \"payload\" of \"b0\" has 20 columns of type uint8, that of "
+                "\"t0\" has 40"));
 }
 
 }  // namespace

@@ -420,7 +420,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:2: error: /troupe: expected 1, the version of the format, found the text "1")"},
         Wrong{
             R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede"; known: $schema, at, bounds_m, faults, floorplans, ground, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, stop_when, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
+            R"(maze.json:3: error: unknown key "sede"; known: $schema, arena, at, bounds_m, faults, floorplans, ground, include, measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, stop_when, tick_ms, tick_s, title, troupe, types, watch, window (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -452,7 +452,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{
             R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})",
-            R"(maze.json:11: error: /types/crate: the type has no body: give "size_m" (a box), "blocks", "bitmap" or "device")"},
+            R"(maze.json:11: error: /types/crate: the type has no body: give "size_m" (a box), "disc", "blocks", "bitmap" or "device")"},
         Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)",
               "maze.json:11: error: /types/crate: expected an object, found the number 3"},
         Wrong{"[1, 1, 1]", "[1, 0, 1]",
@@ -469,7 +469,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:11: error: /types/crate: "size" needs its unit: write "size_m", "size_cm" or "size_mm")"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")",
-            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: bitmap, blob_return, blocks, color, controller, controllers, device, device_order, devices, drive, extent_cm, extent_m, extent_mm, fiducial_key, fiducial_return, fit, floor_plan, gripper_return, kind, name, obstacle, parts, pushable, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
+            R"(maze.json:11: error: /types/crate: unknown key "colour"; known: bitmap, blob_return, blocks, color, controller, controllers, device, device_order, devices, disc, drive, extends, extent_cm, extent_m, extent_mm, fiducial_key, fiducial_return, fit, floor_plan, gripper_return, kind, name, obstacle, parts, pushable, ranger_return, sensors, size_cm, size_m, size_mm (did you mean "color"?))"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "color": "rde")",
             R"(maze.json:11: error: /types/crate/color: unknown color "rde": give an X11 name or [r, g, b] (did you mean "red"?))"},
@@ -588,9 +588,10 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:14: error: /models/0/pose/heading_deg: must be from -3600 to 3600 deg, found 5000"},
         Wrong{R"({"x_m": 5, "y_m": 5})", "[5, 5]",
               "maze.json:14: error: /models/0/pose: expected an object, found a list of length 2"},
-        Wrong{R"("y_m": 5}})", R"("y_m": 5}},
-    {"name": "c1", "type": "crate", "pose": {"x_m": 5.5, "y_m": 5.5}})",
-              R"(maze.json:15: error: /models/1: "c1" overlaps "c0" at the start)"},
+        Wrong{
+            R"("y_m": 5}})", R"("y_m": 5}},
+    {"name": "m", "type": "minibot", "pose": {"x_m": 5.5, "y_m": 5.5}})",
+            R"(maze.json:15: error: /models/1: "m" overlaps "c0" by 0.1 m at the start; "overlaps": "warn" allows it)"},
         Wrong{R"("count": 4)", R"("count": -4)",
               "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found -4"},
         Wrong{R"("count": 4)", R"("count": 20000000)",
@@ -657,8 +658,9 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:4: error: /types/a/size_m: expected a list of 3 numbers in m, found the number 1",
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
-          "maze.json:5: error: unknown key \"noise\"; known: $schema, at, bounds_m, faults, floorplans, "
-          "ground, "
+          "maze.json:5: error: unknown key \"noise\"; known: $schema, arena, at, bounds_m, faults, "
+          "floorplans, "
+          "ground, include, "
           "measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, "
           "quit_time_s, ranging, record, resolution_cm, resolution_m, resolution_mm, same_names, seed, "
           "stop_when, tick_ms, tick_s, title, troupe, types, watch, window",
@@ -691,14 +693,15 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
             R"(maze.json:2: error: /floorplans/0: missing "size_m", "size_cm" or "size_mm": [x, y, height])");
   EXPECT_EQ(
       wrong(R"({"name": "a", "size_m": [4, 4, 1]})"),
-      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, or of the YAML file of a ROS map, relative to the world file)");
+      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, or of the YAML file of a ROS map, relative to the world file; or "walls_m", [[x, y], ...], a line of walls)");
   EXPECT_EQ(
       wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "margins": "kep"})"),
       R"(maze.json:2: error: /floorplans/0/margins: unknown margins "kep"; known: keep, trim (did you mean "keep"?))");
   EXPECT_THAT(wrong(R"({"name": "a", "bitmap": "none.pgm", "size_m": [4, 4, 1]})"),
               testing::AllOf(testing::StartsWith("maze.json:2: error: "), testing::HasSubstr("none.pgm")));
-  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1]})"),
-            R"(maze.json:3: error: /models/0: "m" overlaps "a" at the start)");
+  EXPECT_EQ(
+      wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1]})"),
+      R"(maze.json:3: error: /models/0: "m" overlaps "a" by 0.5 m at the start; "overlaps": "warn" allows it)");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "obstacle": false})"), "");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "pose": {"x_m": 9}})"),
             R"(maze.json:3: error: /models/0: "m" is outside the bounds of the world)");

@@ -487,13 +487,12 @@ TEST_F(StageWorld, OldTuplesAreReadWithAWarning) {
   const auto spec = load("model( pose [1 2 90] size [3 4] origin [0.5 0 0] )");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "w.world:1: warning: old syntax: \"size\" takes [x y z]; two values are read as [x y], with a "
-          "height of 1 m",
-          "w.world:1: warning: old syntax: \"origin\" takes [x y z heading]; three values are read as "
-          "[x y heading]",
-          "w.world:1: warning: old syntax: \"pose\" takes [x y z heading]; three values are read as "
-          "[x y heading]"));
+      ElementsAre("w.world:1: warning: old syntax: the two values of \"size\" are read as [x y], with a "
+                  "height of 1 m; write [x y z]",
+                  "w.world:1: warning: old syntax: the three values of \"origin\" are read as [x y heading]; "
+                  "write [x y z heading]",
+                  "w.world:1: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
+                  "write [x y z heading]"));
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{1, 2, 0, k_pi / 2}));
   EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(3, 4, 1));
 }

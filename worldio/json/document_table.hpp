@@ -75,6 +75,9 @@ struct DocumentKey {
   /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind. Null: all objects may.
   bool (*is_of)(const void* kind) = nullptr;
 
+  /// The key has no member, because the loader replaces it before it reads the object: `include` and
+  /// `extends` (worldio/json/json_include.hpp), and `ring` (worldio/json/json_ring.hpp).
+  bool is_resolved = false;
   bool is_optional = false;  ///< the member is a std::optional
   bool is_float = false;     ///< the value is a float: written with only as many digits as a float needs
 
@@ -118,6 +121,10 @@ struct DocumentKey {
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
+    return *this;
+  }
+  DocumentKey& resolve() {
+    is_resolved = true;
     return *this;
   }
   DocumentKey& write_always() {

@@ -5,11 +5,13 @@
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/json_document.hpp"
+#include "worldio/json/json_include.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/read_document.hpp"
 #include "worldio/json/type_document.hpp"
+#include "worldio/json/wall_line.hpp"
 #include "worldio/json/write_document.hpp"
 #include "worldio/load.hpp"
 
@@ -31,6 +33,7 @@ using engine::PlacementRule;
 using engine::WorldSpec;
 
 constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
+constexpr double k_wall_height_m = 1;  // default height of walls along a line
 const partition::ObstacleShape k_no_shape;
 
 struct Model {
@@ -60,7 +63,8 @@ class WorldExpander {
     const DocumentPath world(document_.where, diagnostics_);
     expand_settings();
     each(world, "floorplans", document_.floorplans, &WorldExpander::expand_floorplan);
-    if (document_.bounds) spec_.bounds = document_.bounds;  // overrides those of the floor plans
+    if (document_.arena) expand_arena(*document_.arena);
+    if (document_.bounds) spec_.bounds = document_.bounds;  // overrides those of floor plans and arena
     expand_types(world);
     each(world, "models", document_.models, &WorldExpander::expand_model);
     each(world, "populations", document_.populations, &WorldExpander::expand_population);
@@ -85,6 +89,11 @@ class WorldExpander {
 
   void expand_settings();
   void expand_floorplan(const FloorplanDocument& document, const DocumentPath& at);
+  void expand_image_plan(const FloorplanDocument& document, const DocumentPath& at, const BodySpec& body,
+                         engine::PartSpec& part);
+  void expand_arena(const ArenaDocument& document);
+  /// Adds a static body with a type of its own, both of the same name.
+  void add_walls(BodySpec body, engine::PartSpec part);
   void expand_types(const DocumentPath& world);
   void expand_model(const ModelDocument& document, const DocumentPath& at);
   void expand_population(const PopulationDocument& document, const DocumentPath& at);
@@ -93,6 +102,8 @@ class WorldExpander {
   void place_bodies();
   void make_shapes(engine::Occupancy& occupancy);
   void check_model(const Model& model, engine::Occupancy& occupancy);
+  void report_overlaps(const Model& model, const partition::ObstacleShape& shape,
+                       engine::Occupancy& occupancy);
   void name_parts(const Model& model, BodyId body);
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
@@ -143,6 +154,28 @@ void WorldExpander::expand_settings() {
   spec_.mortal = document_.mortal;
 }
 
+/// Sets the shape of a floor plan to that of its image, and extends the bounds by the whole image.
+void WorldExpander::expand_image_plan(const FloorplanDocument& document, const DocumentPath& at,
+                                      const BodySpec& body, engine::PartSpec& part) {
+  const auto image = expand_image(document.image, document, at, folder_);
+  if (!image) return;
+  part.size = image->size;
+  part.solids = floor_plan_body(*image->image, image->spec, part.size);
+  part.image = image->spec;
+  vertices_ += count_vertices(part.solids);
+  if (vertices_ > engine::k_most_vertices) {
+    at.error(fmt::format("too large: together, the outlines of all floor plans have more than {} corners",
+                         engine::k_most_vertices));
+    part.solids.clear();
+  }
+  const Pose pose_body_center = image->image->place ? image->image->place->pose_map_center : Pose();
+  const Transform transform(compose(body.pose_world_body, pose_body_center));
+  if (!spec_.bounds) spec_.bounds.emplace();
+  for (const double x : {-part.size.x() / 2, part.size.x() / 2})
+    for (const double y : {-part.size.y() / 2, part.size.y() / 2})
+      spec_.bounds->extend(transform * Vec2(x, y));
+}
+
 void WorldExpander::expand_floorplan(const FloorplanDocument& document, const DocumentPath& at) {
   BodySpec body{.name = spec_.names.add(document.name), .where = document.where};
   body.pose_world_body = document.pose;
@@ -150,28 +183,42 @@ void WorldExpander::expand_floorplan(const FloorplanDocument& document, const Do
   body.color = document.color.value_or(k_floorplan_color);
   engine::PartSpec part{
       .kind = "model", .returns = document.returns, .floor_plan = true, .where = document.where};
-  if (const auto image = expand_image(document.image, document, at, folder_)) {
-    part.size = image->size;
-    part.solids = floor_plan_body(*image->image, image->spec, part.size);
-    part.image = image->spec;
-    vertices_ += count_vertices(part.solids);
-    if (vertices_ > engine::k_most_vertices) {
-      at.error(fmt::format("too large: together, the outlines of all floor plans have more than {} corners",
-                           engine::k_most_vertices));
-      part.solids.clear();
-    }
-    const Pose pose_body_center = image->image->place ? image->image->place->pose_map_center : Pose();
-    const Transform transform(compose(body.pose_world_body, pose_body_center));
+  if (document.walls) {
+    if (!document.walls->empty() && check_wall_line(*document.walls, document.thickness))
+      part.solids =
+          wall_solids(*document.walls, document.thickness, document.image.height.value_or(k_wall_height_m));
+    measure_part(part);
     if (!spec_.bounds) spec_.bounds.emplace();
-    for (const double x : {-part.size.x() / 2, part.size.x() / 2})
-      for (const double y : {-part.size.y() / 2, part.size.y() / 2})
-        spec_.bounds->extend(transform * Vec2(x, y));
-  } else if (!spec_.bounds) {
-    spec_.bounds.emplace().extend(
-        Vec2::Zero());  // prevents a later error that there is no floor plan for the population to fill
+    for (const Vec2& point : *document.walls) spec_.bounds->extend(Transform(body.pose_world_body) * point);
+  } else {
+    expand_image_plan(document, at, body, part);
   }
+  // After an error, bounds prevent a further error that there is no floor plan for a population to fill.
+  if (!spec_.bounds) spec_.bounds.emplace().extend(Vec2::Zero());
+  add_walls(body, std::move(part));
+}
+
+void WorldExpander::expand_arena(const ArenaDocument& document) {
+  if (!document.size) return;  // the reader has reported it
+  const Vec2 corner((*document.size)[0] / 2, (*document.size)[1] / 2);
+  if (!spec_.bounds) spec_.bounds.emplace();
+  spec_.bounds->extend(corner);
+  spec_.bounds->extend(Vec2(-corner));
+  if (!document.walls) return;
+  const double x = corner.x() + document.thickness / 2;
+  const double y = corner.y() + document.thickness / 2;
+  const Ring middle{{-x, -y}, {x, -y}, {x, y}, {-x, y}, {-x, -y}};
+  engine::PartSpec part{.kind = "model", .floor_plan = true, .where = document.where};
+  part.solids = wall_solids(middle, document.thickness, document.height);
+  measure_part(part);
+  BodySpec body{.name = spec_.names.add("arena"), .where = document.where};
+  body.color = document.color.value_or(k_floorplan_color);
+  add_walls(body, std::move(part));
+}
+
+void WorldExpander::add_walls(BodySpec body, engine::PartSpec part) {
   body.type = TypeId(spec_.types.size());
-  engine::TypeSpec type{.name = document.name};
+  engine::TypeSpec type{.name = std::string(spec_.names.text(body.name))};
   type.parts.push_back(std::move(part));
   spec_.types.push_back(std::move(type));
   spec_.bodies.push_back(body);
@@ -352,20 +399,52 @@ void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy
   if (model.reserve_of) return crowd.add(k_no_shape, {});  // not born yet
   const BodySpec& body = model.body;
   const partition::ObstacleShape& shape = occupancy.shape(body.type);
-  const auto overlaps = [&](const BodySpec& other) {
-    diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" at the start", model.pointer,
-                                               spec_.names.text(body.name), spec_.names.text(other.name)));
-  };
-  if (overlaps_are_errors && !shape.empty())
-    for (const BodyId wall : occupancy.scene().overlapping(shape, body.pose_world_body))
-      overlaps(spec_.bodies[wall.index()]);
-  if (overlaps_are_errors)
-    for (const std::size_t i : crowd.overlapping(shape, body.pose_world_body)) overlaps(models_[i].body);
+  if (overlaps_are_errors && !shape.empty()) report_overlaps(model, shape, occupancy);
   if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
       !spec_.bounds->contains(body.pose_world_body.position()))
     diagnostics_.error(body.where, fmt::format("{}: \"{}\" is outside the bounds of the world", model.pointer,
                                                spec_.names.text(body.name)));
   crowd.add(shape, body.pose_world_body);
+}
+
+/// Reports the bodies that a body overlaps by more than the tolerance. Two static bodies may overlap, because
+/// neither will move: walls are drawn across one another at their corners.
+void WorldExpander::report_overlaps(const Model& model, const partition::ObstacleShape& shape,
+                                    engine::Occupancy& occupancy) {
+  constexpr double k_tolerance_m = 1e-9;  // bodies that are meant to touch overlap by rounding
+  const BodySpec& body = model.body;
+  const Pose& pose = body.pose_world_body;
+  const auto is_static = [this](const BodySpec& one) {
+    return engine::is_static(spec_.types[one.type.index()]);
+  };
+  // Returns the bodies that overlap a shape in place of this body's.
+  const auto overlapped_by = [&](const partition::ObstacleShape& inner) {
+    std::vector<const BodySpec*> bodies;
+    if (is_static(body)) {
+      for (const std::size_t i : occupancy.crowd().overlapping(inner, pose))
+        if (!is_static(models_[i].body)) bodies.push_back(&models_[i].body);
+      return bodies;
+    }
+    for (const BodyId wall : occupancy.scene().overlapping(inner, pose))
+      bodies.push_back(&spec_.bodies[wall.index()]);
+    for (const std::size_t i : occupancy.crowd().overlapping(inner, pose)) bodies.push_back(&models_[i].body);
+    return bodies;
+  };
+  if (overlapped_by(shape).empty()) return;
+  for (const BodySpec* other : overlapped_by(partition::inset(shape, k_tolerance_m))) {
+    // The depth is the largest inset of the body's outline that still overlaps, found by bisection.
+    double low = k_tolerance_m;
+    double high = shape.thinnest / 2;
+    for (int i = 0; i < 40 && low < high; ++i) {
+      const double middle = (low + high) / 2;
+      const auto bodies = overlapped_by(partition::inset(shape, middle));
+      (std::ranges::find(bodies, other) != bodies.end() ? low : high) = middle;
+    }
+    diagnostics_.error(
+        body.where,
+        fmt::format("{}: \"{}\" overlaps \"{}\" by {:.3g} m at the start; \"overlaps\": \"warn\" allows it",
+                    model.pointer, spec_.names.text(body.name), spec_.names.text(other->name), low));
+  }
 }
 
 void WorldExpander::name_parts(const Model& model, BodyId body) {
@@ -453,9 +532,12 @@ WorldSpec expand(const WorldDocument& document, const std::filesystem::path& fil
   return WorldExpander(document, file, registry, options, diagnostics).expand();
 }
 
-void change_json_world(JsonNode& document, const LoadOptions& options, Diagnostics& diagnostics) {
+void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
+                       Diagnostics& diagnostics) {
+  resolve_includes(document, file, diagnostics);
   for (const auto& [pointer, value] : options.set) set_json_value(document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(document, name, count, diagnostics);
+  resolve_extends(document, diagnostics);
 }
 
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
@@ -484,7 +566,7 @@ WorldSpec load_json_node(JsonNode document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics) {
   report_repeated_keys(document, diagnostics);
-  change_json_world(document, options, diagnostics);
+  change_json_world(document, file, options, diagnostics);
   return read_json_world(file, document, registry, options, diagnostics);
 }
 
@@ -494,7 +576,7 @@ std::optional<WorldDocument> load_json_document(const std::filesystem::path& fil
   const Where start{diagnostics.files()->add(file.string()), 0};
   std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
   if (!document) return std::nullopt;
-  change_json_world(*document, options, diagnostics);
+  change_json_world(*document, file, options, diagnostics);
   return read_json_document(*document, registry, options, diagnostics);
 }
 

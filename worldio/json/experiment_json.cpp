@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -69,6 +70,15 @@ Record read_some(JsonObject& object, const FieldTable& table) {
 void write_some(const Record& record, const FieldTable& table, JsonNode::Object& object) {
   for (std::size_t i = 0; i < table.fields.size() && i < record.size(); ++i)
     write_field(table.fields[i], record[i], object);
+}
+
+/// Whether JSON can represent the numbers of a value, and a setting can give it in one line: it is not a list
+/// of records.
+bool is_simple(const Value& value) {
+  if (const auto* x = std::get_if<double>(&value.v)) return std::isfinite(*x);
+  if (const auto* list = std::get_if<std::vector<double>>(&value.v))
+    return std::ranges::all_of(*list, [](double x) { return std::isfinite(x); });
+  return !std::holds_alternative<std::vector<Record>>(value.v);
 }
 
 template <class List, class Projection>
@@ -320,6 +330,49 @@ void contract_experiment(const engine::WorldSpec& spec, std::span<const std::str
     for (const FaultSpec::Impairment& one : fault.impairments)
       entry.impairments.push_back({one.kind, one.params});
   }
+}
+
+std::optional<SettingSpec> read_setting(std::string_view type, std::string_view json,
+                                        const engine::Registry& registry, const engine::WorldSpec& spec,
+                                        Diagnostics& diagnostics) {
+  std::optional<JsonNode> node = parse_json(json, {}, true, diagnostics);
+  if (!node) return {};
+  const std::size_t before = diagnostics.findings().size();
+  const JsonCursor at(*node, diagnostics);
+  if (node->find("type")) at.error("unknown key \"type\": the type is given apart from the parameters");
+  if (auto* object = std::get_if<JsonNode::Object>(&node->value))
+    add_member(*object, "type", std::string(type));
+  const auto document = read_document<SettingDocument>(at, {registry, LoadOptions().most_bodies});
+  if (diagnostics.findings().size() > before) return {};
+  std::vector<std::string> names;
+  for (const engine::TypeSpec& each : spec.types) names.push_back(each.name);
+  std::optional<SettingSpec> setting = SettingExpander(names, registry, spec).expand(document, at);
+  return diagnostics.findings().size() > before ? std::nullopt : setting;
+}
+
+std::string parameters_json(const engine::TypeSpec& type, const engine::Registry& registry) {
+  JsonNode::List all;
+  const auto add = [&](std::string_view of, std::string_view key, const std::string& name,
+                       const Record& params, const FieldTable* table) {
+    if (!table || table->fields.empty()) return;
+    JsonNode::Object owner;
+    if (!key.empty()) add_member(owner, key, name);
+    for (std::size_t i = 0; i < std::min(table->fields.size(), params.size()); ++i)
+      if (is_simple(params[i])) write_field(table->fields[i], params[i], owner);
+    JsonNode::Object setting;
+    add_member(setting, of, std::move(owner));
+    all.push_back(json_node(std::move(setting)));
+  };
+  if (type.drive)
+    if (const auto* kind = registry.drive(type.drive->kind))
+      add("drive", "", "", type.drive->params, &kind->params);
+  for (const engine::DeviceSpec& device : type.devices)
+    if (const auto* kind = registry.device(device.kind))
+      add("device", "name", device.name, device.params, &kind->params);
+  for (const engine::ControllerSpec& controller : type.controllers)
+    if (const auto* kind = registry.controller(controller.kind))
+      add("controller", "kind", controller.kind, controller.params, &kind->params);
+  return json_line(json_node(std::move(all)));
 }
 
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,

@@ -5,8 +5,10 @@
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"
 
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace troupe::worldio {
 
@@ -28,6 +30,17 @@ void expand_experiment(const ExperimentDocument& document, const DocumentPath& w
 /// The inverse of expand_experiment().
 void contract_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                          const engine::Registry& registry, ExperimentDocument& document);
+
+/// Reads new parameters of a type from JSON: {"drive": {...}}, {"device": {"name": ..., ...}} or
+/// {"controller": {"kind": ..., ...}}, as in the intervention `set` of a world file. type: TypeSpec::name of
+/// a type of `spec`. Empty, with errors that have no place in a file, if the type does not have such
+/// parameters.
+std::optional<engine::SettingSpec> read_setting(std::string_view type, std::string_view json,
+                                                const engine::Registry& registry,
+                                                const engine::WorldSpec& spec, Diagnostics& diagnostics);
+/// Returns the parameters of a type as JSON: a list of the objects that read_setting() reads, one for each
+/// drive, device and controller that has parameters. Infinite values and lists of records are left out.
+std::string parameters_json(const engine::TypeSpec& type, const engine::Registry& registry);
 
 /// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored
 /// world, and sets spec.experiment. The object has other keys too, which are left unread.

@@ -1,6 +1,7 @@
 #include "worldio/json/fields_json.hpp"
 
 #include "worldio/colors.hpp"
+#include "worldio/json/json_ring.hpp"
 #include "worldio/json/json_text.hpp"
 
 #include <fmt/format.h>
@@ -171,8 +172,19 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
       const JsonNode::List* list = read_list(at);
       if (!list) return {};
       std::vector<Record> records;
-      for (std::size_t i = 0; i < list->size(); ++i)
-        records.push_back(read_record(JsonCursor(at, i, (*list)[i]), *field.record));
+      const bool has_poses = field.record->find("pose") >= 0;
+      for (std::size_t i = 0; i < list->size(); ++i) {
+        const JsonCursor entry(at, i, (*list)[i]);
+        if (!has_poses || !has_ring(entry.node())) {
+          records.push_back(read_record(entry, *field.record));
+        } else {
+          const std::size_t before = at.diagnostics().findings().size();
+          for (const JsonNode& copy : expand_ring(entry)) {
+            records.push_back(read_record(JsonCursor(at, i, copy), *field.record));
+            if (at.diagnostics().findings().size() > before) break;  // the other copies have the same errors
+          }
+        }
+      }
       return records;
     }
   }

@@ -136,6 +136,7 @@ std::string measures_reference(const engine::Registry& registry) {
                         engine::unit_suffixes(kind.unit).front().suffix, kind.text);
   for (const engine::MeasureKind& kind : registry.measures) {
     text += fmt::format("\n### `{}`\n\n{}\n", kind.name, kind.definition);
+    if (!kind.formula.empty()) text += fmt::format("\n`{}`\n", kind.formula);
     if (kind.params.fields.empty()) continue;
     text += '\n';
     append_table(kind.params, text);

@@ -1,5 +1,6 @@
 #include "worldio/json/json_parts.hpp"
 
+#include "base/math.hpp"
 #include "worldio/images/bitmap.hpp"
 #include "worldio/images/ros_map.hpp"
 #include "worldio/json/fields_json.hpp"
@@ -28,6 +29,15 @@ Solid box(const Eigen::Vector3d& size) {
   const double x = size.x() / 2;
   const double y = size.y() / 2;
   return {{{{-x, -y}, {x, -y}, {x, y}, {-x, y}}}, {0, size.z()}};
+}
+
+Solid disc(const DiscDocument& document) {
+  Solid solid{{{}}, {0, *document.height}};
+  for (std::int64_t i = 0; i < document.corners; ++i) {
+    const SinCos at = sincos(2 * k_pi * static_cast<double>(i) / static_cast<double>(document.corners));
+    solid.contours.front().emplace_back(*document.radius * at.cos, *document.radius * at.sin);
+  }
+  return solid;
 }
 
 /// Returns the direction of the turn at b on the path a, b, c: 1 to the left, -1 to the right, 0 if the three
@@ -298,10 +308,15 @@ bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFol
     const std::span<const BlockDocument> blocks =
         document.blocks ? std::span<const BlockDocument>(*document.blocks) : std::span<const BlockDocument>();
     part.solids = expand_solids(document.image.size, blocks, part.pose_body_part);
+    if (document.disc && document.disc->radius && document.disc->height) {
+      part.solids.push_back(disc(*document.disc));
+      if (part.pose_body_part != Pose())
+        part.solids.back() = placed(std::move(part.solids.back()), part.pose_body_part);
+    }
     is_given = document.blocks || !part.solids.empty();
     measure_part(part);
     // The size in the document is used, because the extent of the placed box has rounding errors.
-    if (!document.blocks && document.image.size) part.size = *document.image.size;
+    if (!document.blocks && !document.disc && document.image.size) part.size = *document.image.size;
   }
   part.floor_plan = document.floor_plan.value_or(has_image);
   return is_given;

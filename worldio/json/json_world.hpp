@@ -11,10 +11,13 @@
 
 namespace troupe::worldio {
 
-/// Changes the document of a world as the command line asks: first sets the values of LoadOptions::set
-/// (`--set POINTER=VALUE`), then the numbers of bodies of LoadOptions::robots (`--robots NAME=COUNT`).
-/// Reports an error for a value that cannot be set and for an unknown population.
-void change_json_world(JsonNode& document, const LoadOptions& options, Diagnostics& diagnostics);
+/// Makes the document that is read: adds the types of included files, whose paths are relative to the folder
+/// of `file` (worldio/json/json_include.hpp), then changes it as the command line asks: sets the values of
+/// LoadOptions::set (`--set POINTER=VALUE`), then the numbers of bodies of LoadOptions::robots (`--robots
+/// NAME=COUNT`). Types that extend others are merged with them last, so that a changed type changes those
+/// that extend it. Reports an error for a value that cannot be set and for an unknown population.
+void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
+                       Diagnostics& diagnostics);
 
 /// Converts the JSON nodes of a world to a WorldDocument. Reports all errors, each at its line, and treats a
 /// wrong value as absent. Of `options`, only LoadOptions::most_bodies is used.

@@ -2,6 +2,7 @@
 
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
+#include "worldio/json/json_ring.hpp"
 
 #include <fmt/format.h>
 
@@ -125,6 +126,10 @@ bool ObjectReader::applies(const DocumentKey& key) const {
 }
 
 void ObjectReader::read_key(const DocumentKey& key) {
+  if (key.is_resolved) {  // finding it makes it a known key
+    if (keys_.find(key.field.name)) at_.error(fmt::format("\"{}\" is not allowed here", key.field.name));
+    return;
+  }
   switch (key.form) {
     case Form::value: return read_value(key);
     case Form::choice: return read_choice(key);
@@ -305,8 +310,22 @@ void ObjectReader::read_list(const DocumentKey& key, const JsonCursor& at) {
   const JsonNode::List* nodes = worldio::read_list(at);
   if (!nodes) return;
   void* list = key.make(object_);
-  for (std::size_t i = 0; i < nodes->size(); ++i)
-    read_described(JsonCursor(at, i, (*nodes)[i]), key.table(), reading_, key.append(list, {}));
+  const DocumentKey* ring = key.table().find("ring");
+  for (std::size_t i = 0; i < nodes->size(); ++i) {
+    const JsonCursor entry(at, i, (*nodes)[i]);
+    const auto read = [&](const JsonNode& node) {
+      read_described(JsonCursor(at, i, node), key.table(), reading_, key.append(list, {}));
+    };
+    if (!ring || !has_ring(entry.node())) {
+      read(entry.node());
+    } else {
+      const std::size_t before = at.diagnostics().findings().size();
+      for (const JsonNode& copy : expand_ring(entry)) {
+        read(copy);
+        if (at.diagnostics().findings().size() > before) break;  // the other copies have the same errors
+      }
+    }
+  }
 }
 
 void ObjectReader::read_map(const DocumentKey& key, const JsonCursor& at) {

@@ -3,6 +3,7 @@
 #include "worldio/files.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_reader.hpp"
+#include "worldio/json/json_text.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -99,10 +100,26 @@ void read_values(JsonObject& object, Act& act) {
   }
 }
 
+/// Reads the keys of a setting. Which of them a type has, and their values, are checked when the act is
+/// performed.
+void read_setting_keys(JsonObject& object, Act& act) {
+  JsonNode::Object setting;
+  for (const std::string_view key : {"drive", "device", "controller"})
+    if (const JsonNode* node = object.find(key)) add_node(setting, key, *node);
+  act.setting = json_line(json_node(std::move(setting)));
+}
+
+/// Returns the key that names what an act changes.
+std::string_view whom_key(Kind kind) {
+  return kind == Kind::add ? "population" : kind == Kind::set ? "type" : "robot";
+}
+
 /// Reads the members of an act other than `do`.
 void read_members(JsonObject& object, Act& act) {
-  act.whom = act.kind == Kind::add ? read_name(object, "population", "the name of a population")
-                                   : read_name(object, "robot", "the name of a body");
+  act.whom = read_name(object, whom_key(act.kind),
+                       act.kind == Kind::add   ? "the name of a population"
+                       : act.kind == Kind::set ? "the name of a type"
+                                               : "the name of a body");
   switch (act.kind) {
     case Kind::move:
     case Kind::add: read_pose(object, act); break;
@@ -112,6 +129,7 @@ void read_members(JsonObject& object, Act& act) {
       act.device = read_name(object, "device", "the name of a device");
       read_values(object, act);
       break;
+    case Kind::set: read_setting_keys(object, act); break;
     case Kind::release:
     case Kind::remove:
     case Kind::disable:
@@ -197,7 +215,7 @@ std::string header_line(const SessionHeader& header) {
 
 std::string act_line(std::uint64_t tick, std::uint64_t n, const Act& act) {
   Json json{{"tick", tick}, {"n", n}, {"do", engine::k_acts[static_cast<std::size_t>(act.kind)]}};
-  json[act.kind == Kind::add ? "population" : "robot"] = act.whom;
+  json[std::string(whom_key(act.kind))] = act.whom;
   if (act.kind == Kind::move || act.kind == Kind::add) json["pose"] = pose_json(act.pose);
   if (act.kind == Kind::speed || act.kind == Kind::hold) json["speed"] = act.speed;
   if (act.kind == Kind::command) {
@@ -205,6 +223,7 @@ std::string act_line(std::uint64_t tick, std::uint64_t n, const Act& act) {
     json["values"] = Json::object();
     for (const auto& [name, numbers] : act.values) json["values"][name] = numbers;
   }
+  if (act.kind == Kind::set) json.update(Json::parse(act.setting));
   return line_of(json);
 }
 

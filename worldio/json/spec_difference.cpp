@@ -20,9 +20,10 @@ using engine::MemberType;
 using engine::Value;
 using engine::WorldSpec;
 
-/// Visits the compared members of one struct (N = 1), or of two structs of the same type in parallel (N = 2),
-/// in the order of their table. It calls these functions of `found`, whose first argument is an array with
-/// one entry per struct:
+/// Visits those members of a struct that spec_difference() compares, in the order of the struct's table. With
+/// N = 1 it visits one struct. With N = 2 it visits two structs of the same type side by side: each call of
+/// `found` gets the same member of both. The functions of `found` are as follows; their first argument is an
+/// array with one entry for each of the N structs:
 ///   bool size(sizes, path)    for each list, and for each optional block (size 0 or 1)
 ///   bool value(values, path)  for each other value
 ///   bool place(wheres, path)  for each member that is a place in a file (a Where)

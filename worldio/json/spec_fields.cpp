@@ -64,7 +64,11 @@ Result<const FieldTable*> parameters_of(const FieldTable& table, const void* obj
   const engine::Value value = engine::get(table.fields[static_cast<std::size_t>(table.find("kind"))], object);
   const std::string& kind = value.text();
   if (&table == &engine::drive_fields()) return find_kind("drive", kind, registry.drives);
-  if (&table == &engine::measure_fields()) return find_kind("measure", kind, registry.measures);
+  if (&table == &engine::measure_fields()) {
+    const auto found = registry.find_measure(kind);
+    if (!found) return found.error();
+    return &(*found)->params;
+  }
   if (&table == &engine::impairment_fields()) return find_kind("fault", kind, registry.faults);
   if (&table == &engine::controller_fields()) {
     const auto found = registry.find_controller(kind);

@@ -1,11 +1,13 @@
 #include "worldio/json/world_document.hpp"
 
+#include "base/math.hpp"
 #include "engine/ticks.hpp"
 #include "engine/watch_spec.hpp"
 #include "worldio/images/ros_map.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
+#include "worldio/json/wall_line.hpp"
 #include "worldio/load.hpp"
 #include "worldio/window_fields.hpp"
 
@@ -30,10 +32,12 @@ using How = DocumentRule::How;
 constexpr Unit meters = Unit::meters;
 constexpr Unit seconds = Unit::seconds;
 
-constexpr double k_most_period_s = 1e6;   // maximum period of a device, drive or controller
-constexpr double k_most_chosen = 1e9;     // maximum number of bodies in a group
-constexpr double k_most_return = 1e6;     // maximum absolute value of ranger_return
-constexpr double k_least_step_m = 0.001;  // minimum distance between bodies and cell size of free_floor
+constexpr double k_most_period_s = 1e6;      // maximum period of a device, drive or controller
+constexpr double k_most_chosen = 1e9;        // maximum number of bodies in a group
+constexpr double k_most_return = 1e6;        // maximum absolute value of ranger_return
+constexpr double k_most_in_ring = 10000;     // maximum number of objects of a ring
+constexpr double k_most_disc_corners = 100;  // maximum number of corners of a disc
+constexpr double k_least_step_m = 0.001;     // minimum distance between bodies and cell size of free_floor
 constexpr std::array<std::string_view, 2> k_checks{"error", "warn"};
 constexpr std::array<std::string_view, 5> k_rules{"grid", "uniform", "gaussian", "poisson_disc",
                                                   "free_floor"};
@@ -164,7 +168,7 @@ const DocumentKinds k_controllers{
 
 const DocumentKinds k_measures{
     .what = "measure",
-    .page = {},
+    .page = "measures",
     .all =
         [](const Registry& registry) {
           std::vector<DocumentKind> all;
@@ -173,11 +177,11 @@ const DocumentKinds k_measures{
           return all;
         },
     .known = [](const Registry& registry) { return sorted_names(registry.measures); },
-    .named = nullptr,
+    .named = [](const Registry& registry) { return sorted_names(registry.measures); },
     .find = [](const Registry& registry, const std::string& name) -> Result<DocumentKind> {
-      if (const engine::MeasureKind* kind = registry.measure(name))
-        return DocumentKind{.name = kind->name, .text = kind->text, .params = &kind->params};
-      return Error{unknown_name("measure", name, sorted_names(registry.measures))};
+      const auto kind = registry.find_measure(name);
+      if (!kind) return kind.error();
+      return DocumentKind{.name = (*kind)->name, .text = (*kind)->text, .params = &(*kind)->params};
     },
     .expects = "the name of a measure",
     .hint = "the name of a measure"};
@@ -227,7 +231,11 @@ bool has_defaults(const engine::FieldTable& params) {
 void read_measure_text(const JsonCursor& at, const std::string& text, const Registry& registry,
                        void* object) {
   auto& measure = *static_cast<MeasureDocument*>(object);
-  const std::size_t colon = text.find(':');
+  // "stalls:leaders" is a measure and its robots, "crowd:density" may also be a measure of the plug-in crowd.
+  std::size_t colon = text.find(':');
+  if (colon != text.npos && !registry.find_measure(text.substr(0, colon)))
+    if (const std::size_t next = text.find(':', colon + 1); registry.find_measure(text.substr(0, next)))
+      colon = next;
   measure.kind = text.substr(0, colon);
   if (colon != text.npos) {
     measure.of = text.substr(colon + 1);
@@ -256,7 +264,9 @@ std::vector<JsonNode> measure_text_schemas(const Registry& registry) {
   one_of.front().node.value = std::move(names);
   JsonNode plain;
   plain.value = std::move(one_of);
-  return {std::move(plain), schema_of_texts(fmt::format("^({}):.+$", either))};
+  // The last schema is for measures of plug-ins, whose names are not known.
+  return {std::move(plain), schema_of_texts(fmt::format("^({}):.+$", either)),
+          schema_of_texts("^[^<>=! ]+$")};
 }
 
 const DocumentShorthand k_measure_text{
@@ -288,8 +298,8 @@ std::optional<std::string> condition_text(const void* object, const Registry& re
   const auto& condition = *static_cast<const ConditionDocument*>(object);
   if (!condition.measure || !condition.is || !condition.measure->name.empty()) return std::nullopt;
   const MeasureDocument& measure = *condition.measure;
-  const engine::MeasureKind* kind = registry.measure(measure.kind);
-  const engine::Record defaults = kind ? kind->params.defaults() : engine::Record();
+  const auto kind = registry.find_measure(measure.kind);
+  const engine::Record defaults = kind ? (*kind)->params.defaults() : engine::Record();
   const auto same = [](const engine::Value& a, const engine::Value& b) { return same_bits(a, b); };
   if (!std::ranges::equal(measure.params, defaults, same)) return std::nullopt;
   return engine::text_of(
@@ -347,9 +357,14 @@ bool is_fitted(const JsonNode& object) {
 
 bool has_no_map(const JsonNode& object) { return !has_map(object); }
 
+bool has_lines(const JsonNode& object) { return object.find("walls_m") != nullptr; }
+bool has_no_lines(const JsonNode& object) { return !has_lines(object); }
+bool has_height(const JsonNode& object) { return has_map(object) || has_lines(object); }
+bool has_scaled_image(const JsonNode& object) { return !has_map(object) && !has_lines(object); }
+
 /// Describes the keys of an image; `text` is the meaning of `bitmap`. `is_plan` says that the objects are
-/// floor plans, which always have a `bitmap`. Other objects may have the keys of an image, except `size`,
-/// only together with `bitmap`.
+/// floor plans, which have a `bitmap` unless they have lines. In other objects `bitmap` is optional; without
+/// it, `size` is the only key of an image that they may have.
 template <class T, auto Image>
 void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   constexpr std::string_view k_path =
@@ -360,10 +375,12 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   DocumentKey& size = d.template value<Image, &ImageDocument::size>("size", meters, above(0),
                                                                     at_most(k_max_size_m), k_size_text);
   size.hint = "[x, y, height]";
-  size.when(has_no_map);
+  size.when(is_plan ? has_scaled_image : has_no_map);
   d.template value<Image, &ImageDocument::height>("height", meters, above(0), at_most(k_max_size_m),
-                                                  "ROS map: height of the walls")
-      .when(has_map);
+                                                  is_plan
+                                                      ? "ROS map and lines: height of the walls; default: 1 m"
+                                                      : "ROS map: height of the walls; default: 1 m")
+      .when(is_plan ? has_height : has_map);
   d.template choice<Image, &ImageDocument::unknown>("unknown", k_unknown,
                                                     "ROS map: how unknown cells are treated")
       .when(has_map);
@@ -371,10 +388,18 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
        "margins", k_margins,
        "the part of the image that is scaled to `size`; trim: the bounding box of the solid pixels, keep: "
        "the whole image")
-      .when(is_plan ? has_no_map : has_plain_image);
+      .when(is_plan ? has_scaled_image : has_plain_image);
   DocumentKey& boundary = d.template value<Image, &ImageDocument::boundary>(
       "boundary", "adds four walls just inside the edges of the box");
-  if (!is_plan) boundary.when(has_image);
+  boundary.when(is_plan ? has_no_lines : has_image);
+}
+
+/// Describes the key `ring`, which a list's entry with a pose may have.
+template <class T>
+void describe_ring(DocumentKeys<T>& d) {
+  DocumentKey& key = d.template other<>(Form::object, "ring", "repeats the entry around its pose");
+  key.table = &document_table<RingDocument>;
+  key.resolve();
 }
 
 /// Reports an error if the object `at` needs a size (`is_needed`) and has none. Fitted blocks and images need
@@ -416,6 +441,7 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
       "pose",
       "pose in the frame of the body or, with `on`, in the frame of the device on which it is mounted");
   joint();
+  if (!is_own) describe_ring(d);
   d.template value<&D::active>("active", "false: runs only while a controller or a program reads it");
   d.template value<&D::period>("period", seconds, within(0, k_most_period_s),
                                "time between two readings; 0: every tick")
@@ -469,6 +495,8 @@ void describe_body(DocumentKeys<P>& d) {
       .when(no_image);
   d.template value<&P::origin>("origin", "pose of the centre of the image or of the scaled blocks")
       .when([](const JsonNode& object) { return has_image(object) || is_fitted(object); });
+  d.template object<&P::disc>("disc", "an upright cylinder about the origin, in addition to the blocks")
+      .when([](const JsonNode& object) { return !has_image(object) && !is_fitted(object); });
   d.template list<&P::blocks>("blocks", "upright prisms that form the solid shape of the body or part")
       .when(no_image);
   d.template value<&P::floor_plan>("floor_plan", "true: the body is a floor plan, an image of walls");
@@ -498,7 +526,10 @@ void check_part(const PartDocument& part, const JsonCursor& at) {
 void check_type(const TypeDocument& type, const JsonCursor& at) { check_part(type, at); }
 
 void check_floorplan(const FloorplanDocument& plan, const JsonCursor& at) {
-  check_size(plan.image, true, at);
+  if (!has_lines(at.node())) return check_size(plan.image, true, at);
+  if (!plan.walls || plan.walls->empty()) return;
+  if (const Result<> line = check_wall_line(*plan.walls, plan.thickness); !line)
+    JsonCursor(at, "walls_m", *at.node().find("walls_m")).error(line.error().text);
 }
 
 void check_block(const BlockDocument& block, const JsonCursor& at) {
@@ -578,6 +609,27 @@ void BlockDocument::describe(DocumentKeys<BlockDocument>& d) {
   d.check<check_block>();
 }
 
+void RingDocument::describe(DocumentKeys<RingDocument>& d) {
+  d.table().definition = "ring";
+  d.value<&RingDocument::count>("count", within(1, k_most_in_ring), "number of copies").require();
+  d.value<&RingDocument::radius>("radius", meters, within(0, k_max_size_m),
+                                 "distance of the copies from the pose of the entry");
+  d.value<&RingDocument::start>(
+      "start", Unit::radians, within(-20 * k_pi, 20 * k_pi),
+      "direction of the first copy, counter-clockwise from the heading of the pose");
+}
+
+void DiscDocument::describe(DocumentKeys<DiscDocument>& d) {
+  d.table().definition = "disc";
+  d.value<&DiscDocument::radius>("radius", meters, above(0), at_most(k_max_size_m),
+                                 "distance of the corners from the axis")
+      .require();
+  d.value<&DiscDocument::height>("height", meters, above(0), at_most(k_max_size_m), "height of the cylinder")
+      .require();
+  d.value<&DiscDocument::corners>("corners", within(3, k_most_disc_corners),
+                                  "number of corners of the polygon, the first of which is on the x axis");
+}
+
 void DeviceDocument::describe(DocumentKeys<DeviceDocument>& d) {
   d.table().definition = "device";
   d.table().kinds = &k_devices<DeviceList::devices>;
@@ -631,6 +683,7 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
   d.value<&PartDocument::pose>("pose", "pose in the frame of the body, with all joints at rest");
   d.other<&PartDocument::joint>(Form::joint, "joint",
                                 "name of the joint that moves it; null: no joint moves it");
+  describe_ring(d);
   describe_body(d);
   describe_contents(d);
   d.check<check_part>();
@@ -638,6 +691,9 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
 
 void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.table().definition = "type";
+  d.other<>(Form::name, "extends",
+            "name of the type whose keys this type has, except those that it gives itself")
+      .resolve();
   d.other<&TypeDocument::name>(
       Form::name, "name",
       "name of the type, if it differs from the key; several types may have the same name",
@@ -651,8 +707,9 @@ void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
       Form::names, "device_order",
       "names of all devices, each exactly once, in the order in which the type has them");
   d.rule({.how = How::any_of,
-          .keys = {"size", "blocks", "bitmap", "device"},
-          .none = "the type has no body: give \"size_m\" (a box), \"blocks\", \"bitmap\" or \"device\""});
+          .keys = {"size", "disc", "blocks", "bitmap", "device"},
+          .none = "the type has no body: give \"size_m\" (a box), \"disc\", \"blocks\", \"bitmap\" or "
+                  "\"device\""});
   d.check<check_type>();
 }
 
@@ -661,13 +718,35 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
   describe_image<FloorplanDocument, &FloorplanDocument::image>(
       d, "a PNG, JPEG, BMP or PNM image, in which dark pixels are solid, or the YAML file of a ROS map",
       true);
-  for (DocumentKey& key : d.table().keys)
-    if (key.field.name == "bitmap") key.require(key.expects);
+  d.other<&FloorplanDocument::walls>(Form::points, "walls_m",
+                                     "instead of an image: a line along the middle of the walls; the line is "
+                                     "closed if the last point repeats the first")
+      .entries(2, k_most_block_points);
+  d.value<&FloorplanDocument::thickness>("thickness", meters, above(0), at_most(k_max_size_m),
+                                         "thickness of the walls along the line")
+      .when(has_lines);
+  d.rule({.how = How::one_of,
+          .keys = {"bitmap", "walls_m"},
+          .none = fmt::format("missing \"bitmap\": {}; or \"walls_m\", [[x, y], ...], a line of walls",
+                              d.table().find("bitmap")->expects),
+          .several = "give \"bitmap\" or \"walls_m\", not both",
+          .at_key = true});
   d.value<&FloorplanDocument::pose>("pose",
                                     "pose of the centre of the image; for a ROS map, pose of the map frame");
   d.other<&FloorplanDocument::color>(Form::color, "color");
   describe_returns<FloorplanDocument, &FloorplanDocument::returns>(d);
   d.check<check_floorplan>();
+}
+
+void ArenaDocument::describe(DocumentKeys<ArenaDocument>& d) {
+  d.value<&ArenaDocument::size>("size", meters, above(0), at_most(k_max_size_m),
+                                "free floor along x and y, about the origin of the world")
+      .require("[x, y], the size of the free floor");
+  d.value<&ArenaDocument::walls>("walls", "true: a static body \"arena\" encloses the free floor");
+  d.value<&ArenaDocument::height>("height", meters, above(0), at_most(k_max_size_m), "height of the walls");
+  d.value<&ArenaDocument::thickness>("thickness", meters, above(0), at_most(k_max_size_m),
+                                     "thickness of the walls, which are outside the free floor");
+  d.other<&ArenaDocument::color>(Form::color, "color");
 }
 
 void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {
@@ -879,7 +958,9 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
       "overlaps", k_checks, "whether a model that overlaps something at the start is an error or a warning");
   d.choice<&WorldDocument::same_names>("same_names", k_checks,
                                        "whether two bodies of the same name are an error or a warning");
-  d.list<&WorldDocument::floorplans>("floorplans", "walls drawn as images");
+  d.list<&WorldDocument::floorplans>("floorplans", "walls, as images or lines");
+  d.object<&WorldDocument::arena>("arena", "a rectangular free floor about the origin, with walls");
+  d.other<>(Form::names, "include", "files whose types this world has", "the name of a file").resolve();
   d.map<&WorldDocument::types>("types", "types, by name: what identical bodies share").write_always();
   d.list<&WorldDocument::models>("models", "single bodies").write_always();
   d.list<&WorldDocument::populations>("populations", "many bodies of one type, placed by a rule");

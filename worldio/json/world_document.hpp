@@ -73,6 +73,23 @@ struct BlockDocument : Placed {
   static void describe(DocumentKeys<BlockDocument>& d);  ///< adds its keys to `d`
 };
 
+/// The key `ring` of an object that has a pose: the object stands for several, at equal angles on a circle.
+/// The reader replaces it by these objects, so that no document contains a ring (worldio/json/json_ring.hpp).
+struct RingDocument : Placed {
+  std::int64_t count = 0;                               ///< number of objects; required
+  double radius = 0;                                    ///< distance from the centre, m
+  double start = 0;                                     ///< direction of the first object, rad
+  static void describe(DocumentKeys<RingDocument>& d);  ///< adds its keys to `d`
+};
+
+/// An upright cylinder, as a prism whose base is a regular polygon.
+struct DiscDocument : Placed {
+  std::optional<double> radius;  ///< distance of the corners from the axis, m; required
+  std::optional<double> height;  ///< m; required
+  std::int64_t corners = 16;     ///< number of corners
+  static void describe(DocumentKeys<DiscDocument>& d);  ///< adds its keys to `d`
+};
+
 /// An image, or a ROS map, that gives a body its shape.
 struct ImageDocument {
   /// The part of an image that is scaled to the size.
@@ -87,7 +104,7 @@ struct ImageDocument {
   };
   std::string bitmap;                   ///< path, relative to the world file; empty: no image
   std::optional<Eigen::Vector3d> size;  ///< m; a map has a size of its own
-  std::optional<double> height;         ///< height of the walls of a map, m; empty: 1
+  std::optional<double> height;         ///< height of the walls of a map or of lines, m; empty: 1
   Unknown unknown = Unknown::free;      ///< how unknown cells of a map are treated
   Margins margins = Margins::trim;      ///< the part of the image that is scaled to the size
   bool boundary = false;                ///< adds four walls just inside the edges
@@ -146,6 +163,7 @@ struct PartDocument : Placed {
   ImageDocument image;             ///< without a bitmap, its size is that of the box or the fitted blocks
   bool fit = false;                ///< the blocks are scaled to the size
   std::optional<Pose> origin;      ///< centre of the image or of the fitted blocks
+  std::optional<DiscDocument> disc;  ///< a cylinder about the origin, in addition to the blocks
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
   std::optional<bool> floor_plan;                    ///< whether it is a floor plan; empty: if it is an image
   std::optional<Eigen::Vector3d> extent;             ///< declared size, m, if it differs from the shape's
@@ -167,14 +185,26 @@ struct TypeDocument : PartDocument {
   static void describe(DocumentKeys<TypeDocument>& d);   ///< adds its keys to `d`
 };
 
-/// Walls drawn as an image: a body with a type of its own.
+/// Walls, given as an image or as lines: a body with a type of its own.
 struct FloorplanDocument : Placed {
   std::string name;            ///< name of the body and of its type
-  ImageDocument image;         ///< image of the walls
+  ImageDocument image;         ///< image of the walls; without a bitmap, only its height is used
+  std::optional<Ring> walls;   ///< line along the middle of the walls, m; excludes an image
+  double thickness = 0.1;      ///< of the walls along the line, m
   Pose pose;                   ///< pose of the image centre, or of a map's frame, in the world
   std::optional<Color> color;  ///< colour of the walls; empty: gray30
   engine::Returns returns;     ///< how other bodies collide with it and sense it
   static void describe(DocumentKeys<FloorplanDocument>& d);  ///< adds its keys to `d`
+};
+
+/// A rectangular arena about the origin of the world: bounds, and a body `arena` that is the four walls.
+struct ArenaDocument : Placed {
+  std::optional<std::array<double, 2>> size;  ///< free floor along x and y, m; required
+  bool walls = true;                          ///< false: only bounds
+  double height = 0.5;                        ///< of the walls, m
+  double thickness = 0.1;                     ///< of the walls, which stand outside the free floor, m
+  std::optional<Color> color;                 ///< colour of the walls; empty: gray30
+  static void describe(DocumentKeys<ArenaDocument>& d);  ///< adds its keys to `d`
 };
 
 /// A single body.
@@ -356,15 +386,16 @@ struct WorldDocument : Placed {
   double measure_every = 1;            ///< interval between measurements, s; 0: every tick
   engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< engine that computes ranges
   double resolution = engine::k_resolution_m;                    ///< edge of the cells of the grid engine, m
-  std::optional<Box> bounds;                  ///< region for robots, m; empty: the box of the floor plans
-  std::optional<GroundDocument> ground;       ///< properties of the ground
-  std::optional<RecordDocument> record;       ///< what a run records
-  std::optional<engine::Record> watch;        ///< clock and pace: engine::watch_fields()
-  std::optional<engine::Record> window;       ///< a view of the world: window_fields()
-  bool mortal = false;                        ///< programs may always remove and disable bodies
-  Check overlaps = Check::error;              ///< how a model that overlaps something at the start is treated
-  Check same_names = Check::error;            ///< how bodies with the same name are treated
-  std::vector<FloorplanDocument> floorplans;  ///< walls drawn as images
+  std::optional<Box> bounds;             ///< region for robots, m; empty: the box of floor plans and arena
+  std::optional<GroundDocument> ground;  ///< properties of the ground
+  std::optional<RecordDocument> record;  ///< what a run records
+  std::optional<engine::Record> watch;   ///< clock and pace: engine::watch_fields()
+  std::optional<engine::Record> window;  ///< a view of the world: window_fields()
+  bool mortal = false;                   ///< programs may always remove and disable bodies
+  Check overlaps = Check::error;         ///< how a model that overlaps something at the start is treated
+  Check same_names = Check::error;       ///< how bodies with the same name are treated
+  std::vector<FloorplanDocument> floorplans;                ///< walls, as images or lines
+  std::optional<ArenaDocument> arena;                       ///< a rectangle with walls
   std::vector<std::pair<std::string, TypeDocument>> types;  ///< types, each with its key
   std::vector<ModelDocument> models;                        ///< single bodies
   std::vector<PopulationDocument> populations;              ///< bodies placed by rules

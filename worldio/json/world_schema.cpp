@@ -106,6 +106,7 @@ JsonNode number_schema(const Field& field, const UnitSuffix& suffix, std::string
 }
 
 JsonNode table_schema(const FieldTable& table);
+JsonNode entry_schema(const FieldTable& table);
 
 JsonNode value_schema(const Field& field, const UnitSuffix& suffix) {
   switch (field.type) {
@@ -123,7 +124,7 @@ JsonNode value_schema(const Field& field, const UnitSuffix& suffix) {
     case FieldType::colors: return array_of(reference("color"));
     case FieldType::record:
       return field.record == &engine::pose_fields() ? reference("pose") : table_schema(*field.record);
-    case FieldType::records: return array_of(table_schema(*field.record));
+    case FieldType::records: return array_of(entry_schema(*field.record));
   }
   return {};
 }
@@ -206,6 +207,13 @@ class ObjectSchema {
 };
 
 JsonNode table_schema(const FieldTable& table) { return ObjectSchema().fields(table).done(); }
+
+/// Returns the schema of an entry of a list, which may have the key `ring` if it has a pose.
+JsonNode entry_schema(const FieldTable& table) {
+  ObjectSchema entry;
+  if (table.find("pose") >= 0) entry.member("ring", reference("ring"), "repeats the entry around its pose");
+  return entry.fields(table).done();
+}
 
 /// Returns the description of a number without a unit.
 Field plain_number(double min, double max) { return {.name = "", .min = min, .max = max}; }
@@ -356,8 +364,12 @@ class DocumentSchema {
       case Form::block: return table_schema(*key.block);
       case Form::object: return reference_to(key.table());
       case Form::list: return array_of(reference_to(key.table()));
-      case Form::map:
-        return object_of({{"type", text("object")}, {"additionalProperties", reference_to(key.table())}});
+      case Form::map: {
+        JsonNode entry = reference_to(key.table());
+        // Keys that another type gives are not missing, and objects may have only the keys that differ.
+        if (key.table().find("extends")) entry = choice({has_key("extends"), std::move(entry)});
+        return object_of({{"type", text("object")}, {"additionalProperties", std::move(entry)}});
+      }
       default: return type("string");
     }
   }
@@ -390,6 +402,8 @@ JsonNode definitions(const engine::Registry& registry) {
        {"point_m", std::move(point)},
        {"box_m", described(array_of(reference("point_m"), 2), "[[x_min, y_min], [x_max, y_max]]")},
        {"block", schema.of(document_table<BlockDocument>())},
+       {"disc", schema.of(document_table<DiscDocument>())},
+       {"ring", schema.of(document_table<RingDocument>())},
        {"drive", schema.of(document_table<DriveDocument>())},
        {"sensor", schema.of(document_table<SensorDocument>())},
        {"device", schema.of(document_table<DeviceDocument>())},

@@ -72,6 +72,7 @@ class ObjectWriter {
 };
 
 void ObjectWriter::write_key(const DocumentKey& key) {
+  if (key.is_resolved) return;
   switch (key.form) {
     case Form::value: return write_value(key);
     case Form::version: return add_member(written_, key.field.name, k_format_version);

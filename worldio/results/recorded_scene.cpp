@@ -110,7 +110,8 @@ void add_shapes(const Json& json, RecordedScene::Type& type) {
       for (const Vec2& point : ring) look.radius = std::max(look.radius, point.norm());
 }
 
-/// Reads a stored block of parameters by its table. Parameters with their default value are not stored.
+/// Reads a stored block of parameters. `table` describes them; those that are not stored have their default
+/// value.
 engine::Record record_of(const Json& block, const engine::FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {

@@ -175,9 +175,10 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "[x y z a]: velocity until the first update of the drive; with the default `update_interval`, that "
      "update comes before the first motion. Turn rates (a) are not wrapped at 180 degrees per second"},
     {"position", "acceleration_bounds", fixed,
-     "[xmin xmax ymin ymax zmin zmax amin amax]: bounds of commanded accelerations, not of speeds, as in "
-     "Stage. In Troupe, they also apply to a car, and each commanded acceleration acts for the whole time "
-     "since the last update"},
+     "[xmin xmax ymin ymax zmin zmax amin amax]: lower and upper bounds of the accelerations that a "
+     "controller may command, along x, y and z and of the turn rate. Commanded speeds are reached at once, "
+     "as in Stage. Differences from Stage: the bounds also apply to a car, and at each update of the "
+     "drive the speed changes by the acceleration times the time since the last update"},
     {"position", "localization", fixed,
      "\"gps\" or \"odom\"; anything else is an error. In Troupe, odometry counts the true motion: it does "
      "not change while the robot is stalled, and includes sideways motion and the motion in ticks between "
@@ -207,8 +208,10 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"sensor", "samples", honoured,
      "number of beams; a single beam points straight ahead; for cones see `beam_width`"},
     {"sensor", "noise", fixed,
-     "[variance share angle], each 0 or above; readings stay within 0 and the maximum, and the random errors "
-     "depend only on the seed"},
+     "[variance share angle], each 0 or above: the variance of the error of a range, the largest further "
+     "error "
+     "as a share of the range, and the largest error of the direction of a beam. Differences from Stage: "
+     "readings stay between 0 and the maximum, and the errors follow from the seed"},
     {"sensor", "beam_width", honoured,
      "added by Troupe: opening angle of each beam, which reads the nearest surface within it; default 0"},
     {"sensor", "apply_range_min", honoured,

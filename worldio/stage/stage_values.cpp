@@ -130,8 +130,8 @@ std::optional<Pose> StageValues::pose(const StageProperty& property, bool is_wra
   if (!v) return {};
   if (v->size() == 3)
     warning_once(where(property),
-                 fmt::format("old syntax: \"{}\" takes [x y z heading]; three values are read as "
-                             "[x y heading]",
+                 fmt::format("old syntax: the three values of \"{}\" are read as [x y heading]; write "
+                             "[x y z heading]",
                              key(property)));
   const double z = v->size() == 4 ? (*v)[2] : 0;
   for (const double part : {(*v)[0], (*v)[1], z})
@@ -150,7 +150,8 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
   if (v->size() == 2)
     warning_once(
         where(property),
-        fmt::format("old syntax: \"{}\" takes [x y z]; two values are read as [x y], with a height of {} m",
+        fmt::format("old syntax: the two values of \"{}\" are read as [x y], with a height of {} m; write "
+                    "[x y z]",
                     key(property), default_height));
   for (const double extent : *v) {
     if (extent * length_ > 2 * k_world_limit) {

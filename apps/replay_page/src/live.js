@@ -1,14 +1,20 @@
 // The page of `troupe view`: shows a running world and sends the user's commands.
 
+import { listenToBoxes, Marks } from "./group.js";
+import { Lines } from "./lines.js";
 import { LiveBar } from "./live_bar.js";
+import { LiveColoring } from "./live_coloring.js";
 import { LivePanel } from "./live_panel.js";
 import { LiveSource } from "./live_source.js";
 import { checkBrowser, Page, problem, remote, show } from "./page.js";
+import { DARK } from "./palette.js";
 
 const TOLD_MS = 6000; // time for which a refusal is shown
 const RETRY_MS = 2000;
 const DRAG_PIXELS = 4; // distance that a pointer moves before it drags a robot
+const ADDRESS = `${window.location.protocol === "https:" ? "wss" : "ws"}://${window.location.host}/live`;
 const KEY = "troupe-token";
+const NO_LINES = {};
 
 /** The token of the address. It is removed from the visible address and stored for a reload of the page. */
 function token() {
@@ -29,8 +35,10 @@ class LivePlayer {
   get state() {
     return this.page().recording.state;
   }
+  /** The time that is shown, s: a past one if the user looks back. */
   get time() {
-    return this.state?.time_s ?? 0;
+    const { recording } = this.page();
+    return recording.lookTime ?? this.state?.time_s ?? 0;
   }
   get playing() {
     return this.state?.playing ?? false;
@@ -47,10 +55,25 @@ class LivePlayer {
 class LivePage extends Page {
   constructor(recording, link) {
     let page = null;
-    super(recording, new LivePlayer(() => page ?? { recording, act: () => {} }), { Bar: LiveBar, Panel: LivePanel, name: "live" });
+    super(recording, new LivePlayer(() => page ?? { recording, act: () => {} }), { Bar: LiveBar, Panel: LivePanel, Colors: LiveColoring, name: "live" });
     page = this;
     this.link = link;
+    this.lines = new Lines();
+    this.marks = new Marks();
+    this.group = []; // robots that were selected with a box
+    this.view.scene.add(this.lines.object, this.marks.object);
+    this.theme(this.themed);
+    this.panel.ask = (message) => this.act(message);
+    this.panel.act = (message) => this.actOn(message);
+    const mayBegin = ({ clientX, clientY }) => this.selected === null || this.view.robotAt(clientX, clientY) !== this.selected;
+    listenToBoxes(this.view.canvas, mayBegin, this.view.controls, (...corners) => this.selectIn(...corners));
     if (recording.mayActs) this.listenToDrags();
+  }
+
+  theme(theme) {
+    super.theme(theme);
+    this.lines?.theme(theme === DARK);
+    this.marks?.theme(theme);
   }
 
   nameOf(robot) {
@@ -73,7 +96,57 @@ class LivePage extends Page {
 
   select(robot) {
     if (robot !== this.selected && this.bar?.driven) this.bar.drive(false);
+    if (this.group.length > 0) this.choose([]);
     super.select(robot);
+  }
+
+  /** Selects the robots in a box of the screen. */
+  selectIn(...corners) {
+    this.select(null);
+    this.choose(this.view.robotsIn(...corners).filter((robot) => this.recording.mobile[robot]));
+  }
+  /** Makes a list of robots the group. */
+  choose(robots) {
+    this.group = robots;
+    this.marks.show(robots);
+    this.bar.showGroup(robots.length);
+  }
+  /** Sends a command for each robot of the group, one after another. */
+  async actOnGroup(message) {
+    const { group } = this;
+    const refused = [];
+    let reason = "";
+    for (const robot of group) {
+      const answer = await this.link.ask({ ...message, robot: this.nameOf(robot) });
+      if (answer.type !== "refused") continue;
+      refused.push(robot);
+      reason ||= answer.reason;
+    }
+    if (refused.length > 0) tell(`${refused.length} of ${group.length} refused: ${reason}`);
+    if (message.do === "remove" && this.group === group) this.choose(refused); // the others have left the world
+  }
+
+  /** Sends a command that writes a file, and shows its name. */
+  async actOnFile(message) {
+    const answer = await this.act(message);
+    if (answer.file) tell(`${answer.file} is written`);
+    return answer;
+  }
+
+  /** Saves a picture of the canvas as a download. */
+  async save() {
+    const picture = await this.view.picture();
+    const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(picture), download: `${this.recording.header.title || "troupe"}-${this.recording.state?.tick ?? 0}.png` });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), RETRY_MS);
+  }
+
+  /** Called when the run was restarted. */
+  restarted() {
+    this.recording.restarted();
+    this.trails(this.view.trails.seconds);
+    this.panel.restarted();
+    this.bar.restarted();
   }
 
   /** Adds a robot at the click if a population is chosen, else selects. */
@@ -101,7 +174,7 @@ class LivePage extends Page {
     window.addEventListener(
       "pointerdown",
       (event) => {
-        if (event.target !== canvas || !event.isPrimary || event.button !== 0 || this.selected === null) return;
+        if (event.target !== canvas || !event.isPrimary || event.button !== 0 || this.selected === null || this.recording.lookTime !== null) return;
         if (this.view.robotAt(event.clientX, event.clientY) !== this.selected) return;
         controls.enabled = false; // the drag must not move the view
         drag = { robot: this.selected, from: [event.clientX, event.clientY], pose: this.poseOf(this.selected), moved: false };
@@ -134,7 +207,15 @@ class LivePage extends Page {
     window.addEventListener("pointercancel", end);
   }
 
+  posed() {
+    this.marks.update(this.view);
+  }
+
   draw(now) {
+    const run = this.recording.state?.run;
+    if (this.run !== undefined && run !== this.run) this.restarted();
+    this.run = run;
+    this.lines.update(this.recording.state?.lines ?? NO_LINES);
     super.draw(now);
     this.recording.drawn();
   }
@@ -160,7 +241,7 @@ class Link {
   }
 
   open() {
-    this.socket = new WebSocket(`ws://${window.location.host}/live`);
+    this.socket = new WebSocket(ADDRESS);
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => this.socket.send(token());
     this.socket.onmessage = ({ data }) => (typeof data === "string" ? this.text(JSON.parse(data)) : this.source.takePicture(data));
@@ -173,13 +254,15 @@ class Link {
 
   /** Tries to reconnect; reloads the page when the program answers. */
   retry() {
-    const socket = new WebSocket(`ws://${window.location.host}/live`);
+    const socket = new WebSocket(ADDRESS);
     socket.onopen = () => window.location.reload();
     socket.onerror = () => setTimeout(() => this.retry(), RETRY_MS);
   }
 
   text(message) {
-    if (message.type === "hello") {
+    if (message.type === "hello" && this.source) {
+      window.location.reload(); // a restart with another seed has placed the bodies elsewhere
+    } else if (message.type === "hello") {
       this.source = new LiveSource(message, (what) => this.send(what));
       this.onHello(this.source, this);
     } else if (message.type === "state") {
@@ -215,6 +298,14 @@ function liveRemote(page) {
     follow: (on) => page.follow(on),
     inspected: () => page.recording.inspected,
     floorAt: (x, y) => page.view.floorAt(x, y),
+    group: () => page.group.map((robot) => page.nameOf(robot)),
+    lines: () => page.lines.count,
+    legend: () => page.coloring.range,
+    /** The bytes of a picture, in base 64. */
+    picture: async () => {
+      const bytes = new Uint8Array(await (await page.view.picture()).arrayBuffer());
+      return btoa(bytes.reduce((text, byte) => text + String.fromCharCode(byte), ""));
+    },
   };
 }
 

@@ -4,6 +4,7 @@ import { Bar, byId, fill } from "./bar.js";
 import { Plot } from "./plot.js";
 
 export const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 0]; // times real time; 0: as fast as possible
+const LAYERS = { radio: "radio links", sights: "fiducials", grips: "grippers", carries: "carried bodies" };
 const TURN = Math.PI / 12; // rad per key press
 const DRIVEN = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
 
@@ -16,6 +17,14 @@ export class LiveBar extends Bar {
     fill(byId("rate"), RATES.map((rate) => (rate > 0 ? `${rate}×` : "fastest")));
     byId("measures").replaceChildren(...recording.hello.measures.map((name) => new Option(name)));
     byId("measure").onchange = (event) => this.choose(event.target.value.trim());
+    this.layers = [[], ...recording.hello.layers.map((layer) => [layer]), recording.hello.layers];
+    fill(byId("layers"), ["none", ...recording.hello.layers.map((layer) => LAYERS[layer] ?? layer), "all"]);
+    byId("layers").parentElement.hidden = recording.hello.layers.length === 0;
+    byId("layers").onchange = (event) => page.act({ do: "layers", layers: this.layers[event.target.value] });
+    byId("back").oninput = (event) => this.lookAt(Number(event.target.value));
+    byId("now").onclick = () => this.lookAt(Infinity);
+    byId("picture").onclick = () => page.save();
+    byId("ungroup").onclick = () => page.choose([]);
     if (!recording.mayActs) {
       document.body.classList.add("looking");
       return;
@@ -29,6 +38,11 @@ export class LiveBar extends Bar {
     byId("drive").onchange = (event) => this.drive(event.target.checked);
     byId("disable").onclick = () => page.actOn({ do: page.isDisabled() ? "enable" : "disable" });
     byId("remove").onclick = () => page.actOn({ do: "remove" });
+    for (const what of ["disable", "enable", "remove"]) byId(`group-${what}`).onclick = () => page.actOnGroup({ do: what });
+    byId("until").onchange = (event) => event.target.value !== "" && page.act({ do: "until", time_s: Number(event.target.value) });
+    byId("restart").onclick = () => page.act({ do: "restart", ...(byId("seed").value === "" ? {} : { seed: Number(byId("seed").value) }) });
+    byId("checkpoint").onclick = () => page.actOnFile({ do: "checkpoint" });
+    byId("record").onclick = () => page.actOnFile({ do: page.recording.state?.recording ? "stop_recording" : "record" });
     window.addEventListener("keydown", (event) => this.steer(event, true), { capture: true });
     window.addEventListener("keyup", (event) => this.steer(event, false), { capture: true });
     window.addEventListener("blur", () => this.release());
@@ -37,14 +51,40 @@ export class LiveBar extends Bar {
   actions(event) {
     const { page } = this;
     const all = super.actions(event);
-    if (!page.recording.mayActs) return { ...all, " ": () => {} };
+    const select = byId("layers");
+    const layers = () => {
+      select.selectedIndex = (select.selectedIndex + 1) % select.length;
+      select.onchange({ target: select });
+    };
+    const looks = { ...all, l: layers, p: () => page.save() };
+    if (!page.recording.mayActs) return { ...looks, " ": () => {} };
     return {
-      ...all,
+      ...looks,
       ".": () => page.player.step(),
       q: () => page.turn(TURN),
       e: () => page.turn(-TURN),
       m: () => this.drive(!byId("drive").checked),
     };
+  }
+
+  /** Shows a past time, s; from the newest picture on, the present. */
+  lookAt(time) {
+    const { recording } = this.page;
+    recording.lookTime = time < recording.span[1] ? time : null;
+  }
+
+  /** Shows the controls of a group of so many robots. */
+  showGroup(count) {
+    byId("group").hidden = count === 0;
+    byId("group").querySelector("h2").textContent = `${count} ${count === 1 ? "robot" : "robots"}`;
+  }
+
+  /** Called when the run was restarted, which has released all robots. */
+  restarted() {
+    this.plot.clear();
+    this.driven = null;
+    this.page.player.driving = null;
+    byId("drive").checked = false;
   }
 
   choose(measure) {
@@ -91,6 +131,14 @@ export class LiveBar extends Bar {
     this.set("rate", RATES.indexOf(state.rate), (at) => (byId("rate").selectedIndex = at));
     this.set("reached", state.playing && state.reached > 0 ? `${state.reached.toPrecision(3)}×` : "", (text) => (byId("reached").value = text));
     this.set("line", state.line, (text) => (byId("line").textContent = text));
+    const { lookTime, span } = this.page.recording;
+    if (state.playing || lookTime !== null || this.shown.back !== span[1])
+      this.set("back", lookTime === null ? span[1] : lookTime, (time) => Object.assign(byId("back"), { min: span[0], max: span[1], value: time }));
+    this.set("ago", lookTime === null ? "" : `${(state.time_s - lookTime).toFixed(1)} s ago`, (text) => (byId("now").textContent = text || "now"));
+    this.set("record", state.recording, (file) => {
+      byId("record").textContent = file ? "stop recording" : "record";
+      byId("record").title = file ? `Ends the recording ${file}` : "Records the run in a file of the folder of the session";
+    });
     this.set("disabled", this.page.isDisabled(), (on) => (byId("disable").textContent = on ? "enable" : "disable"));
     if (state.plot && state !== this.plotted) this.plot.add(state.time_s, state.plot);
     this.plotted = state;

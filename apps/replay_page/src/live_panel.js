@@ -1,6 +1,9 @@
 // The panel of the selected robot on the live page: its whole state, sent by the program.
 
+import { Commands } from "./commands.js";
 import { bars, chart, element, MOST_NUMBERS, Panel, row, unitText } from "./panel.js";
+import { Parameters } from "./parameters.js";
+import { Plot, plotCard } from "./plot.js";
 
 const text = (number) => (number === null ? "–" : Number.isInteger(number) ? String(number) : Number(number.toPrecision(5)).toString());
 
@@ -9,7 +12,12 @@ export class LivePanel extends Panel {
   show(robot, type) {
     super.show(robot, type);
     this.state = element("div");
-    this.values.append(this.state);
+    this.unplot();
+    this.parameters ??= new Parameters((message) => this.ask(message), this.recording.mayActs);
+    this.commands ??= new Commands((message) => this.act(message), this.recording.mayActs);
+    this.commands.clear();
+    this.values.append(this.parameters.object, this.commands.object, this.state);
+    if (robot !== null) this.parameters.show(this.recording.header.types[type].name);
     this.shown = null;
     this.rows = null;
     const name = robot === null ? null : this.recording.header.robots.name[robot];
@@ -24,7 +32,39 @@ export class LivePanel extends Panel {
     if (inspected.robot !== this.recording.header.robots.name[this.robot]) return;
     this.shown = inspected;
     if (!this.rows) this.build(inspected);
+    this.commands.update(inspected.commands ?? {});
     inspected.components.forEach(({ fields }, c) => fields.forEach((field, f) => this.rows[c]?.[f]?.(field)));
+    for (const { plot, read, label } of this.plots.values())
+      plot.add(this.recording.state.time_s, { column: label, value: read(inspected) ?? null });
+  }
+
+  /** Begins or ends the plot of a value: the smallest of its columns. */
+  togglePlot(component, { name, unit }) {
+    const label = `${component} ${name}${unitText(unit)}`;
+    if (this.plots.has(label)) {
+      this.plots.get(label).card.remove();
+      this.plots.delete(label);
+      return;
+    }
+    const card = plotCard(() => this.togglePlot(component, { name, unit }));
+    document.getElementById("plots").append(card);
+    const read = ({ components }) => {
+      const values = components.find((one) => one.name === component)?.fields.find((field) => field.name === name)?.values ?? [];
+      const known = values.filter((value) => value !== null);
+      return known.length > 0 ? Math.min(...known) : null;
+    };
+    this.plots.set(label, { plot: new Plot(card), card, read, label });
+  }
+
+  /** Begins the plots again, because the run was restarted. */
+  restarted() {
+    for (const { plot } of this.plots?.values() ?? []) plot.clear();
+  }
+
+  /** Removes the plots of the robot that was shown. */
+  unplot() {
+    for (const { card } of this.plots?.values() ?? []) card.remove();
+    this.plots = new Map();
   }
 
   /** Builds one row per field. */
@@ -33,7 +73,9 @@ export class LivePanel extends Panel {
     this.rows = components.map(({ name, fields }) => {
       this.state.append(element("h3", { textContent: name }));
       return fields.map((field) => {
-        const made = row(field.name, field.text);
+        const made = row(field.name, `${field.text}; a click plots it`);
+        made.object.classList.add("plottable");
+        made.object.onclick = () => this.togglePlot(name, field);
         this.state.append(made.object);
         const drawn = field.values.length > MOST_NUMBERS ? chart(field.values.length) : null;
         if (drawn) this.state.append(drawn);

@@ -34,6 +34,9 @@ export class LiveSource {
     this.state = null;
     this.inspected = null;
     this.override = null; // {robot, x, y, heading}: the robot that the user is dragging
+    this.lookTime = null; // the past time that is shown, s; null: now
+    this.colored = "null"; // the value by which robots are coloured, as JSON
+    this.shades = new Uint8Array(this.robots); // of this value: 1 to 255; 0: none
     this.undrawn = []; // numbers of received pictures that are not drawn yet
   }
 
@@ -76,7 +79,25 @@ export class LiveSource {
     return this.ring[this.ring.length - 1 - (this.newest - number)] ?? null;
   }
   frameAt() {
-    return { frame: this.newest, mix: 0 };
+    let back = 0;
+    if (this.lookTime !== null) while (back < this.ring.length - 1 && this.ring[this.ring.length - 1 - back].time > this.lookTime) back++;
+    return { frame: this.newest - back, mix: 0 };
+  }
+  /** Times of the oldest and the newest picture that are kept, s. */
+  get span() {
+    return this.ring.length === 0 ? [0, 0] : [this.ring[0].time, this.ring[this.ring.length - 1].time];
+  }
+  /** Call this when the run was restarted: earlier pictures are of another run. */
+  restarted() {
+    this.ring = [];
+    this.lookTime = null;
+  }
+  /** Asks for the values by which robots are coloured, {component, field, column}; null: none. */
+  colorBy(value) {
+    const text = JSON.stringify(value);
+    if (text === this.colored) return;
+    this.colored = text;
+    this.send({ do: "color", ...(value ?? { component: null }) });
   }
   poses(frame) {
     return this.frame(Math.min(frame, this.newest));
@@ -149,6 +170,7 @@ export class LiveSource {
       r += skip;
       for (let c = 0; c < 3; c++) this.colors[3 * r + c] = bytes[at++];
     }
+    if (at < bytes.length) for (let r = -1, skip = number(); skip > 0; skip = number()) this.shades[(r += skip)] = bytes[at++];
     const frame = { at: 0, time: this.state.time_s, x: base.slice(0, robots), y: base.slice(robots, 2 * robots), heading: base.slice(2 * robots, 3 * robots) };
     if (axes > 3) frame.z = base.slice(3 * robots);
     for (let r = 0; r < robots; r++) if (frame.heading[r] < 0) frame.x[r] = ABSENT;

@@ -16,12 +16,12 @@ export function problem(text) {
 }
 
 export class Page {
-  /** `recording` is a Recording or a LiveSource, `player` a Player or a LivePlayer; Bar and Panel are classes. */
-  constructor(recording, player, { Bar, Panel, name }) {
+  /** `recording` is a Recording or a LiveSource, `player` a Player or a LivePlayer; Bar, Panel and Colors are classes. */
+  constructor(recording, player, { Bar, Panel, Colors = Coloring, name }) {
     this.recording = recording;
     this.player = player;
     this.name = name;
-    this.coloring = new Coloring(recording);
+    this.coloring = new Colors(recording);
     this.view = new View(document.getElementById("world"), recording);
     this.panel = new Panel(recording, document.getElementById("panel"));
     this.selected = null;
@@ -101,6 +101,9 @@ export class Page {
 
   // The loop.
 
+  /** Called between the poses of a picture and its drawing. */
+  posed() {}
+
   draw(now) {
     const begin = performance.now();
     const seconds = this.last === null ? 0 : (now - this.last) / 1000;
@@ -114,6 +117,7 @@ export class Page {
       if (tints !== undefined) this.view.useTints(tints);
       if (this.following) this.view.follow(this.selected);
       this.panel.update(this.drawn, this.view.poses);
+      this.posed();
       this.view.draw(this.drawn, this.selected);
     }
     this.bar.update();

@@ -2,6 +2,16 @@
 
 const MOST_POINTS = 600;
 
+/** A card for a Plot; `close` is called when its button is pressed. */
+export function plotCard(close) {
+  const card = document.createElement("div");
+  card.className = "plot";
+  card.innerHTML =
+    '<button aria-label="Close" title="Close">×</button><p class="now"></p><svg viewBox="0 0 300 60" preserveAspectRatio="none"><path d=""/></svg><div class="ends"><span></span><span></span></div>';
+  card.querySelector("button").onclick = close;
+  return card;
+}
+
 export class Plot {
   constructor(root) {
     this.root = root;

@@ -289,6 +289,28 @@ export class View {
     return best;
   }
 
+  /** The robots whose centres are in a box of the screen (CSS pixels). */
+  robotsIn(x0, y0, x1, y1) {
+    const place = new Vector3();
+    const inside = [];
+    this.camera.updateMatrixWorld();
+    for (let r = 0; r < this.recording.robots; r++) {
+      const at = 4 * r;
+      if (this.poses[at + 3] > 1e8) continue;
+      place.set(this.poses[at], this.poses[at + 1], this.poses[at + 2]).project(this.camera);
+      const x = ((place.x + 1) / 2) * window.innerWidth;
+      const y = ((1 - place.y) / 2) * window.innerHeight;
+      if (Math.abs(place.z) <= 1 && x >= x0 && x <= x1 && y >= y0 && y <= y1) inside.push(r);
+    }
+    return inside;
+  }
+
+  /** A PNG of the canvas, as a Blob. */
+  picture() {
+    this.renderer.render(this.scene, this.camera); // the browser keeps the pixels only until this task ends
+    return new Promise((done) => this.canvas.toBlob(done, "image/png"));
+  }
+
   /** The point of the floor under a point of the screen (CSS pixels): x and y, m; null if there is none. */
   floorAt(clientX, clientY) {
     this.camera.updateMatrixWorld();

@@ -1,0 +1,50 @@
+#include "apps/ranks/launcher.hpp"
+
+#include "apps/options.hpp"
+#include "base/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdlib>
+
+namespace troupe::apps {
+namespace {
+
+std::optional<unsigned> number_in(const char* variable) {
+  const char* text = std::getenv(variable);
+  return text == nullptr ? std::nullopt : number<unsigned>(text);
+}
+
+/// The environment variables of a launcher: the number of a process, and the number of processes.
+struct Variables {
+  const char* rank;
+  const char* ranks;
+  const char* name;
+  const char* mpi;
+};
+// Slurm's own variables are also set in a batch script, which no launcher started. Those of its step are not.
+constexpr std::array<Variables, 4> k_variables{{
+    {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "mpirun of Open MPI", "openmpi"},
+    {"PMIX_RANK", "SLURM_STEP_NUM_TASKS", "srun --mpi=pmix", "openmpi"},
+    {"PMI_RANK", "PMI_SIZE", "mpirun of MPICH", "mpich"},
+    {"PMI_RANK", "SLURM_STEP_NUM_TASKS", "srun --mpi=pmi2", "mpich"},
+}};
+
+}  // namespace
+
+std::optional<Launcher> find_launcher() {
+  for (const Variables& variables : k_variables) {
+    const std::optional<unsigned> rank = number_in(variables.rank);
+    const std::optional<unsigned> ranks = number_in(variables.ranks);
+    if (rank && ranks && *rank < *ranks) return Launcher{variables.name, *rank, *ranks, variables.mpi};
+  }
+  if (const auto tasks = number_in("SLURM_STEP_NUM_TASKS"); tasks && *tasks > 1)
+    throw InputError(
+        fmt::format("troupe: error: srun started {} processes, but not for MPI: give srun the option "
+                    "--mpi=pmix (srun --mpi=list shows which it has), or -n 1",
+                    *tasks));
+  return {};
+}
+
+}  // namespace troupe::apps

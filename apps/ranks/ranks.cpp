@@ -1,0 +1,318 @@
+#include "apps/ranks/ranks.hpp"
+
+#include "apps/interrupt.hpp"
+#include "apps/ranks/launcher.hpp"
+#include "base/diagnostics.hpp"
+#include "partition/mpi_transport.hpp"
+#include "partition/processors.hpp"
+#include "troupe/rank_processes.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+using partition::Message;
+using partition::MessageReader;
+using partition::MessageWriter;
+using partition::MpiTransport;
+
+std::string module_file(const std::string& mpi) { return "libtroupe_mpi_" + mpi + ".so"; }
+
+/// Returns the file of the module for an MPI: that of the environment variable TROUPE_MPI, or else one in the
+/// folder of the program or in the folder where modules are installed. Throws InputError if there is none.
+fs::path find_module(const Launcher& launcher) {
+  const char* wanted = std::getenv("TROUPE_MPI");
+  if (wanted != nullptr && std::string_view(wanted).find('/') != std::string_view::npos) return wanted;
+  const std::string mpi = wanted != nullptr && *wanted != 0 ? wanted : launcher.mpi;
+  std::error_code ignored;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  const std::array<fs::path, 2> folders{program, program.parent_path() / "lib" / "troupe"};
+  for (const fs::path& folder : folders)
+    if (fs::exists(folder / module_file(mpi), ignored)) return folder / module_file(mpi);
+  throw InputError(
+      fmt::format("troupe: error: {} started {} processes, but there is no module {} in {} or {}: build the "
+                  "module with the MPI of the launcher and set TROUPE_MPI to its file (docs/cluster.md)",
+                  launcher.name, launcher.ranks, module_file(mpi), folders[0].string(), folders[1].string()));
+}
+
+/// Loads MPI. Throws InputError if that is impossible or if it is not the MPI of the launcher.
+std::unique_ptr<MpiTransport> connect(const Launcher& launcher) {
+  const fs::path module = find_module(launcher);
+  std::unique_ptr<MpiTransport> transport;
+  try {
+    transport = std::make_unique<MpiTransport>(module);
+  } catch (const std::runtime_error& error) {
+    throw InputError(fmt::format("troupe: error: the MPI of {} cannot be used: {}", launcher.name,
+                                 std::string_view(error.what())));
+  }
+  if (transport->ranks() != launcher.ranks)
+    throw InputError(fmt::format(
+        "troupe: error: {} started {} processes, but {} ({}) finds {}: it belongs to another MPI; set "
+        "TROUPE_MPI to a module of the MPI of the launcher",
+        launcher.name, launcher.ranks, module.string(), transport->library(), transport->ranks()));
+  return transport;
+}
+
+/// The arguments of this process, without the name of the program.
+std::string arguments() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::string words{std::istreambuf_iterator<char>(file), {}};
+  words.erase(0, words.find('\0'));
+  std::ranges::replace(words, '\0', ' ');
+  return words;
+}
+
+std::string host() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+std::shared_ptr<const Message> letter_of(MessageWriter message) {
+  return std::make_shared<const Message>(message.take());
+}
+
+/// Compares the program and its arguments on all ranks. Throws InputError on all of them if they differ.
+/// Returns the hosts of the ranks.
+std::vector<std::string> meet(MpiTransport& transport) {
+  std::vector<std::string> hosts{host()};
+  const std::string version = version_line();
+  const std::string given = arguments();
+  std::string difference;
+  if (transport.rank() == 0) {
+    for (unsigned rank = 1; rank < transport.ranks(); ++rank) {
+      const auto letter = transport.receive(rank);
+      MessageReader message(*letter);
+      hosts.push_back(message.get_text());
+      const std::string version_there = message.get_text();
+      const std::string given_there = message.get_text();
+      if (!difference.empty()) continue;
+      if (version_there != version)
+        difference = fmt::format(
+            "troupe: error: rank {} on {} is {}, but rank 0 on {} is {}: start the same program on all ranks",
+            rank, hosts.back(), version_there, hosts.front(), version);
+      else if (given_there != given)
+        difference = fmt::format(
+            "troupe: error: rank {} on {} was started with the arguments{}, but rank 0 with{}: give all "
+            "ranks "
+            "the same arguments",
+            rank, hosts.back(), given_there, given);
+    }
+    MessageWriter verdict;
+    verdict.put_text(difference);
+    for (const std::string& each : hosts) verdict.put_text(each);
+    transport.send_to_all(letter_of(std::move(verdict)));
+  } else {
+    MessageWriter own;
+    own.put_text(hosts.front());
+    own.put_text(version);
+    own.put_text(given);
+    transport.send(0, letter_of(std::move(own)));
+    const auto letter = transport.receive(0);
+    MessageReader verdict(*letter);
+    difference = verdict.get_text();
+    hosts.clear();
+    for (unsigned rank = 0; rank < transport.ranks(); ++rank) hosts.push_back(verdict.get_text());
+  }
+  if (!difference.empty()) {
+    transport.finish();
+    throw InputError(difference);
+  }
+  return hosts;
+}
+
+unsigned nodes_of(std::vector<std::string> hosts) {
+  std::ranges::sort(hosts);
+  return static_cast<unsigned>(std::unique(hosts.begin(), hosts.end()) - hosts.begin());
+}
+
+/// Number of worker threads of this rank, unless the user gave one: that of Slurm, or the processors to which
+/// the launcher has bound this process, or its part of all processors of the host.
+unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
+  if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
+    if (const auto cpus = number<unsigned>(slurm); cpus && *cpus > 0) return *cpus;
+  const unsigned allowed = partition::processors_allowed();
+  const unsigned all = std::thread::hardware_concurrency();
+  const auto here = static_cast<unsigned>(std::ranges::count(hosts, hosts[rank]));
+  if (rank == 0 && allowed == 1 && all > here)
+    fmt::print(
+        stderr,
+        "troupe: warning: each rank may use 1 of the {} processors of {}: for threads within a rank, give "
+        "mpirun the option --bind-to none\n",
+        all, hosts[rank]);
+  return allowed < all ? allowed : std::max(1u, all / here);
+}
+
+/// Rank 0 alone decides when the run ends, so the others ignore the signals that a launcher passes on.
+void ignore_signals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR2, SIGHUP}) std::signal(signal, SIG_IGN);
+}
+
+/// Connects this process with the others, and calls work() with the transport and the hosts of the ranks.
+ExitCode with_others(const Launcher& launcher,
+                     const std::function<ExitCode(MpiTransport&, const std::vector<std::string>&)>& work) {
+  const std::unique_ptr<MpiTransport> transport = connect(launcher);
+  const std::vector<std::string> hosts = meet(*transport);
+  transport->set_hosts(hosts);
+  ExitCode code = k_finished;
+  try {
+    code = work(*transport, hosts);
+  } catch (const InputError&) {  // of rank 0, which has ended the others
+    transport->finish();
+    throw;
+  }
+  transport->finish();
+  return code;
+}
+
+ExitCode on_processes(MpiTransport& transport, const std::vector<std::string>& hosts,
+                      const WorldOptions& options,
+                      const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
+  transport.set_limit(options.rank_limit_s);
+  SimulationOptions simulation = options.simulation;
+  if (simulation.threads == 0) simulation.threads = threads_of_rank(hosts, transport.rank());
+  const auto processes = std::make_shared<RankProcesses>(transport, nodes_of(hosts));
+  if (transport.rank() > 0) {
+    ignore_signals();
+    count_save_requests();  // rank 0 saves the state, whichever rank receives the signal
+    processes->follow(plugin_path(simulation.plugin_path), simulation.threads, save_requests);
+    return k_finished;
+  }
+  simulation.processes = processes;
+  return run(simulation);
+}
+
+/// Ends this process without waiting for threads or other ranks.
+[[noreturn]] void end_at_once(const Launcher& launcher, std::string_view error) {
+  fmt::print(stderr, "troupe: error: rank {} on {}: {}\n", launcher.rank, host(), error);
+  std::fflush(nullptr);
+  _exit(k_failed);
+}
+
+/// Prints an error that all ranks have: rank 0 prints it, and the others give it the time. A launcher ends
+/// all processes as soon as one of them has ended with an error.
+void print_common_error(unsigned rank, std::string_view text) {
+  if (rank == 0)
+    fmt::print(stderr, "{}", text);
+  else
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+}
+
+/// Calls work() and reports its errors.
+ExitCode reported(const Launcher& launcher, const std::function<ExitCode()>& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {  // all ranks have the same one
+    print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
+    return k_bad_input;
+  } catch (const std::exception& error) {
+    end_at_once(launcher, error.what());
+  } catch (...) {
+    end_at_once(launcher, "an exception that is not a std::exception; plug-ins may throw such");
+  }
+}
+
+}  // namespace
+
+ExitCode on_ranks(const WorldOptions& options,
+                  const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
+  const std::optional<Launcher> launcher = find_launcher();
+  if (!launcher || launcher->ranks == 1) return run(options.simulation);
+  return reported(*launcher, [&] {
+    if (options.simulation.ranks > 1)
+      throw InputError(
+          fmt::format("troupe: error: --ranks is for ranks in one process, but {} started {} "
+                      "processes, each of which is a rank: leave out --ranks",
+                      launcher->name, launcher->ranks));
+    return with_others(*launcher, [&](MpiTransport& transport, const std::vector<std::string>& hosts) {
+      return on_processes(transport, hosts, options, run);
+    });
+  });
+}
+
+ExitCode on_each_rank(const std::function<ExitCode(RankDeal& deal)>& run) {
+  const std::optional<Launcher> launcher = find_launcher();
+  if (!launcher || launcher->ranks == 1) {
+    RankDeal alone;
+    return run(alone);
+  }
+  return reported(*launcher, [&] {
+    return with_others(*launcher, [&](MpiTransport& transport, const std::vector<std::string>&) {
+      RankDeal deal(&transport);
+      return run(deal);
+    });
+  });
+}
+
+unsigned RankDeal::rank() const { return transport_ ? transport_->rank() : 0; }
+unsigned RankDeal::ranks() const { return transport_ ? transport_->ranks() : 1; }
+
+RankDeal::~RankDeal() {
+  if (transport_ == nullptr || rank() > 0 || has_shared_) return;
+  try {
+    transport_->send_to_all(std::make_shared<const Message>());
+  } catch (const partition::RankError&) {  // the run has failed already, and its error is reported
+  }
+}
+
+void RankDeal::share(Message message) {
+  has_shared_ = true;
+  message.push_back(std::byte{0});  // an empty message says that there is none
+  if (transport_ != nullptr) transport_->send_to_all(std::make_shared<const Message>(std::move(message)));
+}
+
+std::optional<Message> RankDeal::shared() {
+  Message message = *transport_->receive(0);
+  if (message.empty()) return {};
+  has_shared_ = true;
+  message.pop_back();
+  return message;
+}
+
+std::vector<Message> RankDeal::gather(Message own) const {
+  if (rank() > 0) {
+    transport_->send(0, std::make_shared<const Message>(std::move(own)));
+    return {};
+  }
+  std::vector<Message> all{std::move(own)};
+  for (unsigned from = 1; from < ranks(); ++from) all.push_back(*transport_->receive(from));
+  return all;
+}
+
+bool is_refused_on_ranks(std::string_view command) {
+  const std::optional<Launcher> launcher = find_launcher();
+  if (!launcher || launcher->ranks == 1) return false;
+  print_common_error(
+      launcher->rank,
+      fmt::format(
+          "troupe {}: error: {} started {} processes, but this command runs in one: start it without the "
+          "launcher; the commands run, resume, check and sweep use all processes\n",
+          command, launcher->name, launcher->ranks));
+  return true;
+}
+
+void print_common_error(std::string_view text) {
+  const std::optional<Launcher> launcher = find_launcher();
+  print_common_error(launcher ? launcher->rank : 0, text);
+}
+
+}  // namespace troupe::apps

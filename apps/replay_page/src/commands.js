@@ -1,0 +1,48 @@
+// The commands to the devices of the selected robot, as fields that the user can change.
+
+import { element } from "./panel.js";
+
+export class Commands {
+  /** `act` sends an action on the selected robot to the program. */
+  constructor(act, mayActs) {
+    this.act = act;
+    this.mayActs = mayActs;
+    this.object = element("details", {}, element("summary", { textContent: "commands to devices" }));
+    this.list = element("div");
+    this.object.append(this.list);
+    this.clear();
+  }
+
+  clear() {
+    this.inputs = new Map();
+    this.list.replaceChildren();
+    this.object.hidden = true;
+  }
+
+  /** Shows the commands of a robot: {device: {field: [numbers]}}. */
+  update(commands) {
+    if (this.inputs.size === 0) this.build(commands);
+    for (const [device, fields] of Object.entries(commands))
+      for (const [field, values] of Object.entries(fields)) {
+        const input = this.inputs.get(`${device} ${field}`);
+        if (input && input !== document.activeElement) input.value = values.map((value) => Number(value.toPrecision(6))).join(", ");
+      }
+  }
+
+  build(commands) {
+    for (const [device, fields] of Object.entries(commands)) {
+      this.list.append(element("h3", { textContent: device }));
+      for (const field of Object.keys(fields)) {
+        const input = element("input", { disabled: !this.mayActs, spellcheck: false });
+        input.dataset.command = field;
+        input.onchange = () => {
+          input.blur();
+          this.act({ do: "command", device, values: { [field]: input.value.split(",").map(Number) } });
+        };
+        this.inputs.set(`${device} ${field}`, input);
+        this.list.append(element("label", { className: "row" }, element("span", { textContent: field }), input));
+      }
+    }
+    this.object.hidden = this.inputs.size === 0;
+  }
+}

@@ -1,0 +1,87 @@
+#include "apps/scripts.hpp"
+
+#include "apps/options.hpp"
+#include "apps/ranks/launcher.hpp"
+#include "base/diagnostics.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+ReadScript g_read_script;     // NOLINT: one interpreter per process
+bool g_wants_python = false;  // NOLINT: an option of the process
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nothing writes the environment
+  return value ? value : "";
+}
+
+/// Returns the interpreter to execute: that of TROUPE_PYTHON, else the one that the package was built for,
+/// else the first on the path.
+std::string interpreter() {
+  if (std::string chosen = environment("TROUPE_PYTHON"); !chosen.empty()) return chosen;
+  const std::string built_for = TROUPE_PYTHON_INTERPRETER;
+  std::error_code error;
+  return fs::exists(built_for, error) ? built_for : "python3";
+}
+
+/// Makes the Python package that belongs to this program importable: that of its build or installation.
+void add_package_path() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path packages = program.parent_path().parent_path() / "lib/python3/dist-packages";
+  if (error || !fs::exists(packages / "troupe" / "__main__.py", error)) return;
+  const std::string others = environment("PYTHONPATH");
+  const std::string path = packages.string() + (others.empty() ? "" : ":" + others);
+  setenv("PYTHONPATH", path.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): before any thread exists
+}
+
+}  // namespace
+
+void set_script_reader(ReadScript read) { g_read_script = std::move(read); }
+
+void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Script>>& scripts) {
+  add_values(app, "--controller", "SCRIPT.py",
+             "Python script whose classes control the robots (docs/python.md); repeatable",
+             [&scripts](const std::string& text) {
+               if (text.empty() || text.starts_with('-'))
+                 refuse("--controller", text, "the name of a script");
+               if (g_read_script)
+                 scripts.push_back(g_read_script(text));
+               else
+                 g_wants_python = true;
+             });
+}
+
+bool python_is_wanted() { return g_wants_python; }
+
+void run_in_python(int argc, const char* const* argv) {
+  if (const std::optional<Launcher> launcher = find_launcher(); launcher && launcher->ranks > 1)
+    throw InputError(fmt::format("troupe: error: --controller runs in one process, but {} has started {}",
+                                 launcher->name, launcher->ranks));
+  add_package_path();
+  const std::string python = interpreter();
+  std::vector<const char*> arguments{python.c_str(), "-m", "troupe"};
+  for (int i = 1; i < argc; ++i) arguments.push_back(argv[i]);
+  arguments.push_back(nullptr);
+  execvp(python.c_str(), const_cast<char* const*>(arguments.data()));
+  throw InputError(
+      fmt::format("troupe: error: --controller needs Python, but \"{}\" cannot be executed: {}; "
+                  "TROUPE_PYTHON names another "
+                  "interpreter",
+                  python, std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe): before any thread exists
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "troupe/script.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
+class App;
+}  // namespace CLI
+
+/// The option --controller, whose scripts need a Python interpreter. The program never links Python: given
+/// the option, it executes `python3 -m troupe` with the same arguments. That process links this library, and
+/// calls set_script_reader() before run_command_line().
+namespace troupe::apps {
+
+using ReadScript = std::function<std::shared_ptr<const Script>(const std::filesystem::path& file)>;
+
+/// Sets the function that reads scripts, for the rest of the process.
+void set_script_reader(ReadScript read);
+
+/// Adds --controller, which appends to `scripts`; `scripts` must outlive `app`. Without a script reader,
+/// parsing the option only makes python_is_wanted() true.
+void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Script>>& scripts);
+
+/// Whether a parsed command line has --controller, and this process has no script reader.
+bool python_is_wanted();
+/// Replaces this process by `python3 -m troupe` with these arguments. The interpreter is the one that the
+/// Python package was built for; the environment variable TROUPE_PYTHON names another one. Throws InputError
+/// if it cannot be executed, and under mpirun with several processes.
+[[noreturn]] void run_in_python(int argc, const char* const* argv);
+
+}  // namespace troupe::apps

@@ -1,0 +1,193 @@
+#include "apps/view_command.hpp"
+
+#include "apps/interrupt.hpp"
+#include "base/diagnostics.hpp"
+#include "live/view.hpp"
+#include "worldio/results/checkpoint.hpp"
+
+#include <CLI/CLI.hpp>
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <thread>
+
+namespace troupe::apps {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* k_view_footer = R"(
+Shows the world in a browser. The program prints the address of a page on this machine. In the page, a user can play,
+pause, single-step and restart the world, can select, inspect, drag, turn, drive, disable, remove and add robots, can
+change parameters, and can request checkpoints and recordings. The run begins when the first page is opened, at --rate
+times real time, and ends with Ctrl-C.
+
+The first address contains a token that grants full control; the second address is read-only. To view a world that runs
+on another machine (HOST), run ssh -L 8000:127.0.0.1:PORT HOST and open http://127.0.0.1:8000/#TOKEN.
+With --bind, the page is at an address that other machines can reach; the connection is not encrypted, so prefer ssh -L,
+or a proxy with TLS (--allow-host).
+
+WORLD may also be a checkpoint (troupe run --checkpoint); the run then continues from it. All acts of the user, such as
+moving a robot, are written to the session file WORLD.session.jsonl (if it exists: WORLD.session-2.jsonl, ...). The
+command troupe run WORLD --session WORLD.session.jsonl repeats the run with these acts, with the same bits. For a
+checkpoint, troupe resume --session does so. See docs/live.md.
+
+Exit codes: 0 ended by --for or the world's stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C or SIGTERM.
+
+Examples:
+  troupe view worlds/cave-simple.json
+  troupe view c.h5
+  troupe view worlds/hospital.json --robots 2000 --rate 5 --port 8000 --out /tmp)";
+
+/// A temporary page, which only this user can read and which redirects a browser to the address. The address
+/// contains the token, and must not be an argument of a command, because all users can see the arguments.
+class Redirect {
+ public:
+  explicit Redirect(const std::string& address) {
+    std::string name = (fs::temp_directory_path() / "troupe-view-XXXXXX").string();
+    const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);  // mode 0600
+    if (descriptor < 0)
+      throw std::runtime_error(
+          fmt::format("{}: error: cannot be written: {}", name, std::generic_category().message(errno)));
+    file_ = name;
+    const std::string page =
+        fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address);
+    const bool is_whole = ::write(descriptor, page.data(), page.size()) == static_cast<ssize_t>(page.size());
+    ::close(descriptor);
+    fs::rename(file_, file_.string() + ".html");
+    file_ += ".html";
+    if (!is_whole) throw std::runtime_error(fmt::format("{}: error: cannot be written", file_.string()));
+  }
+  ~Redirect() {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+  Redirect(const Redirect&) = delete;
+  Redirect& operator=(const Redirect&) = delete;
+
+  /// Opens the page with xdg-open; prints a warning if that is not installed.
+  void open() const {
+    std::string program = "xdg-open";
+    std::string file = file_.string();
+    char* const words[] = {program.data(), file.data(), nullptr};
+    pid_t child = 0;
+    if (posix_spawnp(&child, "xdg-open", nullptr, nullptr, words, environ) != 0) {
+      fmt::print(stderr, "troupe view: warning: xdg-open not found: open the address in a browser\n");
+      return;
+    }
+    std::thread([child] {
+      int ignored = 0;
+      waitpid(child, &ignored, 0);
+    }).detach();
+  }
+
+ private:
+  fs::path file_;
+};
+
+/// Loads the world or checkpoint. A checkpoint keeps its reserves, and whether bodies can be removed. Throws
+/// InputError.
+Simulation load(const ViewOptions& options) {
+  const SimulationOptions& simulation = options.simulation;
+  const bool is_checkpoint = worldio::is_checkpoint(options.world);
+  if (is_checkpoint &&
+      (simulation.seed || simulation.ranging || !simulation.robots.empty() || simulation.spare > 0))
+    throw InputError(
+        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are only for worlds: a checkpoint "
+                    "keeps those of its run",
+                    options.world.string()));
+  if (is_checkpoint)
+    return Simulation::resume(options.world, {.threads = options.simulation.threads,
+                                              .tile_size_m = options.simulation.tile_size_m,
+                                              .set = options.simulation.set,
+                                              .plugin_path = plugin_path(options.simulation.plugin_path),
+                                              .scripts = options.simulation.scripts});
+  SimulationOptions given = with_environment(options.simulation);
+  given.mortal = true;
+  return Simulation(options.world, given);
+}
+
+ExitCode view_checked(const ViewOptions& options) {
+  if (!options.folder.empty() && !fs::is_directory(options.folder))
+    throw InputError(fmt::format("{}: error: --out must be an existing folder", options.folder.string()));
+  Simulation simulation = load(options);
+  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  stop_on_signals();
+  const auto is_over = [&] {
+    return stop_requested() || (options.for_s && simulation.time_s() >= *options.for_s);
+  };
+  live::View view(simulation,
+                  {.port = options.port,
+                   .bind = options.bind,
+                   .hosts = options.hosts,
+                   .rate = options.rate,
+                   .folder = options.folder,
+                   .is_over = is_over,
+                   .report = [](const std::string& text) { fmt::print(stderr, "troupe view: {}\n", text); }});
+  fmt::print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
+             view.address(), view.look_address(), view.session().string());
+  std::fflush(stdout);
+  std::optional<Redirect> redirect;
+  if (options.open) redirect.emplace(view.address()).open();
+  view.run();
+  fmt::print("{}\n",
+             simulation.hash_log_line());  // of the last tick; a repetition of the session prints the same
+  return stop_requested() ? k_stopped : k_finished;
+}
+
+}  // namespace
+
+void add_view_options(CLI::App& view, ViewOptions& options) {
+  view.footer(k_view_footer);
+  add_world_options(view, options);
+  add_value(view, "--threads", "N", "Worker threads (default: one per available processor)",
+            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_value(view, "--bind", "ADDRESS", "IP address to listen on (default: 127.0.0.1 and ::1; see below)",
+            [&options](const std::string& text) {
+              in6_addr ignored{};
+              if (inet_pton(AF_INET, text.c_str(), &ignored) != 1 &&
+                  inet_pton(AF_INET6, text.c_str(), &ignored) != 1)
+                refuse("--bind", text, "an IP address");
+              options.bind = text;
+            });
+  add_values(view, "--allow-host", "NAME",
+             "Name of a proxy through which browsers reach the page (repeatable)",
+             [&options](const std::string& text) { options.hosts.push_back(text); });
+  add_value(view, "--port", "N", "Port (default: 0, any free port)", [&options](const std::string& text) {
+    const auto port = number<std::uint16_t>(text);
+    if (!port) refuse("--port", text, "a port from 0 to 65535");
+    options.port = *port;
+  });
+  add_value(view, "--rate", "R", "Limit the speed to R times real time; 0: no limit (default: 1)",
+            [&options](const std::string& text) {
+              const auto rate = finite(text);
+              if (!rate || (*rate != 0 && (*rate < live::k_least_rate || *rate > live::k_most_rate)))
+                refuse("--rate", text,
+                       fmt::format("0, or a rate from {} to {:g}, times real time", live::k_least_rate,
+                                   live::k_most_rate));
+              options.rate = *rate;
+            });
+  add_value(view, "--out", "DIR",
+            "Folder for the session file, checkpoints and recordings (default: the working folder)",
+            [&options](const std::string& text) { options.folder = file_name("--out", text); });
+  view.add_flag("--open", options.open, "Open the page in the default browser")->disable_flag_override();
+}
+
+ExitCode view_world(const ViewOptions& options) {
+  try {
+    return view_checked(options);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  }
+}
+
+}  // namespace troupe::apps

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "apps/exit_code.hpp"
+#include "apps/options.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace troupe::apps {
+
+/// Options of `troupe view`.
+struct ViewOptions : WorldOptions {
+  std::uint16_t port = 0;          ///< 0: any free port
+  std::string bind;                ///< IP address to listen on; empty: the loopback addresses
+  std::vector<std::string> hosts;  ///< names of proxies that the `Host` of a request may have
+  double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
+  std::filesystem::path folder;    ///< folder for the session and other files; empty: the working folder
+  bool open = false;               ///< open a browser
+};
+
+/// Adds the options of `view`; parsing fills `options`, which must outlive `command`.
+void add_view_options(CLI::App& command, ViewOptions& options);
+/// `troupe view`: shows a world in browsers until Ctrl-C, until the time of --for, or until the world's own
+/// end.
+ExitCode view_world(const ViewOptions& options);
+
+}  // namespace troupe::apps

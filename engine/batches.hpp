@@ -1,0 +1,135 @@
+#pragma once
+
+#include "engine/world_state.hpp"
+#include "partition/parallel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+/// The loops over the rows of a world. All phases of a tick use them.
+
+namespace troupe::engine {
+
+// Rows per task. Crowded tiles are split and sparse ones merged so that every task is worth waking a thread.
+inline constexpr std::size_t k_near_batch = 64;  ///< for work that reads neighbours
+inline constexpr std::size_t k_row_block = 256;  ///< for work that does not read neighbours
+
+/// Calls work(rows, type) for the rows of each type. Changes the order of the rows.
+template <class Work>
+void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
+  const auto type_of = [&](Row row) { return state.row_types[row.index()]; };
+  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); })) {
+    // Sorts the rows by type. The sort is stable, so that neighbours, which read the same data, stay
+    // together.
+    std::array<Row, k_row_block> mixed;
+    std::ranges::copy(rows, mixed.begin());
+    std::size_t done = 0;
+    for (std::uint32_t type = 0; done < rows.size();) {
+      std::uint32_t next = ~0u;
+      for (const Row row : std::span(mixed).first(rows.size())) {
+        const std::uint32_t t = type_of(row);
+        if (t == type) rows[done++] = row;
+        if (t > type) next = std::min(next, t);
+      }
+      type = next;
+    }
+  }
+  for (std::size_t i = 0; i < rows.size();) {
+    std::size_t end = i + 1;
+    while (end < rows.size() && type_of(rows[end]) == type_of(rows[i])) ++end;
+    work(std::span<const Row>(rows.subspan(i, end - i)), state.types[type_of(rows[i])]);
+    i = end;
+  }
+}
+
+/// Calls work(rows, type) in parallel for batches of rows of one type that are near one another in the world.
+/// It is for work that reads the neighbours of a row: these are then likely to be in the cache. order: the
+/// rows, such that neighbours in the world are near in this list (BodyIndex::order())
+template <class Work>
+void for_neighbours(const WorldState& state, partition::Parallel& parallel,
+                    std::span<const std::uint32_t> order, Work&& work) {
+  const std::size_t batches = (order.size() + k_near_batch - 1) / k_near_batch;
+  parallel.for_each(batches, [&](std::size_t b) {
+    // Batches of nearly equal size: a short last one would not be worth waking a thread.
+    const std::size_t first = order.size() * b / batches;
+    const std::size_t count = order.size() * (b + 1) / batches - first;
+    std::array<Row, k_near_batch> rows;
+    for (std::size_t i = 0; i < count; ++i) rows[i] = Row(order[first + i]);
+    for_types(state, {rows.data(), count}, work);
+  });
+}
+
+/// Calls work(rows, type) in parallel for batches of rows of one type from a block of consecutive rows. It is
+/// for work that does not read neighbours: memory is then read sequentially. Only bodies that are in the
+/// world take part.
+template <class Work>
+void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange range, Work&& work) {
+  const std::size_t row_count = range.end - range.first;
+  const std::size_t blocks = (row_count + k_row_block - 1) / k_row_block;
+  parallel.for_each(blocks, [&](std::size_t b) {
+    const std::size_t first = range.first + row_count * b / blocks;
+    const std::size_t count = range.first + row_count * (b + 1) / blocks - first;
+    std::array<Row, k_row_block> rows;
+    std::size_t there = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      if (const Row row(first + i); state.view.is_there(row)) rows[there++] = row;
+    for_types(state, {rows.data(), there}, work);
+  });
+}
+
+/// for_blocks() for all rows.
+template <class Work>
+void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& work) {
+  for_blocks(state, parallel, {0, state.row_count()}, work);
+}
+
+/// Calls work(rows) for those of `rows` that are due, once for each run of consecutive rows. A row is due if
+/// the number of ticks since the birth of its body is a multiple of `period`. In a world without births, all
+/// rows are due, or none.
+template <class Work>
+void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t period, Work&& work) {
+  if (period == 1 || !state.life_table) {
+    if (state.now.tick % period == 0) work(rows);
+    return;
+  }
+  for (std::size_t i = 0; i < rows.size();) {
+    std::size_t end = i;
+    while (end < rows.size() && (state.now.tick - state.view.birth_tick(rows[end])) % period == 0) ++end;
+    if (end > i) work(rows.subspan(i, end - i));
+    i = end + 1;
+  }
+}
+
+/// Calls work(rows) for those of `rows` whose device is due in this tick and runs(): it is active or
+/// subscribed to, switched on, works and has power. There is one call for each run of consecutive rows.
+template <class Work>
+void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
+                 Work&& work) {
+  for_due(state, rows, device.period, [&](std::span<const Row> due_rows) {
+    if (device.active && !device.supply && device.switch_bit == 0 && state.now.impaired == 0)
+      return work(due_rows);
+    for (std::size_t i = 0; i < due_rows.size();) {
+      std::size_t end = i;
+      while (end < due_rows.size() && state.view.runs(due_rows[end], device)) ++end;
+      if (end > i) work(due_rows.subspan(i, end - i));
+      i = end + 1;
+    }
+  });
+}
+
+/// Calls work(rows) for the rows that are neither disabled nor dropped out, in the same order.
+template <class Work>
+void for_enabled(const WorldState& state, std::span<const Row> rows, Work&& work) {
+  if (state.now.impaired == 0) return work(rows);
+  std::array<Row, k_row_block> enabled;
+  std::size_t count = 0;
+  for (const Row row : rows)
+    if (state.condition(row).out == 0) enabled[count++] = row;
+  work(std::span<const Row>(enabled).first(count));
+}
+
+}  // namespace troupe::engine

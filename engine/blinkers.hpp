@@ -1,0 +1,58 @@
+#pragma once
+
+#include "base/ids.hpp"
+#include "engine/effects.hpp"
+#include "engine/world_state.hpp"
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace troupe::engine {
+
+/// The test mode World::hide_beyond_reach(): hides from a device all data that its kind does not declare to
+/// read, and finds effects that change other bodies than their kind declares.
+class Blinkers {
+ public:
+  /// The state must outlive the object.
+  explicit Blinkers(WorldState& state);
+
+  /// Hides data from a device of this kind of a row: the bodies beyond `reach` (m), and of the other bodies
+  /// the components that the kind does not declare (DeviceKind::reads).
+  void hide_from(Row row, const DeviceKind& kind, double reach);
+  /// Undoes hide_from(), which was called with the same row and kind.
+  void show_hidden(Row row, const DeviceKind& kind);
+
+  /// Remembers the state before an effect is applied.
+  void begin_effect(const Effect& effect);
+  /// Throws a StepError if the effect that was applied since begin_effect() has changed a body outside the
+  /// scope that the kind of its device declares (DeviceKind::scope).
+  void end_effect(const BodyType::Device& device, const Effect& effect);
+
+ private:
+  std::vector<std::uint8_t> tables_read_by(const DeviceKind& kind) const;
+  template <class Visit>
+  void for_other_tables(Row row, std::span<const std::uint8_t> reads, Visit&& visit);
+  std::vector<std::uint8_t> trees_of(const Effect& effect) const;
+
+  WorldState& state_;
+
+  // Copies of columns of the state. Only the elements of hidden rows are used.
+  std::vector<Transform> transforms_;
+  std::vector<Vec2> outlines_;
+  std::vector<double> radii_;
+  std::vector<const partition::ObstacleShape*> shapes_;
+  std::vector<StateTable> tables_;
+  partition::BodyIndex index_;  // the index without the hidden rows, or while they are hidden the whole one
+  partition::Parallel serial_{1};
+  std::vector<Row> hidden_;
+  // Per kind of device: for each state table, whether the kind reads the rows of other bodies in it.
+  std::map<const DeviceKind*, std::vector<std::uint8_t>> reads_;
+
+  // Of the effect that is being applied.
+  std::vector<StateTable> before_;
+  std::vector<std::uint8_t> inside_;  // one per row: 1 if it was in the tree of the source or of the target
+};
+
+}  // namespace troupe::engine

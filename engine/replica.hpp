@@ -1,0 +1,228 @@
+#pragma once
+
+#include "engine/phase.hpp"
+#include "engine/rank_work.hpp"
+#include "engine/state_table.hpp"
+#include "engine/world_state.hpp"
+#include "partition/transport.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace troupe::engine {
+
+struct BodySpec;
+struct BodyType;
+class Effects;
+struct Hashes;
+class Links;
+struct Registry;
+struct SettingSpec;
+class World;
+
+/// How the ranks that compute one world share the rows of a state table. Each row has an *owner*: the rank
+/// that senses, actuates and decides for the row's body.
+enum class Sharing : std::uint8_t {
+  alike,  ///< every rank computes every row, in the phases intervene and move; nothing is sent
+  sent,   ///< the owner computes a row and sends it to all ranks in each tick, before the phase move
+  kept,   ///< the owner computes a row; the rows of other ranks are old, until rank 0 gathers them
+};
+/// The sharing of each state table of a world, by the index of the table. It follows from the tables and from
+/// what the kinds of devices declare.
+///
+/// - A sensor writes its readings in the phase sense, and only the controllers of its own body read them:
+///   kept. So are the memories of controllers and most commands.
+/// - A device that acts writes its state in the phase actuate, and others may read it: sent. So are the
+///   readings and commands that a kind of device in the world declares to read (DeviceKind::reads), and the
+///   commands of devices with hooks in the phase move.
+/// - All else is computed by every rank alike.
+std::vector<Sharing> sharing_of(const World& world);
+
+/// What a rank asks of the others, and the kinds of messages within a tick. The first byte of a message.
+enum class Order : std::uint8_t {
+  make,      ///< make a replica of a world (troupe/rank_team.hpp)
+  drop,      ///< destroy a replica
+  end,       ///< no order follows
+  step,      ///< compute the next tick
+  reset,     ///< World::reset()
+  restart,   ///< World::restart()
+  set,       ///< World::set()
+  hash,      ///< return the hash of the own rows
+  gather,    ///< return the own rows of tables that are kept
+  agree,     ///< in a tick: the callback before_tick() has returned on rank 0
+  together,  ///< in a tick: rows for on_rank_0(), to rank 0 and back
+  exchange,  ///< in a tick: what the owner of the rows has written
+  failed,    ///< in a tick: the owner of the rows could not compute them
+};
+
+/// A cut of the rows into one range per rank: rank r owns the rows from cut[r] to cut[r + 1].
+using Cut = std::vector<std::uint32_t>;
+/// Returns a cut with which all ranks would take the same time, if each row of a rank took the same part of
+/// the time that its rank has taken. times: of each rank, in any unit.
+Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
+
+/// The data of a world that a Replica reads and writes.
+struct ReplicaParts {
+  std::span<StateTable> tables;  ///< the state
+  Effects& effects;              ///< the effects of the tick
+  Links& links;                  ///< for the goals of joints
+  std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
+};
+
+/// Options of a Replica. They change no result.
+struct ReplicaOptions {
+  /// If it is given, the rows of the ranks change at random in each tick, as this seed says; for tests.
+  std::optional<std::uint64_t> cut_seed;
+  /// True: hashes() also compares the tables that all ranks compute alike, and throws if they differ.
+  bool verify = false;
+  /// True: the program may keep references to rows across steps. Once it has read the state, rank 0 gathers
+  /// all rows after each tick, and once it has changed the state, it sends the state before each tick.
+  bool keeps_references = false;
+  /// On ranks other than 0: returns how often this rank was asked for a checkpoint. Null: never.
+  std::function<std::uint32_t()> requests;
+};
+
+/// One of several replicas of a world, each of which belongs to one *rank*: a thread or process
+/// (docs/architecture.md). Every rank holds all rows and computes the phases `move` and `index` for all of
+/// them. Each rank senses, actuates and decides for its own rows. Once a tick, all ranks exchange what others
+/// may read (Sharing::sent), the effects and the goals of joints. Results do not depend on the number of
+/// ranks, nor on which rows a rank owns.
+///
+/// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the others to do the same, and
+/// returns hashes and tables as if there were one world. The other ranks call follow() for each order.
+class Replica {
+ public:
+  /// Makes `world` a replica. All ranks construct theirs at the same point, with equal worlds at tick 0.
+  /// `transport` and `registry` must outlive this object.
+  ///
+  /// number: identifies the world among those of the ranks
+  /// registry: that of the world
+  Replica(World& world, const Registry& registry, partition::Transport& transport, std::uint32_t number,
+          ReplicaOptions options);
+  ~Replica();
+  Replica(const Replica&) = delete;
+  Replica& operator=(const Replica&) = delete;
+
+  std::uint32_t number() const { return number_; }  ///< number of the world
+  unsigned ranks() const { return transport_.ranks(); }
+  const partition::Transport& transport() const { return transport_; }
+  /// What each rank has done in the last tick.
+  std::span<const RankWork> work() const { return work_; }
+  /// How often rows were given to other ranks because the ranks took unequal times.
+  std::uint64_t rebalanced() const { return rebalanced_; }
+  /// How often the other ranks were asked for a checkpoint (ReplicaOptions::requests).
+  std::uint64_t requests() const;
+
+  /// Obeys an order of rank 0: one from Order::step to Order::gather. message: the order, after the byte and
+  /// the number of the world
+  void follow(Order order, partition::MessageReader message);
+
+  // ---- Called by World
+  /// Computes a tick: work() must compute its phases, and call agree() and exchange(). If it throws on any
+  /// rank, this function throws on all of them. has_callback: agree() will get a callback; only rank 0 knows.
+  void tick(bool has_callback, const std::function<void()>& work);
+  /// Called after interventions and faults: calls the callback before_tick() of rank 0, unless it is empty.
+  /// The other ranks then adopt what it changed.
+  void agree(const std::function<void()>& callback);
+  /// Called at the end of the phase decide: calls work() on rank 0 alone, with the rows of all ranks
+  /// complete. What it writes to the rows that ranks compute for themselves then goes back to them.
+  void on_rank_0(const std::function<void()>& work);
+  /// Called after the phase decide.
+  void exchange();
+  void begin(Phase phase);  ///< called when a phase begins, for errors and times
+
+  RowRange own() const { return rows_of(transport_.rank()); }  ///< the rows that this rank owns
+  /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
+  std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
+
+  void gather();   ///< World::gather()
+  void touch();    ///< World::touch(): the program is going to change the state
+  void replace();  ///< the program is going to replace the whole state
+  void reset();    ///< called by World::reset(), which then resets its own world
+  void restart(std::uint64_t seed, std::span<const BodySpec> bodies);  ///< called by World::restart()
+  void set(const SettingSpec& setting);  ///< called by World::set(), which has changed its own world
+  /// The hashes of the state, each rank adding those of its own rows. std::nullopt if this world can compute
+  /// them itself, because its tables are complete.
+  std::optional<Hashes> hashes();
+
+ private:
+  using Letter = std::shared_ptr<const partition::Message>;
+  /// An error of a rank, with its place in the order of errors: the first one is reported.
+  struct Failure {
+    std::uint32_t phase = 0;
+    std::uint32_t robot = 0;
+    std::string text;
+  };
+  /// Thrown if another rank fails while this rank waits for its message in a tick.
+  struct OtherFailed {};
+
+  bool leads() const { return transport_.rank() == 0; }
+  /// Whether the program may hold references through which it changes the state.
+  bool may_write() const { return leads() && options_.keeps_references && is_written_; }
+  RowRange rows_of(unsigned rank) const { return {cut_[rank], cut_[rank + 1]}; }
+  /// The rows of a table whose bodies have the rows `rows` of the world.
+  RowRange rows_in(const StateTable& table, const RowRange& rows) const;
+  partition::MessageWriter order(Order order) const;
+  void send_to_all(partition::MessageWriter message);
+  /// Reads the message with this order from a rank. Answers other orders, which rank 0 may give before.
+  Letter expect(Order order, unsigned from);
+
+  void put_state(partition::MessageWriter& message);
+  void adopt_state(partition::MessageReader message, bool is_in_tick);
+  void put_written(partition::MessageWriter& message);
+  void get_written(partition::MessageReader& message, unsigned from);
+  template <class Visit>
+  void for_rows(Sharing sharing, const RowRange& rows, Visit&& visit) const;
+  void put_kept(partition::MessageWriter& message, const RowRange& rows) const;
+  void get_kept(partition::MessageReader& message, const RowRange& rows);
+  void put_own(partition::MessageWriter& message, const RowRange& rows) const;
+  void get_own(partition::MessageReader& message, const RowRange& rows);
+  Hashes own_hashes();
+  void fail();
+  static Failure failure_of(partition::MessageReader& message);
+  [[noreturn]] void throw_first(std::vector<Failure>& failures, const std::exception_ptr& own);
+  Cut equal_cut() const;
+  void note_times();
+  void adopt_cut(Cut cut);
+
+  World& world_;
+  const Registry& registry_;
+  partition::Transport& transport_;
+  std::uint32_t number_;
+  ReplicaOptions options_;
+  std::vector<Sharing> sharing_;  // one per table
+  ReplicaParts parts_;
+  Cut cut_;                              // which rows the ranks own
+  std::vector<RankWork> work_;           // one per rank, of this tick
+  std::vector<std::uint64_t> times_;     // one per rank: its time for its own rows since the last cut, ns
+  std::vector<std::uint32_t> requests_;  // one per rank: the last result of ReplicaOptions::requests
+  std::uint64_t rebalanced_ = 0;
+  std::vector<std::uint32_t> order_;  // result of own_of()
+
+  // The program has changed the state of rank 0 since the other ranks received it.
+  std::atomic<bool> is_touched_ = false;
+  bool is_read_ = false;                  // the program has read the state
+  std::atomic<bool> is_written_ = false;  // the program has changed the state
+  bool is_stale_ = false;                 // rank 0 lacks the rows of other ranks in the tables that are kept
+  bool is_in_tick_ = false;               // the program cannot read or change the state
+  bool has_callback_ = false;
+  bool is_exchanged_ = false;  // in this tick, the messages of all ranks were received
+  bool is_agreed_ = false;     // in this tick, agree() has returned
+  Phase phase_ = Phase::intervene;
+  std::uint64_t beams_before_ = 0;  // at the beginning of the tick
+  // When the phases of this tick began on this rank; `decide` moved forward by the time of on_rank_0().
+  std::array<double, k_phases> began_s_{};
+  // One per rank: the message with which it failed in this tick, if it came early.
+  std::vector<Letter> failed_;
+  std::size_t exchanged_bytes_ = 0;  // length of the last message of exchange()
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,232 @@
+#pragma once
+
+#include "engine/body_type.hpp"
+#include "engine/components.hpp"
+#include "engine/fixed_targets.hpp"
+#include "engine/kinds.hpp"
+#include "engine/mount.hpp"
+#include "engine/state_table.hpp"
+#include "engine/world_spec.hpp"
+#include "partition/body_index.hpp"
+#include "partition/ray_grid.hpp"
+#include "partition/static_scene.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace troupe::engine {
+
+/// The number of the present tick, and numbers of rows that are counted so that loops can skip work.
+struct TickCounts {
+  std::uint64_t tick = 0;    ///< number of completed ticks; within a step, the number of the tick
+  std::size_t absent = 0;    ///< rows whose bodies are unborn or dead
+  std::size_t impaired = 0;  ///< rows whose bodies are disabled or have a fault
+  std::size_t carried = 0;   ///< rows whose bodies are carried
+};
+
+/// The data of a world that devices may read: the constants, and the *public columns* of the rows. All other
+/// data of a row (readings, memories, odometry) are private: only the devices and controllers of its own body
+/// read them, and the engine. The table of a device's state is public if another kind reads it, as light
+/// sensors read the state of lights.
+///
+/// The spans have one element per row unless stated otherwise, and stay valid as long as the world.
+struct PublicColumns {
+  // Constants.
+  const WorldSpec* spec = nullptr;                    ///< the spec of the world
+  const partition::StaticScene* scene = nullptr;      ///< geometry of the static bodies
+  const FixedTargets* fixed_targets = nullptr;        ///< parts of static bodies that fiducial finders detect
+  const partition::GridGeometry* geometry = nullptr;  ///< cells and tiles of `index`
+  std::span<const BodyType> types;                    ///< compiled types, by TypeId
+  std::span<const BodyId> bodies;                     ///< body of each row
+  std::span<const Row> rows;                          ///< row of each body of the world, by BodyId
+  std::span<const std::uint32_t> row_types;           ///< TypeId of each row
+  std::span<const std::uint32_t> slots;               ///< index of each row among the rows of its type
+  std::span<const std::size_t> outline_begins;        ///< index of the row's first vertex in `outlines`
+  std::span<const std::uint32_t> joint_begins;        ///< index of the row's first joint in `joint_mounts`
+
+  // Where the bodies are: written in the phases `intervene`, `move` and `index`.
+  const partition::BodyIndex* index = nullptr;   ///< spatial index of the bodies with rows
+  const partition::RayGrid* ray_grid = nullptr;  ///< cells of the grid ray engine; null: exact engine
+  std::span<const Pose> poses;                   ///< world frame
+  std::span<const Transform> transforms;         ///< `poses` as transforms
+  std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
+  std::span<const double> radii;                 ///< bounding radius about the origin, m
+  std::span<const Mount> joint_mounts;           ///< displacements of the joints of all rows from rest
+  std::span<const std::uint32_t> roots;          ///< row of the tree's root; empty: no body can carry another
+  std::span<const Carried> carriers;             ///< component `carrier`; empty: no body can carry another
+  std::span<const Life> lives;                   ///< component `life`; empty: no births and deaths
+
+  // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
+  std::span<const Velocity> velocities;      ///< velocities of the drives, body frame
+  std::span<const Command> commands;         ///< commands to the drives
+  std::span<const Condition> conditions;     ///< component `condition`; empty: no faults
+  std::span<const StateTable> tables;        ///< all state tables: states of devices, commands to devices
+  std::span<const std::uint8_t> subscribed;  ///< 1 if all sensors of the body run
+
+  const TickCounts* now = nullptr;  ///< the tick, and counts of rows
+};
+
+/// What a device reads of the world in the phases `sense` and `actuate`: the constants, and where all bodies
+/// were at the end of the last tick. The functions only read memory: they make no virtual calls and allocate
+/// nothing.
+///
+/// The velocities, commands and device states of other bodies are not here, because these change during
+/// `actuate`. In `sense`, CommittedView has them. Those of the device's own body are members of DeviceBatch.
+class SensingView {
+ public:
+  SensingView() = default;  ///< a view of nothing, which must not be read
+  explicit SensingView(const PublicColumns& columns) : columns_(columns) {}  ///< a view of a world
+
+  // ---- constants
+  const WorldSpec& spec() const { return *columns_.spec; }            ///< the spec of the world
+  std::span<const BodyType> types() const { return columns_.types; }  ///< compiled types, indexed by TypeId
+  const partition::StaticScene& scene() const { return *columns_.scene; }  ///< geometry of the static bodies
+  /// Spatial index of the parts of static bodies that fiducial finders detect.
+  const FixedTargets& fixed_targets() const { return *columns_.fixed_targets; }
+  /// Sizes of the cells and tiles of the spatial index. No result depends on them.
+  const partition::GridGeometry& geometry() const { return *columns_.geometry; }
+  /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed.
+  std::size_t rows() const { return columns_.bodies.size(); }
+  BodyId body(Row row) const { return columns_.bodies[row.index()]; }  ///< body of a row
+  /// Row of a body. Static bodies have no row: for them the result is not valid().
+  Row row(BodyId body) const { return columns_.rows[body.index()]; }
+  /// Type of the row's body.
+  const BodyType& type(Row row) const { return columns_.types[columns_.row_types[row.index()]]; }
+  /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
+  std::size_t slot(Row row) const { return columns_.slots[row.index()]; }
+
+  // ---- time
+  std::uint64_t tick() const { return columns_.now->tick; }  ///< number of the present tick
+  double tick_s() const { return columns_.spec->tick_s; }    ///< length of a tick, s
+  /// World time at the end of the present tick, s.
+  double time_s() const { return static_cast<double>(tick()) * tick_s(); }
+  /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0. The periods
+  /// of its devices, drive and controllers count from that tick.
+  std::uint64_t birth_tick(Row row) const {
+    return columns_.lives.empty() ? 0 : columns_.lives[row.index()].birth;
+  }
+
+  // ---- where bodies are
+  /// Spatial index of the bodies in the world that have rows.
+  const partition::BodyIndex& index() const { return *columns_.index; }
+  /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
+  /// exact ray engine.
+  const partition::RayGrid* ray_grid() const { return columns_.ray_grid; }
+  /// Whether the row's body is unborn, dead or in the world.
+  Presence presence(Row row) const {
+    return columns_.lives.empty() ? Presence::there
+                                  : static_cast<Presence>(columns_.lives[row.index()].presence);
+  }
+  /// Whether the row's body is in the world. The spatial index contains only such bodies.
+  bool is_there(Row row) const { return columns_.now->absent == 0 || presence(row) == Presence::there; }
+  /// Pose of each row, world frame. All values of an unborn body are 0.
+  std::span<const Pose> poses() const { return columns_.poses; }
+  /// Pose of any body, static ones included, in the world frame; NaN if the body is unborn.
+  Pose pose(BodyId body) const;
+  /// The row's pose as a transform. Equals Transform(pose) bit for bit.
+  const Transform& transform(Row row) const { return columns_.transforms[row.index()]; }
+  /// Vertices of the outlines of a row's body, m, world frame, in the order of BodyType::outline_vertices.
+  std::span<const Vec2> outline(Row row) const {
+    return {columns_.outlines.data() + columns_.outline_begins[row.index()],
+            type(row).outline_vertices.size()};
+  }
+  /// Upper bound on the distance of any point of the row's body from its origin, with its joints where they
+  /// are now, m. For a body that carries others and is not carried itself, it includes the obstacle shapes of
+  /// its cargo. Negative if the body is not in the world.
+  double radius(Row row) const { return columns_.radii[row.index()]; }
+  /// Frame for the parts and devices on a joint of a body. Composed with the pose that a part has in the body
+  /// frame while the joint is at rest, it gives the present pose of the part in the world frame. It is the
+  /// row's pose, moved by the present displacement of the joint. With joint = k_rigid it is the row's pose.
+  Mount mount(Row row, std::int32_t joint) const {
+    const Pose& pose = columns_.poses[row.index()];
+    const Mount body(transform(row), pose.z, pose.heading);
+    return joint == k_rigid ? body : compose(body, joint_mount(row, joint));
+  }
+  /// Height by which a joint of the row's body has raised the parts on it above their rest position, m; 0 for
+  /// k_rigid.
+  double lift(Row row, std::int32_t joint) const {
+    return joint == k_rigid ? 0.0 : joint_mount(row, joint).z;
+  }
+  /// The body that carries the row's body; std::nullopt if it is not carried.
+  std::optional<BodyId> carrier(Row row) const {
+    const std::uint32_t id = columns_.carriers.empty() ? 0 : columns_.carriers[row.index()].carrier;
+    return id == 0 ? std::optional<BodyId>() : BodyId(id - 1);
+  }
+  /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
+  /// body carries both.
+  bool same_tree(Row a, Row b) const {
+    return a == b || (columns_.now->carried > 0 && columns_.roots[a.index()] == columns_.roots[b.index()]);
+  }
+
+ protected:
+  friend struct DeviceBatch;  // gives a device the columns below, but of its own body alone
+
+  const Mount& joint_mount(Row row, std::int32_t joint) const {
+    return columns_.joint_mounts[columns_.joint_begins[row.index()] + static_cast<std::size_t>(joint)];
+  }
+  const StateTable& percepts(const BodyType::Device& device) const { return columns_.tables[device.table]; }
+  const StateTable& commands(const BodyType::Device& device) const {
+    return columns_.tables[*device.command_table];
+  }
+  const Velocity& velocity(Row row) const { return columns_.velocities[row.index()]; }
+  const Command& command(Row row) const { return columns_.commands[row.index()]; }
+  bool senses(Row row, const BodyType::Device& device) const {
+    return device.active || columns_.subscribed[row.index()] != 0;
+  }
+  bool is_on(Row row, const BodyType::Device& device) const {
+    return device.switch_bit == 0 || (command(row).off & device.switch_bit) == 0;
+  }
+  bool works(Row row, const BodyType::Device& device) const {
+    if (columns_.now->impaired == 0) return true;
+    const Condition& condition = columns_.conditions[row.index()];
+    const auto d = static_cast<std::size_t>(&device - type(row).devices.data());
+    return condition.out == 0 && (d >= k_most_fallible || (condition.dead >> d & 1) == 0);
+  }
+  bool is_supplied(Row row, std::optional<std::size_t> supply) const {
+    if (!supply) return true;
+    const BodyType::Device& device = type(row).devices[*supply];
+    return !device.kind->is_spent(device.prepared.data, columns_.tables[device.table], slot(row));
+  }
+  bool runs(Row row, const BodyType::Device& device) const {
+    return senses(row, device) && is_on(row, device) && works(row, device) && is_supplied(row, device.supply);
+  }
+
+  PublicColumns columns_;
+};
+
+/// A SensingView that also reads the velocities, commands and device states of all bodies. Devices have it in
+/// the phase `sense` (SenseBatch), when these are the data that the last tick committed, and functions that
+/// run between two phases have it (World::view()). A device must not read the state of devices that sense
+/// themselves, because it is being written.
+class CommittedView : public SensingView {
+ public:
+  using SensingView::SensingView;
+
+  /// State of a device of a type, one table row per slot.
+  using SensingView::percepts;
+  /// Commands to a device of a type, one table row per slot. The device must take commands.
+  using SensingView::commands;
+  /// Velocity that the drive of the row's body computed, body frame, m/s and rad/s. It does not become 0 when
+  /// an obstacle blocks the motion.
+  using SensingView::velocity;
+  /// Command to the drive of the row's body. The numbers have no meaning for rows without a drive.
+  using SensingView::command;
+  /// Whether a sensor of the row is active (BodyType::Device::active), or World::subscribe() was called for
+  /// its body.
+  using SensingView::senses;
+  /// Whether the row's device is switched on: no controller has switched it off.
+  using SensingView::is_on;
+  /// Whether no fault has broken the row's device and its body is not disabled.
+  using SensingView::works;
+  /// Whether a device of the row gets power: false if its power supply is empty. The second argument is the
+  /// index of that supply among the devices of the type; std::nullopt means that the device needs none, and
+  /// gives true.
+  using SensingView::is_supplied;
+  /// Whether the row's device runs in the ticks in which it is due, that is, once per
+  /// BodyType::Device::period. It runs if senses(), is_on(), works() and is_supplied() are true for it.
+  using SensingView::runs;
+};
+
+}  // namespace troupe::engine

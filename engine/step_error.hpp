@@ -1,0 +1,25 @@
+#pragma once
+
+#include "base/ids.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace troupe::engine {
+
+/// Thrown when a step cannot be completed, because the velocity of a robot or the goal of a joint is not a
+/// finite number, or because a function of a kind of sensor, drive, controller or other device threw an
+/// exception. The text names the tick and the robot.
+class StepError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  /// robot: the robot whose velocity is not a finite number
+  StepError(const std::string& text, BodyId robot) : std::runtime_error(text), robot_(robot) {}
+  /// The robot whose velocity is not a finite number; not valid() for all other errors.
+  BodyId robot() const { return robot_; }
+
+ private:
+  BodyId robot_;
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,191 @@
+#pragma once
+
+#include "engine/body_type.hpp"
+#include "engine/components.hpp"
+#include "engine/fixed_targets.hpp"
+#include "engine/kinds.hpp"
+#include "engine/mount.hpp"
+#include "engine/sensing_view.hpp"
+#include "engine/state_table.hpp"
+#include "engine/world_spec.hpp"
+#include "partition/body_index.hpp"
+#include "partition/overlap.hpp"
+#include "partition/parallel.hpp"
+#include "partition/ray_grid.hpp"
+#include "partition/static_scene.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace troupe::engine {
+
+/// Consecutive rows: from `first` up to but not including `end`.
+struct RowRange {
+  std::size_t first = 0;  ///< the first row
+  std::size_t end = 0;    ///< one past the last row
+};
+
+/// The state of a world, the constants that describe it, and the places of bodies, which are derived from it.
+/// World owns it. The parts of World (Links, ...) read and write it, each its own columns.
+///
+/// Every vector has one element per row unless stated otherwise. Members that a comment calls public are also
+/// part of PublicColumns: devices of other bodies read them. All others are private to the engine.
+struct WorldState {
+  /// Indices into `tables` of the tables that every world has, named like their components.
+  enum TableIndex : std::size_t {
+    k_pose,      ///< Pose of the body
+    k_velocity,  ///< Velocity of the drive
+    k_command,   ///< Command to the drive
+    k_stall,     ///< Stall
+  };
+  /// Values of the component `stall`: what became of the last motion.
+  enum Stall : std::uint8_t {
+    k_free,           ///< it was carried out, or there was none
+    k_blocked,        ///< another body was in the way
+    k_out_of_bounds,  ///< it would have ended outside the bounds of the world
+  };
+
+  // Constants: made from the spec when the world is built.
+  WorldSpec spec;  ///< what the world was made from; constant except for the settings that World::set() adds
+  /// Compiled types, by TypeId; constant except for parameters, which interventions change.
+  std::vector<BodyType> types;
+  partition::GridGeometry geometry;         ///< sizes of the cells and tiles of `index`
+  partition::StaticScene scene;             ///< geometry of the static bodies
+  FixedTargets fixed_targets;               ///< parts of static bodies that fiducial finders detect
+  std::vector<BodyId> bodies;               ///< public: body of each row
+  std::vector<Row> rows;                    ///< public: row of each body of the spec, by BodyId
+  std::vector<std::uint32_t> row_types;     ///< public: TypeId of each row
+  std::vector<std::uint32_t> slots;         ///< public: index of each row among the rows of its type
+  std::vector<std::uint32_t> ids;           ///< `bodies` as numbers
+  std::vector<std::size_t> outline_begins;  ///< public: index of the row's first vertex in `outlines`
+  /// Public: index of the row's first joint in `joint_mounts`; empty if no type has joints or can carry
+  /// bodies.
+  std::vector<std::uint32_t> joint_begins;
+  std::optional<std::size_t> carrier_table;  ///< index into `tables`; not set: no body can carry another
+  std::optional<std::size_t> life_table;     ///< index into `tables`; not set: no births and deaths
+  std::optional<std::size_t>
+      condition_table;  ///< index into `tables`; not set: no faults, no disabled bodies
+
+  // State.
+  std::vector<StateTable> tables;  ///< the state tables
+  TickCounts now;                  ///< the tick, which is state, and counts, which are derived
+
+  // Set by the program.
+  std::vector<std::uint8_t> subscribed;  ///< public: 1 if World::subscribe() was called for the body
+
+  // Derived.
+  std::vector<Transform> transforms;  ///< public: the poses as transforms
+  std::vector<Vec2> outlines;         ///< public: vertices of the outlines of all rows, world frame, m
+  std::vector<double> radii;          ///< public: bounding radius about the origin, m
+  std::vector<Mount> joint_mounts;    ///< public: displacements of the joints of all rows from rest
+  /// Public: row of the root of the tree of carried bodies; like joint_begins, empty if there are no joints.
+  std::vector<std::uint32_t> roots;
+  std::vector<const partition::ObstacleShape*> shapes;  ///< obstacle shapes, for conflict resolution
+  /// 1 if the grid ray engine does not draw the row's outlines. Empty unless bodies can be born or die and
+  /// the world uses that engine.
+  std::vector<std::uint8_t> not_drawn;
+  partition::BodyIndex index;                    ///< spatial index of the bodies in the world
+  std::unique_ptr<partition::RayGrid> ray_grid;  ///< cells of the grid ray engine; null: exact engine
+
+  CommittedView view;  ///< of this state; bind_view() updates it
+
+  WorldState() = default;
+  WorldState(const WorldState&) = delete;
+  WorldState& operator=(const WorldState&) = delete;
+
+  /// Updates `view` after the vectors were allocated.
+  void bind_view();
+
+  std::size_t row_count() const { return bodies.size(); }  ///< number of rows
+  /// Type of the row's body.
+  const BodyType& type(Row row) const { return types[row_types[row.index()]]; }
+  /// The rows of a table of Layout::rows as structs.
+  ///@{
+  template <class T>
+  std::span<T> as(std::size_t table) {
+    return {reinterpret_cast<T*>(tables[table].row(0)), tables[table].rows()};
+  }
+  template <class T>
+  std::span<const T> as(std::size_t table) const {
+    return {reinterpret_cast<const T*>(tables[table].row(0)), tables[table].rows()};
+  }
+  ///@}
+  /// The component `pose`: pose of each row, world frame.
+  ///@{
+  std::span<Pose> poses() { return as<Pose>(k_pose); }
+  std::span<const Pose> poses() const { return as<Pose>(k_pose); }
+  ///@}
+  /// The component `stall`: a Stall for each row.
+  ///@{
+  std::span<std::uint8_t> stalls() { return tables[k_stall].column<std::uint8_t>(0); }
+  std::span<const std::uint8_t> stalls() const { return tables[k_stall].column<std::uint8_t>(0); }
+  ///@}
+  /// Box in which motions must end, m, world frame.
+  Box bounds() const;
+  /// The component `carrier` of a row. The world must have it.
+  ///@{
+  Carried& carried(std::uint32_t row) { return tables[*carrier_table].as<Carried>(row); }
+  const Carried& carried(std::uint32_t row) const { return tables[*carrier_table].as<Carried>(row); }
+  ///@}
+  /// The component `life` of a row. The world must have it.
+  Life& life(Row row) { return tables[*life_table].as<Life>(row.index()); }
+  /// The component `condition` of a row. The world must have it.
+  ///@{
+  Condition& condition(Row row) { return tables[*condition_table].as<Condition>(row.index()); }
+  const Condition& condition(Row row) const { return tables[*condition_table].as<Condition>(row.index()); }
+  ///@}
+  /// Present pose of a joint relative to its rest pose, m and rad.
+  ///@{
+  Pose& joint_state(Row row, std::size_t joint) {
+    return tables[type(row).joints[joint].table].as<Pose>(slots[row.index()]);
+  }
+  const Pose& joint_state(Row row, std::size_t joint) const {
+    return tables[type(row).joints[joint].table].as<Pose>(slots[row.index()]);
+  }
+  ///@}
+  /// Mounts of the joints of a row: its part of `joint_mounts`.
+  ///@{
+  std::span<Mount> mounts(Row row) {
+    return {joint_mounts.data() + joint_begins[row.index()], type(row).joints.size()};
+  }
+  std::span<const Mount> mounts(Row row) const {
+    return {joint_mounts.data() + joint_begins[row.index()], type(row).joints.size()};
+  }
+  ///@}
+
+  /// Sets the obstacle shape and radius of a row: those of its type, or empty ones if its body is unborn or
+  /// dead. For bodies that have joints, carry or are carried, Links::reshape() then computes the exact ones.
+  void update_presence(Row row);
+  /// Updates the data that are derived from a row's pose: stores the transform, and computes the vertices of
+  /// the outlines in the world frame.
+  void update_outlines(Row row, const BodyType& type, const Transform& transform) {
+    transforms[row.index()] = transform;
+    if (!type.joints.empty()) return update_jointed_outlines(row, type, transform);
+    Vec2* out = outlines.data() + outline_begins[row.index()];
+    for (const Vec2& v : type.outline_vertices) *out++ = transform * v;
+  }
+  /// Sets every byte of the row's state to 0.
+  void clear(Row row);
+  /// Calls visit(t, i) for each state table t that has a row for the row's body; i is the index of that row.
+  template <class Visit>
+  void for_tables_of(Row row, Visit&& visit) {
+    for (std::size_t t = 0; t < tables.size(); ++t) {
+      // A table has a row for each body, or for each body of one type. If there is only one type, slots equal
+      // rows.
+      const std::size_t at = tables[t].rows() == row_count() ? row.index() : slots[row.index()];
+      if (at < tables[t].rows() && tables[t].ids()[at] == bodies[row.index()]) visit(t, at);
+    }
+  }
+
+ private:
+  void update_jointed_outlines(Row row, const BodyType& type, const Transform& transform);
+};
+
+/// The obstacle shape of a body that is not in the world, or that another body carries.
+extern const partition::ObstacleShape k_no_shape;
+
+}  // namespace troupe::engine

@@ -1,0 +1,115 @@
+#include "live/picture.hpp"
+
+#include "base/math.hpp"
+#include "engine/shown_color.hpp"
+#include "worldio/results/replay_header.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace troupe::live {
+namespace {
+
+constexpr double k_farthest_steps = 1e9;  // 1,000 km; positions are clamped to it
+
+std::int32_t steps_of(double metres) {
+  return static_cast<std::int32_t>(
+      std::lround(std::clamp(metres / worldio::k_replay_step_m, -k_farthest_steps, k_farthest_steps)));
+}
+
+std::int32_t heading_steps(double heading) {
+  const long steps = std::lround(heading / (2 * k_pi) * worldio::k_replay_turn);
+  return static_cast<std::int32_t>((steps % worldio::k_replay_turn + worldio::k_replay_turn) %
+                                   worldio::k_replay_turn);
+}
+
+void append(std::string& out, std::uint64_t value) {
+  for (; value > 127; value >>= 7) out += static_cast<char>((value & 127) | 128);
+  out += static_cast<char>(value);
+}
+
+void append_signed(std::string& out, std::int64_t value) {
+  append(out, (static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63));
+}
+
+/// Appends the poses that differ from `sent`, and sets `sent` to them.
+void append_poses(std::string& out, const std::vector<std::int32_t>& poses, std::size_t robots,
+                  std::vector<std::int32_t>& sent) {
+  sent.resize(poses.size(), 0);
+  const std::size_t axes = robots > 0 ? poses.size() / robots : 0;
+  std::size_t skipped = 0;
+  for (std::size_t r = 0; r < robots; ++r) {
+    const auto differs = [&](std::size_t axis) {
+      return poses[axis * robots + r] != sent[axis * robots + r];
+    };
+    bool any = differs(0) || differs(1) || differs(2);
+    if (axes > 3) any = any || differs(3);
+    if (!any) {
+      ++skipped;
+      continue;
+    }
+    append(out, skipped + 1);
+    skipped = 0;
+    for (std::size_t axis = 0; axis < axes; ++axis)
+      append_signed(out, std::int64_t{poses[axis * robots + r]} - sent[axis * robots + r]);
+  }
+  append(out, 0);
+  sent = poses;
+}
+
+/// Appends the robots whose bytes differ from `sent`, and sets `sent` to them. each: bytes per robot.
+void append_bytes(std::string& out, const std::vector<std::uint8_t>& bytes, std::size_t each,
+                  std::vector<std::uint8_t>& sent) {
+  sent.resize(bytes.size(), 0);
+  std::size_t skipped = 0;
+  for (std::size_t at = 0; at < bytes.size(); at += each) {
+    const auto robot = std::span(bytes).subspan(at, each);
+    if (std::ranges::equal(robot, std::span(sent).subspan(at, each))) {
+      ++skipped;
+      continue;
+    }
+    append(out, skipped + 1);
+    skipped = 0;
+    for (const std::uint8_t byte : robot) out += static_cast<char>(byte);
+  }
+  append(out, 0);
+  sent = bytes;
+}
+
+}  // namespace
+
+void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
+          Picture& picture) {
+  const std::size_t robots = order.size();
+  picture.poses.resize((has_z ? 4 : 3) * robots);
+  picture.colors.resize(has_colors ? 3 * robots : 0);
+  for (std::size_t r = 0; r < robots; ++r) {
+    const Row row = world.row(BodyId(order[r]));
+    const Pose& pose = world.poses()[row.index()];
+    const bool there = world.is_there(row);
+    picture.poses[r] = there ? steps_of(pose.x) : 0;
+    picture.poses[robots + r] = there ? steps_of(pose.y) : 0;
+    picture.poses[2 * robots + r] = there ? heading_steps(pose.heading) : k_gone;
+    if (has_z) picture.poses[3 * robots + r] = there ? steps_of(pose.z) : 0;
+    if (!has_colors) continue;
+    const Color color =
+        engine::shown_color(world.view(), row, 0).value_or(world.spec().bodies[order[r]].color);
+    picture.colors[3 * r] = to_byte(color.r);
+    picture.colors[3 * r + 1] = to_byte(color.g);
+    picture.colors[3 * r + 2] = to_byte(color.b);
+  }
+}
+
+std::string encode(const Picture& picture, std::size_t robots, std::uint64_t client, SentPicture& sent) {
+  std::string out;
+  append(out, picture.number);
+  append_poses(out, picture.poses, robots, sent.poses);
+  append_bytes(out, picture.colors, 3, sent.colors);
+  if (const auto shades = picture.shades.find(client); shades != picture.shades.end())
+    append_bytes(out, shades->second, 1, sent.shades);
+  sent.number = picture.number;
+  return out;
+}
+
+}  // namespace troupe::live

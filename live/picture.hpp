@@ -1,0 +1,48 @@
+#pragma once
+
+#include "engine/world.hpp"
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace troupe::live {
+
+/// The part of the state of a running world that the pages of viewers show. The thread that steps the world
+/// fills it, and the thread of the server encodes it.
+struct Picture {
+  std::uint64_t number = 0;  ///< number of the picture, from 1
+  std::string state;         ///< members of the JSON object that every client receives with the picture
+  /// Further members of this object, by client: the inspected robot and the plotted measure.
+  std::map<std::uint64_t, std::string> own;
+  /// The poses of the robots of the page: first all x, then all y, then all headings, then, if heights can
+  /// change, all z. Lengths are in steps of k_replay_step_m. A heading is in steps, k_replay_turn per turn,
+  /// from 0; k_gone: the robot is not in the world.
+  std::vector<std::int32_t> poses;
+  std::vector<std::uint8_t> colors;  ///< red, green, blue of each robot; empty if no body shows colours
+  /// For each client that colours robots by a value: one byte per robot, see take_shades().
+  std::map<std::uint64_t, std::vector<std::uint8_t>> shades;
+};
+/// Heading of robots that are not in the world.
+inline constexpr std::int32_t k_gone = -1;
+
+/// Fills the poses and colours of a picture. order: the id of each robot of the page; has_z: whether heights
+/// can change (both are members of worldio::LivePage). has_colors: whether robots show colours that change.
+void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
+          Picture& picture);
+
+/// The content of the last picture that was sent to a client; empty if none was sent.
+struct SentPicture {
+  std::uint64_t number = 0;
+  std::vector<std::int32_t> poses;
+  std::vector<std::uint8_t> colors;
+  std::vector<std::uint8_t> shades;
+};
+
+/// Returns the binary frame of a picture for a client (docs/live.md), which contains only the differences
+/// from `sent`. Sets `sent` to the content of this picture. robots: number of robots of the page.
+std::string encode(const Picture& picture, std::size_t robots, std::uint64_t client, SentPicture& sent);
+
+}  // namespace troupe::live

@@ -1,0 +1,414 @@
+// This is the only file that includes Boost.Beast.
+
+#include "live/server.hpp"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace troupe::live {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using beast::error_code;
+
+constexpr std::size_t k_most_connections = 128;  // without a token; another connection replaces the oldest
+constexpr std::size_t k_most_clients = 16;       // connections with a token
+constexpr std::size_t k_most_header = 8192;      // bytes of a request
+constexpr std::size_t k_most_message = 65536;    // bytes of a text from a client
+constexpr std::size_t k_most_waiting = 256;      // texts queued for a client
+constexpr int k_most_in_flight = 2;  // pictures that were sent to a client and that it has not drawn yet
+constexpr std::chrono::seconds k_handshake{5};  // time from the connection until the token must arrive
+constexpr std::chrono::seconds k_idle{
+    30};  // a client is disconnected after this time without any frame, also ping or pong
+
+/// Returns the Content-Security-Policy header of the page, which allows the page to connect only to its own
+/// server, or to the proxy in front of it. host: the Host header of the request, which must satisfy
+/// Impl::is_allowed().
+std::string policy(std::string_view host, bool is_proxy) {
+  return fmt::format(
+      "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+      "connect-src ws://{}{}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+      host, is_proxy ? fmt::format(" wss://{}", host) : "");
+}
+
+/// Returns a Host header without its port, which may be any, because a client behind a tunnel uses the port
+/// of the tunnel. Empty if the port is not a number.
+std::string_view without_port(std::string_view host) {
+  const std::size_t colon = host.rfind(':');
+  if (colon == host.npos || host.find(']', colon) != host.npos) return host;
+  const std::string_view port = host.substr(colon + 1);
+  if (port.empty() || !std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; })) return {};
+  return host.substr(0, colon);
+}
+
+/// Returns an IP address as it is written in a URL.
+std::string url_text(const asio::ip::address& address) {
+  return address.is_v6() ? fmt::format("[{}]", address.to_string()) : address.to_string();
+}
+
+/// Compares two tokens in a time that does not depend on the characters, so that timing does not reveal how
+/// many of them match.
+bool same_token(std::string_view a, std::string_view b) {
+  unsigned differs = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    differs |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
+  return differs == 0;
+}
+
+std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
+
+}  // namespace
+
+struct ViewServer::Impl {
+  class Connection;
+
+  Options options;
+  ViewBackend& backend;
+  asio::io_context context{1};
+  std::vector<std::unique_ptr<tcp::acceptor>> acceptors;
+  std::map<std::uint64_t, std::shared_ptr<Connection>> connections;  // by client, the oldest first
+  std::uint64_t last_client = 0;
+  std::size_t clients = 0;  // connections that have sent a valid token
+  std::thread thread;
+
+  Impl(const Options& given, ViewBackend& to) : options(given), backend(to) {}
+  void listen(const asio::ip::address& address, std::uint16_t port);
+  void accept(tcp::acceptor& acceptor);
+  void make_room();
+  /// Whether a Host header names this machine: as a loopback name, as the address that the client has
+  /// connected to, or with a name that Options::hosts lists. No other name is accepted, because the page of
+  /// another site can give a name of its own the address of this machine (DNS rebinding).
+  bool is_allowed(std::string_view host, const tcp::socket& socket) const;
+  /// Whether a Host header names a proxy, which may serve the page with TLS.
+  bool is_proxy(std::string_view host) const {
+    return std::ranges::find(options.hosts, without_port(host)) != options.hosts.end();
+  }
+};
+
+/// A connection to a browser or program. It begins with an HTTP request, which may be upgraded to a
+/// WebSocket.
+class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Impl& server, std::uint64_t id, tcp::socket socket)
+      : server_(server), id_(id), socket_(std::move(socket)), timer_(server.context) {}
+
+  void begin() {
+    timer_.expires_after(k_handshake);  // closes a connection that sends no token
+    timer_.async_wait([self = shared_from_this()](error_code error) {
+      if (!error && !self->is_client_) self->close();
+    });
+    read_request();
+  }
+
+  bool is_client() const { return is_client_; }
+
+  void send(std::string text) {
+    if (!is_client_ || is_closed_) return;
+    if (texts_.size() >= k_most_waiting) return close();
+    texts_.push_back(std::move(text));
+    write();
+  }
+  void drawn() {
+    in_flight_ = std::max(0, in_flight_ - 1);
+    write();
+  }
+
+  /// Starts writing the next frame, if there is one, unless a write is in progress. Queued texts come before
+  /// the next picture.
+  void write() {
+    if (is_writing_ || is_closed_ || !is_client_) return;
+    if (texts_.empty() && in_flight_ < k_most_in_flight) {
+      if (std::optional<ViewFrames> frames = server_.backend.picture(id_)) {
+        ++in_flight_;
+        texts_.push_back(std::move(frames->state));
+        poses_ = std::move(frames->poses);
+      }
+    }
+    if (!texts_.empty()) {
+      outgoing_ = std::move(texts_.front());
+      texts_.pop_front();
+      write_frame(true);
+    } else if (!poses_.empty()) {
+      outgoing_ = std::exchange(poses_, {});
+      write_frame(false);
+    }
+  }
+
+  void close() {
+    if (std::exchange(is_closed_, true)) return;
+    const auto self = shared_from_this();
+    error_code ignored;
+    timer_.cancel();
+    tcp::socket& socket = socket_ws_ ? beast::get_lowest_layer(*socket_ws_).socket() : socket_.socket();
+    socket.shutdown(tcp::socket::shutdown_both, ignored);
+    socket.close(ignored);
+    if (is_client_) {
+      --server_.clients;
+      server_.backend.closed(id_);
+    }
+    server_.connections.erase(id_);
+  }
+
+ private:
+  using WebSocket = websocket::stream<beast::tcp_stream>;
+
+  void read_request() {
+    parser_.emplace();
+    parser_->header_limit(k_most_header);
+    parser_->body_limit(0);
+    http::async_read(socket_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->close();
+      self->answer(self->parser_->get());
+    });
+  }
+
+  void answer(const http::request<http::empty_body>& request) {
+    host_ = view_of(request[http::field::host]);
+    if (!server_.is_allowed(host_, socket_.socket())) {
+      server_.backend.refused("a request whose Host header is not this machine");
+      return respond(http::status::forbidden, "The Host header of this request is not this machine.\n");
+    }
+    if (websocket::is_upgrade(request)) {
+      const std::string_view origin = view_of(request[http::field::origin]);
+      if (!origin.empty() && origin != "http://" + host_ &&
+          !(server_.is_proxy(host_) && origin == "https://" + host_)) {
+        server_.backend.refused("a WebSocket opened by a page of another origin");
+        return respond(http::status::forbidden, "The Origin header of this request is another page.\n");
+      }
+      if (request.target() != "/live")
+        return respond(http::status::not_found, "Unknown path: the WebSocket is at /live.\n");
+      return upgrade(request);
+    }
+    if (request.method() != http::verb::get)
+      return respond(http::status::method_not_allowed, "Only GET is supported.\n");
+    if (request.target() != "/")
+      return respond(http::status::not_found, "Unknown path: the only page is /.\n");
+    respond(http::status::ok, server_.options.page, "text/html; charset=utf-8");
+  }
+
+  void respond(http::status status, std::string body, const char* type = "text/plain") {
+    response_.emplace(status, 11);
+    response_->set(http::field::content_type, type);
+    response_->set(http::field::cache_control, "no-store");
+    response_->set(http::field::connection, "close");
+    if (status == http::status::ok)
+      response_->set("Content-Security-Policy", policy(host_, server_.is_proxy(host_)));
+    response_->set("Referrer-Policy", "no-referrer");
+    response_->set("X-Content-Type-Options", "nosniff");
+    response_->body() = std::move(body);
+    response_->prepare_payload();
+    http::async_write(socket_, *response_,
+                      [self = shared_from_this()](error_code, std::size_t) { self->close(); });
+  }
+
+  void upgrade(const http::request<http::empty_body>& request) {
+    socket_ws_.emplace(std::move(socket_));
+    socket_ws_->set_option(websocket::stream_base::timeout{k_handshake, k_idle, true});
+    socket_ws_->read_message_max(k_most_message);
+    // Each message is one frame, so that programs that read messages are simple.
+    socket_ws_->auto_fragment(false);
+    socket_ws_->async_accept(request, [self = shared_from_this()](error_code error) {
+      if (error) return self->close();
+      self->read();
+    });
+  }
+
+  void read() {
+    incoming_.clear();
+    socket_ws_->async_read(incoming_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error == websocket::error::message_too_big)
+        self->server_.backend.refused("a message longer than 64 kB");
+      if (error || self->is_closed_) return self->close();
+      if (!self->socket_ws_->got_text()) {
+        self->server_.backend.refused("a binary message");
+        return self->close();
+      }
+      self->take(beast::buffers_to_string(self->incoming_.data()));
+      if (!self->is_closed_) self->read();
+    });
+  }
+
+  void take(const std::string& text) {
+    if (is_client_) return server_.backend.received(id_, may_steer_, text);
+    may_steer_ = same_token(text, server_.options.token);
+    if (!may_steer_ && !same_token(text, server_.options.look_token)) {
+      server_.backend.refused("a WebSocket without a valid token");
+      return close();
+    }
+    if (server_.clients >= k_most_clients) {
+      server_.backend.refused(
+          fmt::format("viewer {}: at most {} can be connected", k_most_clients + 1, k_most_clients));
+      return close();
+    }
+    is_client_ = true;
+    ++server_.clients;
+    timer_.cancel();
+    texts_.push_back(server_.backend.opened(id_, may_steer_));
+    write();
+  }
+
+  void write_frame(bool is_text) {
+    is_writing_ = true;
+    socket_ws_->text(is_text);
+    socket_ws_->async_write(asio::buffer(outgoing_),
+                            [self = shared_from_this()](error_code error, std::size_t) {
+                              self->is_writing_ = false;
+                              if (error || self->is_closed_) return self->close();
+                              self->write();
+                            });
+  }
+
+  Impl& server_;
+  std::uint64_t id_;
+  beast::tcp_stream socket_;
+  std::optional<WebSocket> socket_ws_;
+  asio::steady_timer timer_;
+  beast::flat_buffer buffer_;
+  beast::flat_buffer incoming_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<http::response<http::string_body>> response_;
+  std::string host_;
+  std::deque<std::string> texts_;  // queued texts, sent before the poses
+  std::string poses_;              // queued frame of poses; empty: none
+  std::string outgoing_;
+  bool is_writing_ = false;
+  bool is_client_ = false;  // has sent a valid token
+  bool may_steer_ = false;
+  bool is_closed_ = false;
+  int in_flight_ = 0;
+};
+
+void ViewServer::Impl::make_room() {
+  const std::size_t strangers = connections.size() - clients;
+  if (strangers < k_most_connections) return;
+  const auto oldest =
+      std::ranges::find_if(connections, [](const auto& each) { return !each.second->is_client(); });
+  const std::shared_ptr<Connection> connection = oldest->second;
+  backend.refused(fmt::format("more than {} connections without a token", k_most_connections));
+  connection->close();
+}
+
+bool ViewServer::Impl::is_allowed(std::string_view host, const tcp::socket& socket) const {
+  const std::string_view name = without_port(host);
+  if (name == "127.0.0.1" || name == "localhost" || name == "[::1]" || is_proxy(host)) return true;
+  error_code error;
+  const tcp::endpoint own = socket.local_endpoint(error);
+  return !error && name == url_text(own.address());
+}
+
+void ViewServer::Impl::accept(tcp::acceptor& acceptor) {
+  acceptor.async_accept([this, &acceptor](error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    if (!error) {
+      make_room();
+      error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      const auto connection = std::make_shared<Connection>(*this, ++last_client, std::move(socket));
+      connections.emplace(last_client, connection);
+      connection->begin();
+    }
+    accept(acceptor);
+  });
+}
+
+/// Opens a port. Throws boost::system::system_error if it is not available.
+void ViewServer::Impl::listen(const asio::ip::address& address, std::uint16_t port) {
+  const tcp::endpoint here(address, port);
+  auto acceptor = std::make_unique<tcp::acceptor>(context);
+  acceptor->open(here.protocol());
+  acceptor->set_option(tcp::acceptor::reuse_address(true));
+  if (address.is_v6()) acceptor->set_option(asio::ip::v6_only(true));
+  acceptor->bind(here);
+  acceptor->listen();
+  acceptors.push_back(std::move(acceptor));
+}
+
+ViewServer::ViewServer(const Options& options, ViewBackend& backend)
+    : impl_(std::make_unique<Impl>(options, backend)) {
+  error_code error;
+  const asio::ip::address address =
+      options.bind.empty() ? asio::ip::address_v4::loopback() : asio::ip::make_address(options.bind, error);
+  if (error) throw std::runtime_error(fmt::format("--bind {}: error: expected an IP address", options.bind));
+  try {
+    impl_->listen(address, options.port);
+  } catch (const boost::system::system_error& failure) {
+    throw std::runtime_error(fmt::format("{}:{}: error: cannot listen on this port: {}", url_text(address),
+                                         options.port, failure.code().message()));
+  }
+  if (!options.bind.empty()) return;
+  try {
+    impl_->listen(asio::ip::address_v6::loopback(), impl_->acceptors.front()->local_endpoint().port());
+  } catch (const boost::system::system_error&) {  // ignored: the machine has no IPv6, or the port is in use
+  }
+}
+
+ViewServer::~ViewServer() { stop(); }
+
+void ViewServer::start() {
+  for (const auto& acceptor : impl_->acceptors) impl_->accept(*acceptor);
+  impl_->thread = std::thread([this] { impl_->context.run(); });
+}
+
+void ViewServer::stop() {
+  if (!impl_->thread.joinable()) return;
+  asio::post(impl_->context, [this] {
+    for (const auto& acceptor : impl_->acceptors) acceptor->close();
+    const auto all = impl_->connections;  // a copy, because close() erases from the map
+    for (const auto& [client, connection] : all) connection->close();
+    impl_->context.stop();
+  });
+  impl_->thread.join();
+}
+
+std::string ViewServer::authority() const {
+  const tcp::endpoint here = impl_->acceptors.front()->local_endpoint();
+  asio::ip::address address = here.address();
+  if (address.is_unspecified())
+    address = address.is_v6() ? asio::ip::address(asio::ip::address_v6::loopback())
+                              : asio::ip::address(asio::ip::address_v4::loopback());
+  return fmt::format("{}:{}", url_text(address), here.port());
+}
+
+void ViewServer::send(std::uint64_t client, std::string text) {
+  asio::post(impl_->context, [this, client, text = std::move(text)]() mutable {
+    if (const auto found = impl_->connections.find(client); found != impl_->connections.end())
+      found->second->send(std::move(text));
+  });
+}
+
+void ViewServer::offer() {
+  asio::post(impl_->context, [this] {
+    const auto all = impl_->connections;
+    for (const auto& [client, connection] : all) connection->write();
+  });
+}
+
+void ViewServer::drawn(std::uint64_t client) {
+  if (const auto found = impl_->connections.find(client); found != impl_->connections.end())
+    found->second->drawn();
+}
+
+}  // namespace troupe::live

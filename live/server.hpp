@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::live {
+
+/// The two WebSocket frames with which the server sends a picture: first the text frame, then the binary
+/// frame.
+struct ViewFrames {
+  std::string state;  ///< text frame: a JSON object
+  std::string poses;  ///< binary frame: see encode() in live/picture.hpp
+};
+
+/// Receives the events of a ViewServer, which calls all functions on its own thread. client: number that
+/// identifies a connection. may_steer: whether its token grants full control or only read access.
+class ViewBackend {
+ public:
+  virtual ~ViewBackend() = default;
+  /// Called when a client has sent a valid token. Returns the first text that the server sends to the client.
+  virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
+  /// Called when a client has sent a text.
+  virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
+  /// Called when a client has disconnected.
+  virtual void closed(std::uint64_t client) = 0;
+  /// Returns the newest picture, encoded for this client; nothing if it was already sent to the client.
+  virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
+  /// Called when the server has refused a request or a message. what: what it refused, such as "a binary
+  /// message".
+  virtual void refused(const std::string& what) = 0;
+};
+
+/// Serves one page and its WebSocket, on a separate thread (docs/live.md, "Wire protocol").
+class ViewServer {
+ public:
+  struct Options {
+    std::uint16_t port = 0;  ///< 0: any free port
+    /// IP address on which it listens. Empty: 127.0.0.1, and ::1 if the machine has it.
+    std::string bind;
+    /// Names that the `Host` of a request may have, besides those of this machine: those of a proxy.
+    std::vector<std::string> hosts;
+    std::string page;        ///< HTML of the page
+    std::string token;       ///< token for full control
+    std::string look_token;  ///< token for read-only access
+  };
+  /// Opens the port. Connections wait until start(). `backend` must outlive the server. Throws
+  /// std::runtime_error if the address or the port is not available, and in builds without TROUPE_VIEW.
+  ViewServer(const Options& options, ViewBackend& backend);
+  ~ViewServer();
+  ViewServer(const ViewServer&) = delete;
+  ViewServer& operator=(const ViewServer&) = delete;
+
+  /// Accepts connections, and calls the backend from a thread of its own, until stop().
+  void start();
+  /// Closes every connection; the backend is not called any more when this returns.
+  void stop();
+  /// Host and port under which this machine reaches the server, as in an address: "127.0.0.1:34567".
+  std::string authority() const;
+  /// Sends a text to a client; does nothing if the client has disconnected. May be called on any thread. A
+  /// client that does not read its texts is disconnected when too many of them are queued.
+  void send(std::uint64_t client, std::string text);
+  /// Announces a new picture. The server then calls ViewBackend::picture() for each client that can receive
+  /// one. May be called on any thread.
+  void offer();
+  /// Tells the server that a client has drawn a picture, so that the next picture may be sent to it. Call it
+  /// on the server's thread.
+  void drawn(std::uint64_t client);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace troupe::live

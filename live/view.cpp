@@ -1,0 +1,706 @@
+#include "live/view.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/shown_color.hpp"
+#include "engine/ticks.hpp"
+#include "engine/world.hpp"
+#include "live/page.hpp"
+#include "live/view_impl.hpp"
+#include "troupe/acts.hpp"
+#include "worldio/json/session_json.hpp"
+#include "worldio/results/replay_header.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <exception>
+#include <span>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace troupe::live {
+namespace {
+
+namespace fs = std::filesystem;
+using engine::Act;
+using Json = nlohmann::ordered_json;
+
+constexpr int k_wire = 1;  // version of the wire protocol
+constexpr std::chrono::milliseconds k_picture{33};
+constexpr std::chrono::milliseconds k_nap{50};  // longest wait, so that Ctrl-C takes effect soon
+constexpr std::chrono::seconds k_most_behind{1};
+constexpr std::size_t k_spare = 3;  // one picture is being filled, one encoded, and one is the newest
+constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
+constexpr std::uint64_t k_most_steps = 1000000000;
+constexpr std::uintmax_t k_most_file_bytes = 10'000'000'000;  // of all files that viewers request
+constexpr std::array<std::string_view, 5> k_looking{"inspect", "plot", "color", "layers",
+                                                    "parameters"};  // requests of read-only viewers
+constexpr int k_most_files = 100000;  // largest number of files of one kind in a folder
+
+/// Returns a token: 128 random bits as 32 hexadecimal digits.
+std::string make_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::runtime_error("troupe view: error: no random numbers for a token (getrandom failed)");
+  std::string token;
+  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// Returns the JSON text of an object without the outer braces, so that it can be inserted into another
+/// object.
+std::string members_of(const Json& json) {
+  std::string text = text_of(json);
+  return text.substr(1, text.size() - 2);
+}
+
+std::string hello_of(const std::string& greeting, bool may_steer) {
+  return fmt::format(R"({{"type":"hello","may_steer":{},{}}})", may_steer, greeting);
+}
+
+/// Returns the names of all measures that have no required parameters, which viewers can plot.
+Json plain_measures(const Simulation& simulation) {
+  Json names = Json::array();
+  for (const engine::MeasureKind& kind : simulation.registry().measures)
+    if (kind.is_usual()) names.push_back(kind.name);
+  return names;
+}
+
+}  // namespace
+
+View::Impl::Impl(Simulation& simulation, const Options& options)
+    : simulation_(simulation),
+      is_over_(options.is_over),
+      report_(options.report),
+      token_(make_token()),
+      look_token_(make_token()),
+      folder_(options.folder),
+      session_(std::make_unique<SessionLog>(options.folder, simulation)),
+      next_tick_(simulation.tick()),
+      rate_(options.rate),
+      line_(simulation.hash_log_line()) {
+  const engine::World& world = simulation.world();
+  worldio::LivePage page = worldio::live_page(world, simulation.registry());
+  order_ = std::move(page.order);
+  has_z_ = page.has_z;
+  places_.assign(world.spec().bodies.size(), static_cast<std::uint32_t>(order_.size()));
+  for (std::size_t r = 0; r < order_.size(); ++r) places_[order_[r]] = static_cast<std::uint32_t>(r);
+  has_colors_ = std::ranges::any_of(
+      world.types(), [](const engine::BodyType& type) { return engine::color_device(type, 0) != nullptr; });
+  greeting_ = make_greeting(page.header);
+  seed_ = simulation.seed();
+  for (std::size_t i = 0; i < k_spare; ++i) spare_.push_back(std::make_shared<Picture>());
+  server_ = std::make_unique<ViewServer>(ViewServer::Options{options.port, options.bind, options.hosts,
+                                                             std::string(k_view_page), token_, look_token_},
+                                         static_cast<ViewBackend&>(*this));
+  simulation_.before_tick([this](Simulation&) { before_tick(); });
+  self_ = std::make_shared<Impl*>(this);
+  simulation_.on_tick([self = std::weak_ptr<Impl*>(self_)](Simulation&) {
+    if (const auto found = self.lock()) (*found)->after_tick();
+  });
+  server_->start();  // not in the constructor of the server, because the functions that it calls use server_
+}
+
+View::Impl::~Impl() {
+  server_->stop();
+  simulation_.before_tick(nullptr);
+  try {
+    session_->end(simulation_.tick());
+  } catch (const std::exception&) {  // ignored: the session then has no last line, as after a kill
+  }
+}
+
+/// Returns the members of the first text to a client, except those that depend on the client. header: that of
+/// worldio::LivePage.
+std::string View::Impl::make_greeting(const std::string& header) const {
+  const engine::World& world = simulation_.world();
+  Json populations = Json::array();  // populations to which bodies can be added
+  for (const engine::ReserveSpec& reserve : world.spec().reserves) populations.push_back(reserve.population);
+  const Json json{{"wire", k_wire},
+                  {"version", version_line()},
+                  {"tick_s", simulation_.tick_s()},
+                  {"colors", has_colors_},
+                  {"measures", plain_measures(simulation_)},
+                  {"values", color_values(world)},
+                  {"layers", layers_of(world)},
+                  {"populations", populations}};
+  return fmt::format(R"({},"header":{})", members_of(json), header);
+}
+
+std::string View::Impl::address_of(const std::string& token) const {
+  return fmt::format("http://{}/#{}", server_->authority(), token);
+}
+
+// ---- the server's thread
+
+std::string View::Impl::opened(std::uint64_t client, bool may_steer) {
+  sent_[client];
+  std::string hello;
+  {
+    const std::scoped_lock lock(mutex_);
+    arrived_[client] = may_steer;
+    hello = hello_of(greeting_, may_steer);
+  }
+  wake_.notify_one();
+  return hello;
+}
+
+void View::Impl::closed(std::uint64_t client) {
+  sent_.erase(client);
+  {
+    const std::scoped_lock lock(mutex_);
+    gone_.push_back(client);
+  }
+  wake_.notify_one();
+}
+
+void View::Impl::refused(const std::string& what) {
+  if (told_.insert(what).second && report_) report_(fmt::format("refused: {}", what));
+}
+
+void View::Impl::received(std::uint64_t client, bool may_steer, std::string_view text) {
+  const Json json = Json::parse(text, nullptr, false);
+  const auto what = json.is_object() ? json.value("do", Json()) : Json();
+  if (!what.is_string()) {
+    refused("a message without \"do\"");
+    return server_->send(client, R"({"type":"refused","reason":"a message must be an object with \"do\""})");
+  }
+  if (what == "drawn") return server_->drawn(client);
+  const auto id = json.value("id", Json());
+  const std::string said = id.is_number_unsigned() ? fmt::format(R"("id":{},)", id.get<std::uint64_t>()) : "";
+  if (!may_steer && std::ranges::find(k_looking, what.get<std::string>()) == k_looking.end()) {
+    refused("an act of a read-only viewer");
+    return server_->send(client,
+                         fmt::format(R"({{"type":"refused",{}"reason":"this address is read-only"}})", said));
+  }
+  bool is_full = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    is_full = messages_.size() >= k_most_messages;
+    if (!is_full) messages_.push_back({client, std::string(text)});
+  }
+  if (is_full)
+    return server_->send(
+        client, fmt::format(R"({{"type":"refused",{}"reason":"too many messages are waiting"}})", said));
+  wake_.notify_one();
+}
+
+std::optional<ViewFrames> View::Impl::picture(std::uint64_t client) {
+  std::shared_ptr<const Picture> newest;
+  {
+    const std::scoped_lock lock(mutex_);
+    newest = newest_;
+  }
+  SentPicture& sent = sent_[client];
+  if (!newest || newest->number == sent.number) return {};
+  const auto own = newest->own.find(client);
+  ViewFrames frames{
+      fmt::format(R"({{"type":"state","picture":{},{}{}{}}})", newest->number, newest->state,
+                  own == newest->own.end() ? "" : ",", own == newest->own.end() ? "" : own->second),
+      encode(*newest, order_.size(), client, sent)};
+  // The pointer is released under the lock, because publish() reads its use count.
+  const std::scoped_lock lock(mutex_);
+  newest.reset();
+  return frames;
+}
+
+// ---- the simulation's thread
+
+void View::Impl::run() {
+  is_running_ = true;
+  while (!is_over() && !simulation_.stopped()) {
+    simulation_.step();
+    do_jobs();
+  }
+  is_running_ = false;
+}
+
+void View::Impl::before_tick() {
+  // A program that steps the run itself does not wait for the first viewer.
+  if (!is_running_ && !std::exchange(has_begun_, true)) play(0);
+  if (simulation_.tick() != next_tick_) begin_run(next_tick_);  // the program has reset the simulation
+  next_tick_ = simulation_.tick() + 1;
+  wait();
+  if (rate_ == 0) return;
+  const auto now = Clock::now();
+  const auto tick = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(simulation_.tick_s() / rate_));
+  due_ = due_ + k_most_behind < now ? now + tick : due_ + tick;
+}
+
+/// Waits until the next tick is due, or, if the world is paused, until a viewer continues it. Meanwhile it
+/// executes the messages of viewers.
+void View::Impl::wait() {
+  for (;;) {
+    take_messages();
+    const auto now = Clock::now();
+    if (is_changed_ || (playing_ && now - published_ >= k_picture)) publish();
+    if (is_over() || (playing_ && (rate_ == 0 || now >= due_))) return;
+    auto until = now + k_nap;
+    if (playing_) until = std::min(until, due_);
+    if (is_changed_)
+      until = std::min(until, now + k_picture / 4);  // publish() found no free picture, so try again soon
+    std::unique_lock lock(mutex_);
+    wake_.wait_until(lock, until,
+                     [this] { return !messages_.empty() || !arrived_.empty() || !gone_.empty(); });
+  }
+}
+
+void View::Impl::after_tick() {
+  for (auto& [id, client] : clients_)
+    if (client.measures) client.measures->see();
+  if (steps_ > 0 && --steps_ == 0) {
+    playing_ = false;
+    is_changed_ = true;
+  }
+  line_ = playing_ ? "" : simulation_.hash_log_line();
+  if (!is_running_) do_jobs();
+  const std::chrono::duration<double> since = Clock::now() - measured_;
+  if (since.count() < 0.5) return;
+  reached_ = (simulation_.time_s() - measured_s_) / since.count();
+  measured_ = Clock::now();
+  measured_s_ = simulation_.time_s();
+  limit_recording();
+}
+
+void View::Impl::take_messages() {
+  std::vector<Message> messages;
+  std::map<std::uint64_t, bool> arrived;
+  std::vector<std::uint64_t> gone;
+  {
+    const std::scoped_lock lock(mutex_);
+    messages.swap(messages_);
+    arrived.swap(arrived_);
+    gone.swap(gone_);
+  }
+  for (const auto& [client, may_steer] : arrived) {
+    clients_[client].may_steer = may_steer;
+    is_changed_ = true;
+    if (may_steer && !std::exchange(has_begun_, true)) {
+      playing_ = true;
+      line_.clear();
+      due_ = measured_ = Clock::now();
+      measured_s_ = simulation_.time_s();
+    }
+  }
+  for (const Message& message : messages)
+    if (clients_.contains(message.client)) obey(message);
+  for (const std::uint64_t client : gone) {
+    release_all(client);
+    clients_.erase(client);
+  }
+}
+
+/// Answers that a request has been obeyed. members: further members of the answer.
+void View::Impl::answer(std::uint64_t client, std::uint64_t id, const Json& members) {
+  Json json{{"type", "done"}, {"id", id}};
+  json.update(members);
+  server_->send(client, text_of(json));
+}
+
+void View::Impl::refuse(std::uint64_t client, std::uint64_t id, const std::string& reason) {
+  server_->send(client, text_of({{"type", "refused"}, {"id", id}, {"reason", reason}}));
+}
+
+/// A request of a viewer: a JSON object with a text `do`. The functions throw ActRefused for an invalid
+/// value.
+class View::Impl::Request {
+ public:
+  explicit Request(const std::string& text)
+      : json_(Json::parse(text)), what_(json_["do"].get<std::string>()) {}
+
+  const std::string& what() const { return what_; }
+  bool has(const char* key) const { return json_.contains(key) && !json_[key].is_null(); }
+  std::uint64_t id() const {
+    const Json id = json_.value("id", Json());
+    return id.is_number_unsigned() ? id.get<std::uint64_t>() : 0;
+  }
+  double number(const char* key, double least, double most) const {
+    const Json value = json_.value(key, Json());
+    if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
+      throw ActRefused(fmt::format("\"{}\" must be a number from {:g} to {:g}", key, least, most));
+    return value.get<double>();
+  }
+  std::uint64_t whole(const char* key) const {
+    const Json value = json_.value(key, Json());
+    if (!value.is_number_unsigned())
+      throw ActRefused(fmt::format("\"{}\" must be a whole number, at least 0", key));
+    return value.get<std::uint64_t>();
+  }
+  /// A name; empty for null and for a missing key.
+  std::string name(const char* key) const {
+    const Json value = json_.value(key, Json());
+    if (value.is_null()) return {};
+    if (!value.is_string()) throw ActRefused(fmt::format("\"{}\" must be a name", key));
+    return value.get<std::string>();
+  }
+  /// A list of names, each of which must be one of `known`.
+  std::vector<std::string> names(const char* key, std::span<const std::string_view> known) const {
+    const Json list = json_.value(key, Json());
+    std::vector<std::string> names;
+    if (!list.is_array()) throw ActRefused(fmt::format("\"{}\" must be a list of names", key));
+    for (const Json& one : list) {
+      const std::string name = one.is_string() ? one.get<std::string>() : "";
+      if (std::ranges::find(known, name) == known.end())
+        throw ActRefused(unknown_name("layer", name, {known.begin(), known.end()}));
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+    return names;
+  }
+
+ private:
+  Json json_;
+  std::string what_;
+};
+
+void View::Impl::obey(const Message& message) {
+  const Request request(message.text);
+  try {
+    if (postpone(request, message.client)) return;  // the answer follows when it is done
+    if (obey_question(request, message.client)) return;
+    if (!obey_clock(request) && !obey_watch(request, clients_[message.client])) {
+      Diagnostics diagnostics;
+      const std::optional<Act> act = worldio::read_act(message.text, {"id"}, {}, diagnostics);
+      diagnostics.throw_if_errors();
+      carry_out(message.client, *act);
+    }
+    is_changed_ = true;
+    answer(message.client, request.id());
+  } catch (const ActRefused& refusal) {
+    refuse(message.client, request.id(), refusal.what());
+  } catch (const InputError& error) {
+    refuse(message.client, request.id(), error.what());
+  }
+}
+
+/// Answers a request that only asks. Returns false if it is another request.
+bool View::Impl::obey_question(const Request& request, std::uint64_t client) {
+  if (request.what() != "parameters") return false;
+  try {
+    answer(client, request.id(), {{"parameters", Json::parse(simulation_.parameters(request.name("type")))}});
+  } catch (const std::out_of_range& error) {
+    throw ActRefused(error.what());
+  }
+  return true;
+}
+
+/// Runs the world; pauses it after so many ticks, unless `ticks` is 0.
+void View::Impl::play(std::uint64_t ticks) {
+  if (!playing_) {
+    due_ = measured_ = Clock::now();
+    measured_s_ = simulation_.time_s();
+  }
+  playing_ = true;
+  steps_ = ticks;
+  line_.clear();
+}
+
+/// Obeys a request that runs or pauses the world. Returns false if it is another request.
+bool View::Impl::obey_clock(const Request& request) {
+  if (request.what() == "play") {
+    play(0);
+  } else if (request.what() == "pause") {
+    if (playing_) steps_ = 1;  // pauses after the next tick, because the hash log line is computed then
+  } else if (request.what() == "step") {
+    const std::uint64_t ticks =
+        request.has("ticks")
+            ? static_cast<std::uint64_t>(request.number("ticks", 1, static_cast<double>(k_most_steps)))
+            : 1;
+    play(steps_ + ticks);  // after the ticks that an earlier request has left
+  } else if (request.what() == "until") {
+    const double time_s = request.number("time_s", 0, engine::k_most_seconds);
+    const std::uint64_t end = engine::ticks_until(time_s, simulation_.tick_s());
+    if (end <= simulation_.tick())
+      throw ActRefused(fmt::format("the world is already at {:g} s", simulation_.time_s()));
+    play(end - simulation_.tick());
+  } else if (request.what() == "rate") {
+    const double rate = request.number("rate", 0, k_most_rate);
+    if (rate > 0 && rate < k_least_rate)
+      throw ActRefused(fmt::format("\"rate\" must be 0 (as fast as possible) or from {:g} to {:g}",
+                                   k_least_rate, k_most_rate));
+    rate_ = rate;
+    due_ = Clock::now();
+  } else {
+    return false;
+  }
+  return true;
+}
+
+/// Obeys a request that changes what a viewer sees. Returns false if it is another request.
+bool View::Impl::obey_watch(const Request& request, Client& client) {
+  const engine::World& world = simulation_.world();
+  if (request.what() == "inspect") {
+    const std::string robot = request.name("robot");
+    const BodyId body = robot.empty() ? BodyId() : world.find(robot);
+    if (!robot.empty() && !body.valid()) throw ActRefused(fmt::format("there is no body \"{}\"", robot));
+    client.inspected = body.valid() ? std::optional(body) : std::nullopt;
+  } else if (request.what() == "plot") {
+    const std::string measure = request.name("measure");
+    client.measures = measure.empty()
+                          ? nullptr
+                          : std::make_unique<Measures>(simulation_, std::vector<std::string>{measure});
+    client.plotted = measure;
+  } else if (request.what() == "color") {
+    if (!request.has("component")) {
+      client.color.reset();
+      return true;
+    }
+    ColorValue color{.component = request.name("component"), .field = request.name("field"), .column = {}};
+    if (request.has("column")) color.column = static_cast<std::uint32_t>(request.number("column", 0, 1e9));
+    if (!has_value(world, color))
+      throw ActRefused(
+          fmt::format("there is no field \"{}\" of \"{}\" with such a column", color.field, color.component));
+    client.color = std::move(color);
+  } else if (request.what() == "layers") {
+    client.layers = request.names("layers", layers_of(world));
+  } else {
+    return false;
+  }
+  return true;
+}
+
+/// Postpones a request that is possible only between two ticks to the end of the current tick. Returns false
+/// if it is another request.
+bool View::Impl::postpone(const Request& request, std::uint64_t client) {
+  using What = Job::What;
+  Job job{.client = client, .id = request.id(), .seed = {}};
+  if (request.what() == "restart") {
+    if (request.has("seed")) job.seed = request.whole("seed");
+  } else if (request.what() == "checkpoint") {
+    job.what = What::checkpoint;
+  } else if (request.what() == "record") {
+    job.what = What::record;
+  } else if (request.what() == "stop_recording") {
+    job.what = What::stop_recording;
+  } else {
+    return false;
+  }
+  jobs_.push_back(job);
+  if (!playing_) play(1);
+  return true;
+}
+
+void View::Impl::do_jobs() {
+  for (const Job& job : std::exchange(jobs_, {})) {
+    try {
+      const std::string file = do_job(job);
+      answer(job.client, job.id, file.empty() ? Json::object() : Json{{"file", file}});
+    } catch (const std::exception& error) {  // the run continues, whatever was not possible
+      refuse(job.client, job.id, error.what());
+    }
+    is_changed_ = true;
+  }
+}
+
+/// Returns the name of the file that the job wrote; empty if it wrote none.
+std::string View::Impl::do_job(const Job& job) {
+  switch (job.what) {
+    case Job::What::restart: restart(job.seed); break;
+    case Job::What::checkpoint: return save_checkpoint();
+    case Job::What::record: return start_recording();
+    case Job::What::stop_recording: stop_recording(); break;
+  }
+  return {};
+}
+
+/// Returns to tick 0, if a seed is given with the random numbers of this seed, and begins a new session.
+void View::Impl::restart(std::optional<std::uint64_t> seed) {
+  if (!is_running_) throw ActRefused("a program steps this run, and only the program can restart it");
+  if (simulation_.resumed_at_tick())
+    throw ActRefused("a run that began at a checkpoint cannot be restarted: end it, and view it again");
+  const std::uint64_t end = simulation_.tick();
+  stop_recording();
+  if (seed)
+    simulation_.reset(*seed);
+  else
+    simulation_.reset();
+  begin_run(end);
+}
+
+/// Begins a new session, because the simulation has returned to tick 0. end: tick at which the run before
+/// ended.
+void View::Impl::begin_run(std::uint64_t end) {
+  session_->end(end);
+  session_ = std::make_unique<SessionLog>(folder_, simulation_);
+  holders_.clear();
+  recording_.clear();
+  ++runs_;
+  next_tick_ = simulation_.tick();
+  line_ = playing_ ? "" : simulation_.hash_log_line();
+  due_ = measured_ = Clock::now();
+  measured_s_ = simulation_.time_s();
+  is_changed_ = true;
+  if (simulation_.seed() != std::exchange(seed_, simulation_.seed())) greet_again();
+}
+
+/// Sends the first text again to all clients, because another seed places the bodies elsewhere.
+void View::Impl::greet_again() {
+  const std::string greeting =
+      make_greeting(worldio::live_page(simulation_.world(), simulation_.registry()).header);
+  std::map<std::uint64_t, bool> clients;
+  {
+    const std::scoped_lock lock(mutex_);
+    greeting_ = greeting;
+    clients = arrived_;  // they have received the greeting before
+  }
+  for (const auto& [id, client] : clients_) clients[id] = client.may_steer;
+  for (const auto& [id, may_steer] : clients) server_->send(id, hello_of(greeting, may_steer));
+}
+
+/// Returns the name of a file that does not exist: WORLD.WHAT.h5, else WORLD.WHAT-2.h5, and so on.
+fs::path View::Impl::new_file(std::string_view what) const {
+  if (file_bytes_ >= k_most_file_bytes)
+    throw ActRefused("the files that viewers have requested have 10 GB: no further file is written");
+  const std::string stem = fs::path(simulation_.effective_options().front().second).stem().string();
+  for (int i = 1; i <= k_most_files; ++i) {
+    fs::path file =
+        folder_ / (i == 1 ? fmt::format("{}.{}.h5", stem, what) : fmt::format("{}.{}-{}.h5", stem, what, i));
+    if (!fs::exists(file)) return file;
+  }
+  throw ActRefused(fmt::format("the folder has {} files of this kind", k_most_files));
+}
+
+std::string View::Impl::save_checkpoint() {
+  const fs::path file = new_file("checkpoint");
+  simulation_.save(file);
+  file_bytes_ += fs::file_size(file);
+  return file.filename().string();
+}
+
+std::string View::Impl::start_recording() {
+  if (!recording_.empty()) throw ActRefused("the run is being recorded already");
+  const fs::path file = new_file("recording");
+  simulation_.record(file);
+  recording_ = file;
+  return file.filename().string();
+}
+
+void View::Impl::stop_recording() {
+  simulation_.stop_recording();
+  if (recording_.empty()) return;
+  std::error_code ignored;
+  file_bytes_ += fs::file_size(recording_, ignored);
+  recording_.clear();
+}
+
+/// Ends the recording when the files of viewers have reached their limit.
+void View::Impl::limit_recording() {
+  if (recording_.empty()) return;
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(recording_, error);
+  if (error || file_bytes_ + size < k_most_file_bytes) return;
+  if (report_)
+    report_(fmt::format("{}: the recording ends, because the files of viewers have reached 10 GB",
+                        recording_.string()));
+  stop_recording();
+}
+
+/// Applies an act of a viewer and adds it to the session. Throws ActRefused if it is impossible, or if
+/// another viewer holds the robot.
+void View::Impl::carry_out(std::uint64_t client, const Act& act) {
+  const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
+  if (const auto holder = holders_.find(act.whom);
+      is_hold && holder != holders_.end() && holder->second != client)
+    throw ActRefused(fmt::format("another viewer drives \"{}\"", act.whom));
+  simulation_.act(act);
+  session_->add(simulation_, act);
+  if (act.kind == Act::Kind::hold) holders_[act.whom] = client;
+  if (act.kind == Act::Kind::release) holders_.erase(act.whom);
+}
+
+/// Releases the robots that a disconnected viewer held, as acts of the session.
+void View::Impl::release_all(std::uint64_t client) {
+  std::erase_if(holders_, [&](const auto& holder) {
+    if (holder.second != client) return false;
+    const Act act{.kind = Act::Kind::release, .whom = holder.first};
+    try {
+      simulation_.act(act);
+      session_->add(simulation_, act);
+    } catch (const ActRefused&) {  // ignored: the robot has left the world, which released it
+    }
+    return true;
+  });
+}
+
+/// Returns the part of the state that every client receives.
+Json View::Impl::state() const {
+  return {{"tick", simulation_.tick()},
+          {"time_s", simulation_.time_s()},
+          {"playing", playing_},
+          {"rate", rate_},
+          {"reached", playing_ ? std::round(reached_ * 100) / 100 : 0},
+          {"robots", simulation_.robots()},
+          {"viewers", clients_.size()},
+          {"run", runs_},
+          {"session", session_->file().filename().string()},
+          {"recording", recording_.filename().string()},
+          {"line", playing_ ? "" : line_}};
+}
+
+/// Returns the part of the state that only this client receives.
+Json View::Impl::own_state(Client& client) {
+  Json json = Json::object();
+  if (client.inspected) json["inspected"] = inspection(simulation_, *client.inspected);
+  if (client.measures)
+    json["plot"] = {{"measure", client.plotted},
+                    {"column", std::string(client.measures->columns().front())},
+                    {"value", client.measures->values().front()}};
+  if (client.color && client.color->least <= client.color->most)
+    json["shades"] = {{"least", client.color->least}, {"most", client.color->most}};
+  if (!client.layers.empty()) json["lines"] = lines_of(simulation_.world(), client.layers);
+  return json;
+}
+
+void View::Impl::publish() {
+  if (clients_.empty()) {
+    is_changed_ = false;
+    return;
+  }
+  const auto now = Clock::now();
+  if (now - published_ < k_picture) return;
+  std::shared_ptr<Picture> picture;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const std::shared_ptr<Picture>& spare : spare_)
+      if (spare.use_count() == 1) picture = spare;
+  }
+  if (!picture) return;  // the server still uses all pictures; before_tick() tries again
+  picture->number = ++pictures_;
+  take(simulation_.world(), order_, has_z_, has_colors_, *picture);
+  picture->state = members_of(state());
+  picture->own.clear();
+  picture->shades.clear();
+  for (auto& [id, client] : clients_) {
+    if (client.color)
+      take_shades(simulation_.world(), places_, order_.size(), *client.color, picture->shades[id]);
+    if (const Json own = own_state(client); !own.empty()) picture->own[id] = members_of(own);
+  }
+  published_ = now;
+  is_changed_ = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    newest_ = picture;
+  }
+  server_->offer();
+}
+
+// ---- the public face
+
+View::View(Simulation& simulation, const Options& options)
+    : impl_(std::make_unique<Impl>(simulation, options)) {}
+View::View(Simulation& simulation) : View(simulation, Options()) {}
+View::~View() = default;
+
+std::string View::address() const { return impl_->address(); }
+std::string View::look_address() const { return impl_->look_address(); }
+fs::path View::session() const { return impl_->session(); }
+void View::run() { impl_->run(); }
+
+}  // namespace troupe::live

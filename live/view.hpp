@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace troupe {
+class Simulation;
+}  // namespace troupe
+
+namespace troupe::live {
+
+/// Smallest speed that a viewer may request, in multiples of real time. A viewer may also request 0, which
+/// means as fast as possible.
+inline constexpr double k_least_rate = 0.001;
+inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may request
+
+/// Shows a running simulation in browsers, where users can pause, change and command it (docs/live.md), and
+/// writes what they do to a session file:
+///
+///     troupe::Simulation simulation("cave.world", {.mortal = true});
+///     troupe::live::View view(simulation);
+///     std::cout << view.address() << '\n';
+///     view.run();
+///
+/// Or the program steps the simulation itself. Each step then waits while a user has paused the run, and
+/// applies what users have commanded. The simulation never waits for a browser.
+///
+/// Uses Simulation::before_tick(), and the simulation must outlive the view. Not thread-safe, but it serves
+/// the page on a thread of its own.
+class View {
+ public:
+  /// Options of a view. All have a default.
+  struct Options {
+    std::uint16_t port = 0;  ///< 0: any free port
+    /// IP address on which it listens; empty: 127.0.0.1, and ::1 if the machine has it. Other machines can
+    /// reach any other address. The connection is not encrypted.
+    std::string bind;
+    std::vector<std::string> hosts;  ///< names of proxies through which browsers reach the page
+    double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
+    std::filesystem::path folder;    ///< folder for the session file, and for files that viewers request
+    /// Ends run(), and the waiting of a step while the run is paused, when it returns true. Called at least
+    /// every 50 ms, on the thread that steps. Null: never.
+    std::function<bool()> is_over;
+    /// Called with one line of text when a request is refused for the first time, and when a recording ends
+    /// early. May be called on the thread of the server. Null: such texts are dropped.
+    std::function<void(const std::string&)> report;
+  };
+  /// Starts the server and creates the session file. Throws std::runtime_error if the address or the port is
+  /// not available, if the file cannot be written, and in builds without TROUPE_VIEW.
+  View(Simulation& simulation, const Options& options);
+  explicit View(Simulation& simulation);  ///< with default options
+  /// Ends the session and disconnects all viewers.
+  ~View();
+  View(const View&) = delete;
+  View& operator=(const View&) = delete;
+
+  /// The address of the page for full control: `http://HOST:PORT/#TOKEN`.
+  std::string address() const;
+  /// The address of the page for read-only access, which has another token.
+  std::string look_address() const;
+  /// Path of the session file. A restart begins a new file.
+  std::filesystem::path session() const;
+
+  /// Waits for the first viewer that may steer, and then steps, pauses and changes the simulation as viewers
+  /// command, until Options::is_over returns true or a condition of the world's `stop_when` holds. Throws as
+  /// Simulation::step() does, and std::runtime_error if the session cannot be written.
+  void run();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace troupe::live

@@ -1,0 +1,257 @@
+#include "live/watched.hpp"
+
+#include "engine/frame.hpp"
+#include "troupe/frame_data.hpp"
+#include "worldio/results/hdf5_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <map>
+#include <utility>
+
+namespace troupe::live {
+namespace {
+
+using engine::FrameLayer;
+using engine::StateField;
+using engine::StateTable;
+using WatchedJson = nlohmann::ordered_json;
+
+constexpr std::uint32_t k_most_values =
+    2048;                           // of a field; the many numbers of a camera image are of no use here
+constexpr std::uint32_t k_few = 4;  // columns of a field that are listed one by one
+constexpr std::size_t k_most_lines = 20000;  // lines of a layer
+
+constexpr std::string_view k_radio = "radio";
+constexpr std::string_view k_sights = "sights";
+constexpr std::string_view k_grips = "grips";
+constexpr std::string_view k_carries = "carries";
+
+double number_in(const StateField& field, const std::byte* at) {
+  const auto as = [at]<class T>(T value) {
+    std::memcpy(&value, at, sizeof value);
+    return static_cast<double>(value);
+  };
+  switch (field.element) {
+    case engine::Element::f64: return as(double());
+    case engine::Element::f32: return as(float());
+    case engine::Element::i64: return as(std::int64_t());
+    case engine::Element::i32: return as(std::int32_t());
+    case engine::Element::u64: return as(std::uint64_t());
+    case engine::Element::u32: return as(std::uint32_t());
+    case engine::Element::u8: break;
+  }
+  return as(std::uint8_t());
+}
+
+/// Returns one column of a field, or the minimum of all columns if none is given.
+double value_of(const StateTable& table, std::size_t row, std::size_t f,
+                std::optional<std::uint32_t> column) {
+  const StateField& field = table.fields()[f];
+  const std::byte* cell = table.cell<std::byte>(row, f).data();
+  const std::size_t size = engine::element_size(field.element);
+  if (column) return number_in(field, cell + *column * size);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t c = 0; c < field.columns; ++c)
+    least = std::min(least, number_in(field, cell + c * size));
+  return least;
+}
+
+std::optional<std::size_t> field_index(const StateTable& table, std::string_view name) {
+  const auto found = std::ranges::find(table.fields(), name, &StateField::name);
+  if (found == table.fields().end()) return {};
+  return static_cast<std::size_t>(found - table.fields().begin());
+}
+
+/// Appends a line, rounded to 1 mm.
+void append_line(WatchedJson& lines, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  if (lines.size() >= 6 * k_most_lines) return;
+  for (const Eigen::Vector3d& point : {from, to})
+    for (const double x : point) lines.push_back(std::round(x * 1000) / 1000);
+}
+
+Eigen::Vector3d place_of(const engine::World& world, BodyId body) {
+  const Pose pose = world.pose(body);
+  return {pose.x, pose.y, pose.z};
+}
+
+/// Appends a line from each sender to each robot that heard it in the last tick in which its radio ran.
+void append_heard(const engine::World& world, const engine::Frame& frame, WatchedJson& lines) {
+  for (const engine::FrameBody& body : frame.mobile) {
+    const BodyId id(body.id);
+    const Row row = world.row(id);
+    for (const engine::BodyType::Device& device : world.type(row).devices) {
+      if (device.kind->name != k_radio) continue;
+      const StateTable& table = world.percepts(device);
+      const auto count = field_index(table, "count");
+      const auto sender = field_index(table, "sender");
+      if (!count || !sender) continue;
+      const std::size_t slot = world.slot(row);
+      const auto senders = table.cell<std::uint32_t>(slot, *sender);
+      const std::size_t heard =
+          std::min<std::size_t>(table.cell<std::uint32_t>(slot, *count).front(), senders.size());
+      for (const std::uint32_t from : senders.first(heard))
+        append_line(lines, place_of(world, BodyId(from)), place_of(world, id));
+    }
+  }
+}
+
+/// Returns the present commands to the devices of a body as JSON: {device: {field: [numbers]}}, without
+/// fields of many columns, such as the bytes of a message.
+WatchedJson commands_of(Model& model, const engine::BodyType& type) {
+  WatchedJson commands = WatchedJson::object();
+  for (const engine::BodyType::Device& device : type.devices) {
+    if (!device.command_table || !model.is_alive()) continue;
+    const Model::Asked asked = model.asked(device.name);
+    WatchedJson& fields = commands[device.name] = WatchedJson::object();
+    for (const StateField& field : asked.fields) {
+      if (field.columns > k_few) continue;
+      WatchedJson& values = fields[field.name] = WatchedJson::array();
+      for (std::uint32_t c = 0; c < field.columns; ++c)
+        values.push_back(
+            number_in(field, asked.bytes.data() + field.offset + c * engine::element_size(field.element)));
+    }
+  }
+  return commands;
+}
+
+bool has_device(const engine::World& world, auto&& wanted) {
+  return std::ranges::any_of(world.types(), [&](const engine::BodyType& type) {
+    return std::ranges::any_of(type.devices,
+                               [&](const engine::BodyType::Device& device) { return wanted(*device.kind); });
+  });
+}
+
+}  // namespace
+
+WatchedJson inspection(Simulation& simulation, BodyId id) {
+  const engine::World& world = simulation.world();
+  Model model = simulation.model(id);
+  const Row row = world.row(id);
+  WatchedJson json{
+      {"robot", model.name()}, {"alive", model.is_alive()}, {"components", WatchedJson::array()}};
+  if (!row.valid()) return json;
+  const Pose pose = world.pose(id);
+  json["pose"] = {pose.x, pose.y, pose.z, pose.heading};
+  for (const StateTable& table : world.tables()) {
+    const std::size_t at = table.rows() == world.rows() ? row.index() : world.slot(row);
+    if (at >= table.rows() || table.ids()[at] != id || table.component() == "pose") continue;
+    WatchedJson fields = WatchedJson::array();
+    for (std::size_t f = 0; f < table.fields().size(); ++f) {
+      const StateField& field = table.fields()[f];
+      WatchedJson values = WatchedJson::array();
+      for (std::uint32_t c = 0; c < std::min(field.columns, k_most_values); ++c)
+        values.push_back(value_of(table, at, f, c));
+      fields.push_back(
+          {{"name", field.name}, {"unit", field.unit}, {"text", field.text}, {"values", values}});
+    }
+    json["components"].push_back({{"name", table.component()}, {"fields", std::move(fields)}});
+  }
+  json["eyes"] = WatchedJson::object();
+  std::map<std::string, int>
+      met;  // number of devices with each name; repeated names get suffixes, as in the header of the page
+  for (const engine::BodyType::Device& device : world.type(row).devices) {
+    std::string name = worldio::hdf5_name(device.name);
+    if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
+    if (device.prepared.transducers.empty() || !world.senses(row, device)) continue;
+    json["eyes"][name] = world.percepts(device).cell<float>(world.slot(row), 0);
+  }
+  json["commands"] = commands_of(model, world.type(row));
+  return json;
+}
+
+WatchedJson color_values(const engine::World& world) {
+  WatchedJson values = WatchedJson::array();
+  for (const StateTable& table : world.tables())
+    for (const StateField& field : table.fields()) {
+      // Bodies of different types can have the same component, and then share its entry.
+      const auto same = std::ranges::find_if(values, [&](const WatchedJson& value) {
+        return value["component"] == table.component() && value["field"] == field.name;
+      });
+      if (same != values.end()) continue;
+      values.push_back({{"component", table.component()},
+                        {"field", field.name},
+                        {"unit", field.unit},
+                        {"text", field.text},
+                        {"columns", field.columns <= k_few ? field.columns : 0}});
+    }
+  return values;
+}
+
+bool has_value(const engine::World& world, const ColorValue& color) {
+  return std::ranges::any_of(world.tables(), [&](const StateTable& table) {
+    if (table.component() != color.component) return false;
+    const std::optional<std::size_t> field = field_index(table, color.field);
+    return field && color.column.value_or(0) < table.fields()[*field].columns;
+  });
+}
+
+void take_shades(const engine::World& world, std::span<const std::uint32_t> places, std::size_t robots,
+                 ColorValue& color, std::vector<std::uint8_t>& shades) {
+  std::vector<double> values(robots, std::numeric_limits<double>::quiet_NaN());
+  for (const StateTable& table : world.tables()) {
+    if (table.component() != color.component) continue;
+    const std::optional<std::size_t> field = field_index(table, color.field);
+    if (!field || color.column.value_or(0) >= table.fields()[*field].columns) continue;
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      const BodyId id = table.ids()[row];
+      const std::uint32_t place = places[id.index()];
+      if (place >= robots || !world.is_there(world.row(id))) continue;
+      const double value = value_of(table, row, *field, color.column);
+      if (!std::isfinite(value)) continue;
+      values[place] = value;
+      color.least = std::min(color.least, value);
+      color.most = std::max(color.most, value);
+    }
+  }
+  constexpr double k_shades = 254;
+  const double scale = color.most > color.least ? k_shades / (color.most - color.least) : 0;
+  shades.assign(robots, 0);
+  for (std::size_t r = 0; r < robots; ++r)
+    if (!std::isnan(values[r]))
+      shades[r] = static_cast<std::uint8_t>(1 + std::lround((values[r] - color.least) * scale));
+}
+
+std::vector<std::string_view> layers_of(const engine::World& world) {
+  std::vector<std::string_view> layers;
+  const auto draws = [](FrameLayer layer) {
+    return [layer](const engine::DeviceKind& kind) { return kind.layer == layer; };
+  };
+  if (has_device(world, [](const engine::DeviceKind& kind) { return kind.name == k_radio; }))
+    layers.push_back(k_radio);
+  if (has_device(world, draws(FrameLayer::sights))) layers.push_back(k_sights);
+  if (has_device(world, draws(FrameLayer::grips))) {
+    layers.push_back(k_grips);
+    layers.push_back(k_carries);
+  }
+  return layers;
+}
+
+WatchedJson lines_of(const engine::World& world, std::span<const std::string> layers) {
+  engine::Frame frame = world.frame();
+  WatchedJson all = WatchedJson::object();
+  for (const std::string& layer : layers) {
+    WatchedJson& lines = all[layer] = WatchedJson::array();
+    if (layer == k_radio) append_heard(world, frame, lines);
+    if (layer == k_sights) {
+      add_layer(world, FrameLayer::sights, frame);
+      for (const engine::FrameSight& sight : frame.sights) append_line(lines, sight.from, sight.to);
+    }
+    if (layer == k_grips) {
+      add_layer(world, FrameLayer::grips, frame);
+      for (const engine::FrameTie& tie : frame.grips) append_line(lines, tie.from, tie.to);
+    }
+    if (layer == k_carries) {
+      add_links(world, frame);
+      for (const engine::FrameTie& tie : frame.links) append_line(lines, tie.from, tie.to);
+    }
+  }
+  return all;
+}
+
+}  // namespace troupe::live

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "engine/world.hpp"
+#include "troupe/simulation.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::live {
+
+// The data that a viewer requests in addition to the poses and colours of all robots (docs/live.md).
+
+/// Returns the state of a body as JSON: pose, all fields of all its components, and the ranges of its
+/// rangers.
+nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
+
+/// A value of the state by which a viewer colours robots.
+struct ColorValue {
+  std::string component;                ///< as StateTable::component()
+  std::string field;                    ///< name of a field of the component
+  std::optional<std::uint32_t> column;  ///< column of the field; not set: the minimum of all columns
+  /// The least and the largest value of any robot since the viewer chose this value.
+  double least = std::numeric_limits<double>::infinity();
+  double most = -std::numeric_limits<double>::infinity();
+};
+/// Returns the fields by which robots can be coloured, as JSON objects: component, field, unit, text,
+/// columns.
+nlohmann::ordered_json color_values(const engine::World& world);
+/// Whether the state has the value that `color` names.
+bool has_value(const engine::World& world, const ColorValue& color);
+/// Fills `shades` with one byte per robot of the page: 1 for the least value, 255 for the largest, and 0 for
+/// robots that do not have the value or are not in the world. Updates the range of `color`. places: for each
+/// body id the index of the robot on the page; indices from `robots` on are no robots of the page.
+void take_shades(const engine::World& world, std::span<const std::uint32_t> places, std::size_t robots,
+                 ColorValue& color, std::vector<std::uint8_t>& shades);
+
+/// Returns the names of the layers of lines that this world can have: "radio", "sights", "grips", "carries".
+std::vector<std::string_view> layers_of(const engine::World& world);
+/// Returns the lines of some layers as JSON: {layer: [x, y, z, x, y, z, ...]}, two points per line, world
+/// frame, m. A line of `radio` goes from a sender to a robot that heard its message.
+nlohmann::ordered_json lines_of(const engine::World& world, std::span<const std::string> layers);
+
+}  // namespace troupe::live

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace troupe::partition {
+
+/// The bytes of a message from one rank to another. All ranks have the same processor architecture, so
+/// numbers are copied as they are in memory.
+using Message = std::vector<std::byte>;
+
+/// Appends values to a message.
+class MessageWriter {
+ public:
+  /// Appends a number, or a struct without pointers.
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    put_bytes(std::as_bytes(std::span(&value, 1)));
+  }
+  void put_bytes(std::span<const std::byte> bytes) {
+    message_.insert(message_.end(), bytes.begin(), bytes.end());
+  }
+  /// Appends a text with its length.
+  void put_text(std::string_view text) {
+    put(static_cast<std::uint64_t>(text.size()));
+    put_bytes(std::as_bytes(std::span(text)));
+  }
+  void reserve(std::size_t bytes) { message_.reserve(bytes); }  ///< allocates room for a whole message
+  std::size_t size() const { return message_.size(); }          ///< length so far, bytes
+  Message take() { return std::move(message_); }                ///< the message; this object is then empty
+
+ private:
+  Message message_;
+};
+
+/// Reads values from a message, in the order in which they were appended. All functions throw
+/// std::logic_error if the message is too short. The message must outlive this object.
+class MessageReader {
+ public:
+  MessageReader() = default;  ///< an empty message
+  explicit MessageReader(std::span<const std::byte> message) : rest_(message) {}
+
+  template <class T>
+  T get() {
+    static_assert(std::is_trivially_copyable_v<T>);
+    T value;
+    get_bytes(std::as_writable_bytes(std::span(&value, 1)));
+    return value;
+  }
+  void get_bytes(std::span<std::byte> bytes) {
+    const std::span<const std::byte> from = take(bytes.size());
+    if (!from.empty()) std::memcpy(bytes.data(), from.data(), from.size());
+  }
+  std::string get_text() {
+    const std::span<const std::byte> text = take(get<std::uint64_t>());
+    return {reinterpret_cast<const char*>(text.data()), text.size()};
+  }
+  bool is_done() const { return rest_.empty(); }  ///< whether all bytes have been read
+
+ private:
+  std::span<const std::byte> take(std::size_t bytes) {
+    if (bytes > rest_.size()) throw std::logic_error("internal error: a message between ranks is too short");
+    const std::span<const std::byte> taken = rest_.first(bytes);
+    rest_ = rest_.subspan(bytes);
+    return taken;
+  }
+
+  std::span<const std::byte> rest_;
+};
+
+}  // namespace troupe::partition

@@ -1,0 +1,162 @@
+#include "partition/mpi_transport.hpp"
+
+#include "partition/mpi/mpi_module.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <iterator>
+#include <limits>
+#include <list>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::partition {
+namespace {
+
+using Unit = std::array<std::byte, TROUPE_MPI_UNIT>;
+
+/// A message as it is sent: its length in bytes, its bytes, and padding.
+using Units = std::vector<Unit>;
+
+Units units_of(const Message& message) {
+  const std::uint64_t bytes = message.size();
+  Units units((sizeof bytes + message.size() + sizeof(Unit) - 1) / sizeof(Unit));
+  auto* to = reinterpret_cast<std::byte*>(units.data());
+  std::memcpy(to, &bytes, sizeof bytes);
+  if (bytes > 0) std::memcpy(to + sizeof bytes, message.data(), message.size());
+  return units;
+}
+
+const troupe_mpi& load(const std::filesystem::path& module) {
+  // Global, because the MPI library loads further libraries that look for its symbols.
+  void* library = dlopen(module.c_str(), RTLD_NOW | RTLD_GLOBAL);
+  if (library == nullptr) throw std::runtime_error(dlerror());
+  void* symbol = dlsym(library, "troupe_mpi_module");
+  if (symbol == nullptr) throw std::runtime_error(module.string() + ": it is no module of Troupe for MPI");
+  const troupe_mpi& found = *reinterpret_cast<decltype(&troupe_mpi_module)>(symbol)();
+  if (found.interface != TROUPE_MPI_INTERFACE)
+    throw std::runtime_error(module.string() + ": it was compiled for another version of Troupe");
+  return found;
+}
+
+}  // namespace
+
+struct MpiTransport::Impl {
+  struct Sending {
+    void* transfer;
+    std::shared_ptr<const Units> units;
+  };
+
+  explicit Impl(const troupe_mpi& module) : mpi(module) {}
+
+  void check(bool works, const char* what) const {
+    if (!works) throw RankError(std::string("MPI: ") + what + " failed");
+  }
+  /// Forgets the messages that have left.
+  void progress() {
+    for (auto each = sending.begin(); each != sending.end();) {
+      const int done = mpi.is_done(each->transfer);
+      check(done >= 0, "sending");
+      each = done == 1 ? sending.erase(each) : std::next(each);
+    }
+  }
+  /// Calls has_come() until it returns true.
+  template <class HasCome>
+  void wait(unsigned from, HasCome&& has_come) {
+    if (has_come()) return;
+    const double start = mpi.seconds();
+    while (!has_come()) {
+      progress();
+      sched_yield();
+      if (mpi.seconds() - start > limit_s)
+        throw RankError(fmt::format("waited {:g} s for rank {}{}, which does not answer", limit_s, from,
+                                    from < hosts.size() ? " on " + hosts[from] : ""));
+    }
+    waited_s += mpi.seconds() - start;
+  }
+
+  const troupe_mpi& mpi;
+  unsigned rank = 0;
+  unsigned ranks = 1;
+  std::string library;
+  double limit_s = std::numeric_limits<double>::infinity();
+  double waited_s = 0;
+  std::vector<std::string> hosts;
+  std::list<Sending> sending;
+  // The last message as units: a message to all ranks is converted once.
+  std::shared_ptr<const Message> last;
+  std::shared_ptr<const Units> last_units;
+};
+
+MpiTransport::MpiTransport(const std::filesystem::path& module)
+    : impl_(std::make_unique<Impl>(load(module))) {
+  std::array<char, 256> library{};
+  if (impl_->mpi.start(&impl_->rank, &impl_->ranks, library.data(), library.size()) != 0)
+    throw std::runtime_error(module.string() + ": MPI cannot be initialised");
+  impl_->library = library.data();
+  impl_->library.resize(std::min(impl_->library.size(), impl_->library.find_first_of(",\n")));
+  std::ranges::replace(impl_->library, '\t', ' ');
+}
+
+MpiTransport::~MpiTransport() = default;
+
+unsigned MpiTransport::rank() const { return impl_->rank; }
+unsigned MpiTransport::ranks() const { return impl_->ranks; }
+const std::string& MpiTransport::library() const { return impl_->library; }
+void MpiTransport::set_limit(double seconds) { impl_->limit_s = seconds; }
+void MpiTransport::set_hosts(std::vector<std::string> hosts) { impl_->hosts = std::move(hosts); }
+double MpiTransport::seconds() const { return impl_->mpi.seconds(); }
+double MpiTransport::waited_s() const { return impl_->waited_s; }
+
+void MpiTransport::post(unsigned to, std::shared_ptr<const Message> message) {
+  Impl& own = *impl_;
+  own.progress();
+  if (message != own.last) {
+    own.last_units = std::make_shared<const Units>(units_of(*message));
+    own.last = std::move(message);
+  }
+  void* transfer = own.mpi.send(to, own.last_units->data(), own.last_units->size());
+  own.check(transfer != nullptr, "sending");
+  own.sending.push_back({transfer, own.last_units});
+}
+
+std::shared_ptr<const Message> MpiTransport::receive(unsigned from) {
+  Impl& own = *impl_;
+  void* found = nullptr;
+  long count = 0;
+  own.wait(from, [&] {
+    count = own.mpi.probe(from, &found);
+    own.check(count >= 0, "receiving");
+    return count > 0;
+  });
+  Units units(static_cast<std::size_t>(count));
+  void* transfer = own.mpi.receive(found, units.data(), units.size());
+  own.check(transfer != nullptr, "receiving");
+  own.wait(from, [&] {
+    const int done = own.mpi.is_done(transfer);
+    own.check(done >= 0, "receiving");
+    return done == 1;
+  });
+  std::uint64_t bytes = 0;
+  const auto* first = reinterpret_cast<const std::byte*>(units.data());
+  std::memcpy(&bytes, first, sizeof bytes);
+  if (bytes > units.size() * sizeof(Unit) - sizeof bytes)
+    throw std::logic_error("internal error: a message of MPI is shorter than it says");
+  first += sizeof bytes;
+  return std::make_shared<const Message>(first, first + bytes);
+}
+
+void MpiTransport::finish() {
+  impl_->wait(impl_->rank, [&] {
+    impl_->progress();
+    return impl_->sending.empty();
+  });
+  if (impl_->mpi.finish() != 0) throw RankError("MPI: finalising failed");
+}
+
+}  // namespace troupe::partition

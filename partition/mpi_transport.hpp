@@ -1,0 +1,47 @@
+#pragma once
+
+#include "partition/transport.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace troupe::partition {
+
+/// The transport between the processes that an MPI launcher has started (docs/cluster.md). The MPI library is
+/// loaded with a module at run time (partition/mpi/mpi_module.h).
+class MpiTransport : public Transport {
+ public:
+  /// Loads the module and initialises MPI. Throws std::runtime_error if that is not possible. The text says
+  /// why.
+  explicit MpiTransport(const std::filesystem::path& module);
+  /// Does not finalise MPI, because a process that has failed must end without waiting for the others:
+  /// finish().
+  ~MpiTransport() override;
+
+  unsigned rank() const override;
+  unsigned ranks() const override;
+  /// Waits for a message; other processes may use the processor meanwhile. Throws RankError after set_limit()
+  /// seconds, with the number of the rank and its host.
+  std::shared_ptr<const Message> receive(unsigned from) override;
+  double seconds() const override;
+  double waited_s() const override;
+
+  const std::string& library() const;  ///< name and version of the MPI library
+  /// Sets how long receive() waits, s. At first it waits for any time.
+  void set_limit(double seconds);
+  /// Sets the names of the hosts of all ranks, for errors.
+  void set_hosts(std::vector<std::string> hosts);
+  /// Waits until all messages have left and finalises MPI. All ranks must call it; no function may be called
+  /// afterwards.
+  void finish();
+
+ private:
+  void post(unsigned to, std::shared_ptr<const Message> message) override;
+
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace troupe::partition

@@ -1,0 +1,92 @@
+#pragma once
+
+#include "partition/body_index.hpp"
+#include "partition/fixed_outlines.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace troupe::partition {
+
+/// A list of circles, with one array per component so that kernels load several circles at a time, metres.
+/// The arrays never shrink and may have more entries than there are circles.
+struct CircleArrays {
+  std::vector<float> x;            ///< x of the centres
+  std::vector<float> y;            ///< y of the centres
+  std::vector<float> radius;       ///< minus infinity for a circle that is only padding; no beam hits it
+  std::vector<std::uint32_t> row;  ///< row of a body, or number of a piece of the static scene
+
+  /// Ensures that the arrays have room for this many circles; keeps the contents.
+  void make_room(std::size_t size) {
+    if (size <= x.size()) return;
+    const std::size_t room = 2 * size;
+    x.resize(room);
+    y.resize(room);
+    radius.resize(room);
+    row.resize(room);
+  }
+  /// Sets circle i. make_room() must have made room for it.
+  void set(std::size_t i, const BodyCircle& circle) {
+    x[i] = circle.x;
+    y[i] = circle.y;
+    radius[i] = circle.radius;
+    row[i] = circle.row;
+  }
+};
+
+/// The candidates of a sensor: the circles of bodies, and of pieces of static outlines, that reach into the
+/// disc within which the sensor looks. Sensors that look in a few directions use this class: lines of sight,
+/// light sensors, cones, and the walls between radios. Rangers, of which a block of cells shares one search,
+/// use NearbyOutlines. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their
+/// memory.
+class NearCircles {
+ public:
+  /// Begins an empty list. centre: of the disc, world frame, m. reach: its radius, m.
+  void begin(const Vec2& centre, double reach);
+  /// Adds each body whose circle reaches into the disc, once, unless skip(row) is true. Some circles may be
+  /// slightly outside the disc.
+  template <class Skip>
+  void add_bodies(const BodyIndex& index, Skip&& skip) {
+    // Wide bodies are stored in several cells of the index.
+    const float wide = index.has_wide() ? static_cast<float>(0.5 * index.geometry().cell_m)
+                                        : std::numeric_limits<float>::infinity();
+    index.for_each_run(Box::around(centre_, reach_), [&](std::span<const BodyCircle> run) {
+      std::size_t kept = size_;
+      add(run, 0);
+      const auto is_repeat = [&](std::size_t i) {
+        const std::span<const std::uint32_t> rows(circles_.row.data(), kept);
+        return circles_.radius[i] > wide && std::ranges::find(rows, circles_.row[i]) != rows.end();
+      };
+      for (std::size_t i = kept; i < size_; ++i)
+        if (!skip(circles_.row[i]) && !is_repeat(i))
+          circles_.set(kept++, {circles_.x[i], circles_.y[i], circles_.radius[i], circles_.row[i]});
+      size_ = kept;
+    });
+  }
+  /// Adds the pieces of outlines that reach into the disc and are at most `within` (m) away from its centre.
+  /// A piece may be added several times. The bits of `mark` are set in CircleArrays::row.
+  void add_pieces(const FixedOutlines& outlines, double within, std::uint32_t mark);
+  /// Removes all circles but the first `size`.
+  void keep(std::size_t size) { size_ = size; }
+  /// Reserves memory for this many circles.
+  void make_room(std::size_t size) { circles_.make_room(size); }
+
+  std::size_t size() const { return size_; }  ///< number of circles
+  /// The circles; their centres are relative to the centre of the disc. They are widened by more than the
+  /// rounding errors of their numbers.
+  const CircleArrays& circles() const { return circles_; }
+
+ private:
+  void add(std::span<const BodyCircle> run, std::uint32_t mark);
+
+  CircleArrays circles_;
+  std::size_t size_ = 0;
+  Vec2 centre_ = Vec2::Zero();
+  double reach_ = 0;
+};
+
+}  // namespace troupe::partition

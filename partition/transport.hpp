@@ -1,0 +1,63 @@
+#pragma once
+
+#include "partition/message.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+
+namespace troupe::partition {
+
+/// Largest number of ranks of a Transport.
+inline constexpr unsigned k_most_ranks = 1024;
+
+/// Thrown by a Transport if another rank failed, or cannot be reached. The text names that rank.
+class RankError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Messages between *ranks*, the threads or processes that compute one world together (docs/cluster.md). Each
+/// rank has an object of this class, which only one of its threads may use.
+class Transport {
+ public:
+  Transport() = default;
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+  virtual ~Transport() = default;
+
+  virtual unsigned rank() const = 0;   ///< number of this rank, from 0
+  virtual unsigned ranks() const = 0;  ///< number of ranks
+  /// Starts to send a message to another rank and returns without waiting for the receiver.
+  void send(unsigned to, std::shared_ptr<const Message> message) {
+    traffic_.messages += 1;
+    traffic_.bytes += message->size();
+    post(to, std::move(message));
+  }
+  /// Starts to send a message to each other rank.
+  void send_to_all(const std::shared_ptr<const Message>& message) {
+    for (unsigned to = 0; to < ranks(); ++to)
+      if (to != rank()) send(to, message);
+  }
+  /// Waits for the next message from a rank and returns it. The messages of one rank are received in the
+  /// order in which it sent them. Throws RankError.
+  virtual std::shared_ptr<const Message> receive(unsigned from) = 0;
+
+  /// What this rank has sent so far.
+  struct Traffic {
+    std::uint64_t messages = 0;  ///< number of messages
+    std::uint64_t bytes = 0;     ///< sum of their lengths
+  };
+  const Traffic& traffic() const { return traffic_; }  ///< what this rank has sent so far
+  /// A clock that measures intervals, s; always 0 if the transport has none.
+  virtual double seconds() const { return 0; }
+  virtual double waited_s() const { return 0; }  ///< time that receive() has waited, s, if there is a clock
+
+ private:
+  virtual void post(unsigned to, std::shared_ptr<const Message> message) = 0;
+
+  Traffic traffic_;
+};
+
+}  // namespace troupe::partition

@@ -1,0 +1,142 @@
+#include "python/columns.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::python {
+namespace {
+
+/// Returns texts of bytes as an array of one row per text, padded with zeros: one row for a `bytes`, and one
+/// per element for a list of them. Throws ValueError if one is longer than the field.
+py::array padded(const engine::StateField& field, const py::handle& value) {
+  const std::vector<py::bytes> texts = py::isinstance<py::bytes>(value)
+                                           ? std::vector{py::reinterpret_borrow<py::bytes>(value)}
+                                           : value.cast<std::vector<py::bytes>>();
+  py::array_t<std::uint8_t> rows(
+      {static_cast<py::ssize_t>(texts.size()), static_cast<py::ssize_t>(field.columns)});
+  std::memset(rows.mutable_data(), 0, static_cast<std::size_t>(rows.nbytes()));
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const std::string_view text = texts[i];
+    if (text.size() > field.columns)
+      throw py::value_error(
+          fmt::format("\"{}\" takes {} bytes, found {}", field.name, field.columns, text.size()));
+    std::memcpy(rows.mutable_data(static_cast<py::ssize_t>(i), 0), text.data(), text.size());
+  }
+  return rows;
+}
+
+bool is_of_bytes(const py::handle& value) {
+  if (py::isinstance<py::bytes>(value)) return true;
+  return (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) && py::len(value) > 0 &&
+         py::isinstance<py::bytes>(*py::iter(value));
+}
+
+}  // namespace
+
+void refuse(std::string_view name, const py::array& given, std::size_t robots, std::string_view wanted) {
+  throw py::value_error(fmt::format("{} has shape {}; for a swarm of {} robots give {}", name,
+                                    std::string(py::str(given.attr("shape"))), robots, wanted));
+}
+
+std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots) {
+  if (!where) return {};
+  if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)
+    refuse(fmt::format("where, of {},", std::string(py::str(where->dtype()))), *where, robots,
+           "one bool for each");
+  const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*where);
+  return {marks.data(), marks.data() + marks.size()};
+}
+
+py::array empty_rows(const engine::StateField& field, py::ssize_t robots) {
+  std::vector<py::ssize_t> shape{robots};
+  if (field.columns > 1) shape.push_back(field.columns);
+  return {dtype_of(field.element), shape};
+}
+
+std::span<std::byte> bytes_of(py::array& array) {
+  return {static_cast<std::byte*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes())};
+}
+
+std::span<const std::byte> const_bytes_of(const py::array& array) {
+  return {static_cast<const std::byte*>(array.data()), static_cast<std::size_t>(array.nbytes())};
+}
+
+py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots) {
+  const py::module_ numpy = py::module_::import("numpy");
+  const auto columns = static_cast<py::ssize_t>(field.columns);
+  py::array given = is_of_bytes(value) ? padded(field, value) : py::array(numpy.attr("asarray")(value));
+  if (columns == 1 && given.ndim() == 1) given = given.attr("reshape")(-1, 1);
+  const bool has_rows = given.ndim() == 2 && (given.shape(0) == robots || given.shape(0) == 1);
+  const bool fits = given.ndim() == 0 || (given.ndim() == 1 && given.shape(0) == columns) ||
+                    (has_rows && (given.shape(1) == columns));
+  if (!fits)
+    refuse(fmt::format("\"{}\"", field.name), py::array(numpy.attr("asarray")(value)),
+           static_cast<std::size_t>(robots),
+           columns == 1 ? "one number, or one for each"
+                        : fmt::format("{} numbers, or {} for each", columns, columns));
+  const py::array made = given.attr("astype")(dtype_of(field.element));
+  const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
+  if (is_whole && !numpy.attr("array_equal")(made, given).cast<bool>())
+    throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
+                                      engine::element_name(field.element), std::string(py::str(value))));
+  return numpy.attr("ascontiguousarray")(numpy.attr("broadcast_to")(made, py::make_tuple(robots, columns)));
+}
+
+py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
+                         const py::object& message, py::ssize_t robots) {
+  py::dict values;
+  values["mode"] = 1;
+  if (py::isinstance<py::bytes>(message)) {
+    values["length"] = py::len(message);
+    values["payload"] = message;
+    return values;
+  }
+  const py::array rows = py::module_::import("numpy").attr("ascontiguousarray")(message);
+  if (rows.ndim() == 0 || rows.shape(0) != robots)
+    refuse("message", rows, static_cast<std::size_t>(robots), "bytes, or one row for each");
+  const py::ssize_t length = robots > 0 ? rows.nbytes() / robots : 0;
+  const auto field = std::ranges::find(fields, "payload", &engine::StateField::name);
+  if (field == fields.end()) throw std::out_of_range(fmt::format("\"{}\" is not a radio", device));
+  const auto columns = static_cast<py::ssize_t>(field->columns);
+  if (length > columns)
+    throw py::value_error(
+        fmt::format("a message of {} bytes is longer than the payload of \"{}\", which is {} bytes", length,
+                    device, columns));
+  py::array_t<std::uint8_t> payload({robots, columns});
+  std::memset(payload.mutable_data(), 0, static_cast<std::size_t>(payload.nbytes()));
+  for (py::ssize_t i = 0; i < robots; ++i)
+    std::memcpy(payload.mutable_data(i, 0), static_cast<const std::byte*>(rows.data()) + i * length,
+                static_cast<std::size_t>(length));
+  values["length"] = length;
+  values["payload"] = payload;
+  return values;
+}
+
+py::tuple messages_of(const py::object& type, const std::string& device, const py::array& count,
+                      const py::array& length, const py::array& payload) {
+  const py::module_ numpy = py::module_::import("numpy");
+  const py::object dtype = numpy.attr("dtype")(type);
+  const auto size = dtype.attr("itemsize").cast<py::ssize_t>();
+  const py::ssize_t robots = count.shape(0);
+  const py::ssize_t places = length.ndim() > 1 ? length.shape(1) : 1;
+  const py::ssize_t room = (payload.ndim() > 1 ? payload.shape(1) : 1) / places;
+  if (size == 0 || size > room)
+    throw py::value_error(
+        fmt::format("an element of {} bytes does not fit into the payload of \"{}\", which is {} bytes", size,
+                    device, room));
+  const py::object bytes = payload.attr("reshape")(robots, places, room);
+  const py::object part = bytes[py::make_tuple(py::ellipsis(), py::slice(0, size, 1))];
+  const py::object shape = py::make_tuple(robots, places).attr("__add__")(dtype.attr("shape"));
+  const py::object values =
+      numpy.attr("ascontiguousarray")(part).attr("view")(dtype.attr("base")).attr("reshape")(shape);
+  const py::object there = numpy.attr("less")(numpy.attr("arange")(places), count.attr("reshape")(-1, 1));
+  const py::object fits = numpy.attr("equal")(length.attr("reshape")(robots, places), size);
+  return py::make_tuple(values, numpy.attr("logical_and")(there, fits));
+}
+
+}  // namespace troupe::python

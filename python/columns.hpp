@@ -1,0 +1,61 @@
+#pragma once
+
+#include "python/bindings.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Conversions between NumPy arrays and the data of a group of robots, one row per robot, which swarms and
+/// controllers share.
+namespace troupe::python {
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Where = std::optional<py::array>;
+
+/// Throws ValueError: `name` has the shape of `given`, and for this number of robots `wanted` is expected.
+[[noreturn]] void refuse(std::string_view name, const py::array& given, std::size_t robots,
+                         std::string_view wanted);
+
+/// An argument of a command for a swarm, which is one number for all robots or one number per robot. Element
+/// i is the number of robot i.
+class Column {
+ public:
+  Column(std::string_view name, const Numbers& numbers, std::size_t robots)
+      : first_(numbers.data()), step_(numbers.ndim() == 0 ? 0 : 1) {
+    if (numbers.ndim() > 1 || (numbers.ndim() == 1 && static_cast<std::size_t>(numbers.size()) != robots))
+      refuse(name, numbers, robots, "one number, or one for each");
+  }
+  double operator[](std::size_t i) const { return first_[i * step_]; }
+
+ private:
+  const double* first_;
+  std::size_t step_;
+};
+
+/// Converts the argument `where` of a command to the form of Swarm: one byte per robot, 0 skips the robot;
+/// empty: all robots.
+std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots);
+
+/// Returns a new array for a field: shape (robots,) or, if the field has several columns, (robots, columns).
+py::array empty_rows(const engine::StateField& field, py::ssize_t robots);
+/// The memory of a contiguous array.
+std::span<std::byte> bytes_of(py::array& array);
+std::span<const std::byte> const_bytes_of(const py::array& array);
+
+/// Converts a value to an array robots x columns with the element type of a field of a command. Throws
+/// ValueError if the shape does not fit, or if a field of integers cannot represent a number.
+py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
+
+/// Returns the fields of the command that makes the radios named `device` send `message`: a `bytes`, or an
+/// array with one row per robot. `fields` are the fields of the command of these radios.
+py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
+                         const py::object& message, py::ssize_t robots);
+/// The fields count, length and payload of the readings of radios as the result of Swarm.heard().
+py::tuple messages_of(const py::object& type, const std::string& device, const py::array& count,
+                      const py::array& length, const py::array& payload);
+
+}  // namespace troupe::python

@@ -1,0 +1,219 @@
+"""Reads the scripts of `--controller` and of `Simulation(controllers=...)`: controllers and measures in Python.
+
+The C++ part of the package (python/script.cpp) makes kinds of the engine from the descriptions that load() returns.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import os
+import sys
+import traceback
+from types import ModuleType, TracebackType
+from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple, TypeVar, Union, overload
+
+import numpy as np
+
+from ._core import InputError, Robots
+
+_ELEMENTS = ("f8", "f4", "i8", "i4", "u8", "u4", "u1")
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_loaded: Dict[Tuple[object, ...], Dict[str, Any]] = {}  # by file and hash of its contents; by class
+
+
+class Controller:
+    """Base class of controllers in Python (docs/python.md).
+
+    decide(robots) is called once in each tick for all robots of a type that decide in this tick. Class attributes:
+
+    robots  type, population or robot that the controller controls; "": all types with a drive
+    uses    list of the names or kinds of the devices that it uses; None: all
+    memory  the fields of each robot's memory: a dict of names and initial values, which are NumPy scalars or arrays, or
+            NumPy types, which begin at 0. The engine owns, hashes, saves and resets the memory
+    name    name of the controller in files and components; default: the name of the class
+
+    An instance has no attributes of its own, because they would be a state that no hash, checkpoint or reset knows.
+    """
+
+    robots: str = ""
+    uses: Optional[Sequence[str]] = None
+    memory: Dict[str, Any] = {}
+    name: Optional[str] = None
+
+    def decide(self, robots: Robots) -> None:
+        raise NotImplementedError(f"{type(self).__name__} has no decide(self, robots)")
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(
+            f"a controller has no attributes of its own: declare \"{name}\" in `memory`, which the engine hashes and saves")
+
+
+@overload
+def measure(function: _Function) -> _Function: ...
+@overload
+def measure(*, unit: str = ..., name: Optional[str] = ...) -> Callable[[_Function], _Function]: ...
+def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", name: Optional[str] = None) -> Any:
+    """Declares a function of a script as a measure: its argument is a Swarm, its result a number.
+
+        @troupe.measure(unit="m")
+        def reach(robots):
+            return np.abs(robots.poses()[:, 0]).max()
+
+    The script my.py gives the measure `my:reach`. Measures in Python are outside the promise of equal bits.
+    """
+
+    def declare(function: Callable[..., Any]) -> Callable[..., Any]:
+        setattr(function, "_troupe_measure", {"unit": unit, "name": name or function.__name__})
+        return function
+
+    return declare if function is None else declare(function)
+
+
+def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackType]) -> Tuple[int, str]:
+    path = os.path.abspath(file)
+    if isinstance(error, SyntaxError) and error.filename and os.path.abspath(error.filename) == path:
+        return error.lineno or 0, f"{type(error).__name__}: {error.msg}"
+    lines = [frame.lineno for frame in traceback.extract_tb(trace) if os.path.abspath(frame.filename) == path]
+    return (lines[-1] or 0) if lines else 0, f"{type(error).__name__}: {error}"
+
+
+def error_text(file: str, error: BaseException, trace: Optional[TracebackType]) -> str:
+    """The text of an exception, with the last line of `file` that took part in it."""
+    line, text = _line_and_text(file, error, trace)
+    return f"{file}:{line}: {text}" if line else f"{file}: {text}"
+
+
+def _fail(file: str, line: int, text: str) -> NoReturn:
+    raise InputError(f"{file}:{line}: error: {text}" if line else f"{file}: error: {text}") from None
+
+
+def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int, int]], Any, bytes]:
+    """The fields of a memory, (name, type, columns, offset), the type of a row, and its bytes at the start."""
+    if not isinstance(cls.memory, dict):
+        _fail(file, line, f"{cls.__name__}.memory is {cls.memory!r}: expected a dict of names and NumPy values or types")
+    fields: List[Tuple[str, Any, int, int]] = []
+    starts: List[Tuple[int, bytes]] = []
+    offset = 0
+    for name, given in cls.memory.items():
+        where = f"{cls.__name__}.memory[{name!r}]"
+        if not isinstance(name, str) or not name.isidentifier():
+            _fail(file, line, f"{where}: a field's name is an identifier")
+        try:
+            is_value = isinstance(given, (np.generic, np.ndarray))
+            start = np.asarray(given) if is_value else np.zeros((), np.dtype(given))
+            if start.dtype.subdtype is not None:
+                start = np.zeros(start.dtype.subdtype[1], start.dtype.subdtype[0])
+        except TypeError:
+            _fail(file, line, f"{where} is {given!r}: expected a NumPy scalar, array or type, as in np.float32(0)")
+        kind = np.dtype("u1") if start.dtype == np.bool_ else start.dtype
+        if kind.newbyteorder("=").str[1:] not in _ELEMENTS or not kind.isnative or start.ndim > 1 or start.size == 0:
+            _fail(file, line, f"{where} has the type {start.dtype} and the shape {start.shape}: expected numbers of one of "
+                              "the types float64, float32, int64, int32, uint64, uint32, uint8 or bool, or an array of "
+                              "one dimension of these")
+        offset += -offset % kind.itemsize
+        fields.append((name, kind, start.size, offset))
+        starts.append((offset, start.astype(kind).tobytes()))
+        offset += kind.itemsize * start.size
+    size = offset + -offset % max([1, *(kind.itemsize for _, kind, _, _ in fields)])
+    bytes_ = bytearray(size)
+    for at, value in starts:
+        bytes_[at:at + len(value)] = value
+    row: Any = np.dtype({"names": [f[0] for f in fields], "offsets": [f[3] for f in fields], "itemsize": size,
+                    "formats": [f[1] if f[2] == 1 else (f[1], (f[2],)) for f in fields]}) if fields else np.dtype("V0")
+    return fields, row, bytes(bytes_)
+
+
+def _controller(cls: Any, file: str) -> Dict[str, Any]:
+    try:
+        line = inspect.getsourcelines(cls)[1]
+    except OSError:
+        line = 0
+    if not isinstance(cls.robots, str):
+        _fail(file, line, f"{cls.__name__}.robots is {cls.robots!r}: expected the name of a type, a population or a robot")
+    uses = cls.uses
+    if uses is not None and (isinstance(uses, str) or not all(isinstance(use, str) for use in uses)):
+        _fail(file, line, f"{cls.__name__}.uses is {uses!r}: expected a list of names of devices")
+    fields, row, start = _row_type(cls, file, line)
+    try:
+        instance = cls()
+    except Exception as error:
+        _fail(file, *_line_and_text(file, error, error.__traceback__))
+    return {
+        "name": cls.name or cls.__name__, "text": ((inspect.getdoc(cls) if cls.__doc__ else None) or "").split("\n")[0],
+        "robots": cls.robots, "line": line, "uses": None if uses is None else list(uses), "fields": fields,
+        "memory": row, "start": start, "decide": instance.decide,
+    }
+
+
+def _measure(function: Any) -> Dict[str, Any]:
+    declared = function._troupe_measure
+    return {"name": declared["name"], "unit": declared["unit"], "function": function,
+            "text": (inspect.getdoc(function) or "a function in Python").split("\n")[0]}
+
+
+def _execute(file: str) -> ModuleType:
+    name = os.path.splitext(os.path.basename(file))[0]
+    try:
+        spec = importlib.util.spec_from_file_location(f"troupe_script_{name}", file)
+        assert spec is not None and spec.loader is not None  # because the name ends in .py
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[spec.name] = module
+        spec.loader.exec_module(module)
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        _fail(file, *_line_and_text(file, error, error.__traceback__))
+    return module
+
+
+def _of_file(source: Union[str, os.PathLike[str]]) -> Dict[str, Any]:
+    file = os.fspath(source)
+    try:
+        with open(file, "rb") as stream:
+            contents = hashlib.sha256(stream.read()).hexdigest()
+    except OSError as error:
+        raise InputError(f"{file}: error: cannot be read: {error.strerror}") from None
+    if not file.endswith(".py"):
+        raise InputError(f"{file}: error: the name of a script ends in .py")
+    key = (os.path.abspath(file), contents)
+    if key not in _loaded:
+        module = _execute(file)
+        own = [each for each in vars(module).values() if getattr(each, "__module__", None) == module.__name__]
+        classes = [each for each in own if isinstance(each, type) and issubclass(each, Controller)]
+        functions = [each for each in own if hasattr(each, "_troupe_measure")]
+        if not classes and not functions:
+            raise InputError(f"{file}: error: it has no class derived from troupe.Controller, and no function declared "
+                             "with @troupe.measure")
+        _loaded[key] = {"file": file, "controllers": [_controller(each, file) for each in classes],
+                        "measures": [_measure(each) for each in functions]}
+    return _loaded[key]
+
+
+def _of_classes(file: str, classes: Sequence[Any]) -> Dict[str, Any]:
+    key = tuple(classes)
+    if key not in _loaded:
+        _loaded[key] = {"file": file, "controllers": [_controller(each, file) for each in classes], "measures": []}
+    return _loaded[key]
+
+
+def _file_of(cls: Any) -> str:
+    if not (isinstance(cls, type) and issubclass(cls, Controller)):
+        raise TypeError(f"controllers: {cls!r} is neither the name of a script nor a class derived from troupe.Controller")
+    try:
+        return inspect.getsourcefile(cls) or f"{cls.__name__}.py"
+    except (TypeError, OSError):  # a class that was typed into an interpreter
+        return f"{cls.__name__}.py"
+
+
+def load(sources: Sequence[Any]) -> List[Dict[str, Any]]:
+    """The descriptions of scripts, which are given as files, and of classes of controllers: one for each file."""
+    descriptions: List[Dict[str, Any]] = []
+    classes: Dict[str, List[Any]] = {}
+    for source in sources:
+        if isinstance(source, (str, os.PathLike)):
+            descriptions.append(_of_file(source))
+        else:
+            classes.setdefault(_file_of(source), []).append(source)
+    return descriptions + [_of_classes(file, those) for file, those in classes.items()]

@@ -1,0 +1,111 @@
+"""Films, replay pages and pictures in notebooks: functions of Simulation that need no C++."""
+
+from __future__ import annotations
+
+import base64
+import html
+import math
+import os
+import pathlib
+import tempfile
+from typing import Any, Sequence, Union
+
+import numpy as np
+
+from ._core import Simulation, _check_output, _Film, _write_replay_page
+
+_File = Union[str, "os.PathLike[str]"]
+
+
+def _check_finite(function: str, **numbers: float) -> None:
+    for name, number in numbers.items():
+        if not 0 < number < math.inf:
+            raise ValueError(f"{function}: {name} must be a finite number above 0, found {number}")
+
+
+def film(
+    self: Simulation, file: _File, seconds: float, width: int = 1280, height: int = 720, *,
+    speed: float = 1.0, fps: float = 30.0, **look: Any,
+) -> None:
+    """Steps the simulation by `seconds` of world time and writes a film of it (.mp4; needs ffmpeg).
+
+    A second of the film shows `speed` seconds of world time in `fps` pictures. look: the keyword arguments of picture().
+    An existing file is replaced when the film is complete. If the simulation stops, the film ends there.
+    """
+    _check_finite("film()", seconds=seconds, speed=speed, fps=fps)
+    if os.path.splitext(os.fspath(file))[1] != ".mp4":
+        raise ValueError(f"film(): the name of a film ends in .mp4, found {os.fspath(file)!r}")
+    begin, count = self.time_s, 0
+    rgba = None
+    with _Film(os.fspath(file), width, height, fps) as frames:
+        while True:
+            while begin + count * speed / fps <= self.time_s + self.tick_s / 2:
+                picture = self.picture(width, height, **look)
+                if rgba is None:
+                    rgba = np.full((height, width, 4), 255, np.uint8)
+                rgba[:, :, :3] = picture
+                frames.write(rgba)
+                count += 1
+            if self.time_s - begin >= seconds - self.tick_s / 2 or self.stopped:
+                break
+            self.step()
+
+
+def replay(
+    self: Simulation, file: _File, seconds: float, *, every_s: float = 0.0, fields: Sequence[str] = (), replace: bool = False
+) -> None:
+    """Steps the simulation by `seconds` of world time and writes a page (.html) that plays this run in a browser.
+
+    every_s: world time between two pictures, s, and fields: fields of the state to show, both as in record(). replace:
+    whether an existing file is replaced. If it exists otherwise, raises FileExistsError before the first step.
+    """
+    _check_finite("replay()", seconds=seconds)
+    if not replace and os.path.exists(file):
+        raise FileExistsError(f"{os.fspath(file)}: the file exists; replace=True replaces it")
+    _check_output(file)
+    with tempfile.TemporaryDirectory() as folder:
+        recording = os.path.join(folder, "run.h5")
+        self.record(recording, every_s=every_s, fields=list(fields))
+        try:
+            self.run_for(seconds)
+        finally:
+            self.stop_recording()
+        _write_replay_page(recording, os.fspath(file), replace)
+
+
+def _png(self: Simulation, width: int, height: int, **look: Any) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "picture.png"
+        self.snapshot(file, width, height, **look)
+        return file.read_bytes()
+
+
+def show(self: Simulation, width: int = 960, height: int = 540, **look: Any) -> Any:
+    """Shows a picture of the world: in a notebook below the cell, otherwise in the program for pictures of the desktop.
+
+    look: the keyword arguments of snapshot(). Returns what a notebook displays, or the file.
+    """
+    picture = _png(self, width, height, **look)
+    try:
+        from IPython import display, get_ipython
+    except ImportError:
+        get_ipython = None
+    if get_ipython is not None and get_ipython() is not None:
+        return display.Image(data=picture)
+    with tempfile.NamedTemporaryFile(prefix="troupe-", suffix=".png", delete=False) as file:
+        file.write(picture)
+    import webbrowser
+
+    webbrowser.open(pathlib.Path(file.name).as_uri())
+    return file.name
+
+
+def _repr_html_(self: Simulation) -> str:
+    """The world in a notebook: a picture and a line of text."""
+    picture = base64.b64encode(_png(self, 640, 360)).decode()
+    text = f"{self.title}: {self.robots} robots, {self.time_s:g} s, state {self.state_hash():016x}"
+    return f'<img src="data:image/png;base64,{picture}" width="640" height="360"><br>{html.escape(text)}'
+
+
+for _function in (film, replay, show, _repr_html_):
+    setattr(Simulation, _function.__name__, _function)

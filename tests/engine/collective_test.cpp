@@ -1,0 +1,121 @@
+// Controllers that decide for all robots of a type in one call.
+#include "engine/controller.hpp"
+#include "engine/controller_check.hpp"
+#include "tests/support/scene.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+/// Stores in each memory how many robots decide together and how far its robot is in the batch, and turns the
+/// robots by the mean of their estimated headings, which depends on all of them.
+struct Choir {
+  struct Memory {
+    std::uint32_t singers = 0;
+    std::uint32_t place = 0;
+    double mean = 0;
+    TROUPE_FIELDS(singers, place, mean)
+  };
+  static constexpr bool needs_drive = true;
+
+  void operator()(const DecideBatch& batch) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < batch.size(); ++i) sum += batch.estimate(i).heading;  // depends on the order
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      auto& memory = *reinterpret_cast<Memory*>(batch.memory(i));
+      memory = {static_cast<std::uint32_t>(batch.size()), static_cast<std::uint32_t>(i),
+                sum / static_cast<double>(batch.size())};
+      batch.command(i) = {0.1, 0, memory.mean};
+    }
+  }
+};
+
+const Registry& choir_registry() {
+  static const Registry kinds = [] {
+    Registry all = test::registry();
+    for (const bool is_collective : {true, false}) {
+      all.controllers.push_back(make_controller_kind<Choir>(is_collective ? "choir" : "soloists", "..."));
+      all.controllers.back().is_collective = is_collective;
+    }
+    return all;
+  }();
+  return kinds;
+}
+
+constexpr std::size_t k_singers = 300;  // more than a task has
+
+struct ChoirScene {
+  Diagnostics diagnostics;
+  World world;
+  ChoirScene(const char* kind, unsigned threads, double tile_m = 0)
+      : world(make(kind), choir_registry(), {.threads = threads, .tile_size_m = tile_m}, diagnostics) {}
+
+  static WorldSpec make(const char* kind) {
+    test::SceneBuilder scene;
+    scene.spec.mortal = true;
+    const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
+    scene[bot].controllers.push_back({.kind = kind, .params = {}});
+    for (std::size_t i = 0; i < k_singers; ++i)
+      scene.body(fmt::format("r{}", i), bot,
+                 {0.5 * static_cast<double>(i * 7 % 20), 0.5 * static_cast<double>(i / 20), 0,
+                  0.01 * static_cast<double>(i)});
+    return scene.spec;
+  }
+  const Choir::Memory& memory(std::size_t robot) {
+    const Row row = world.row(BodyId(robot + 1));
+    const BodyType& type = world.type(row);
+    return world.tables()[*type.controllers[0].table].as<Choir::Memory>(world.slot(row));
+  }
+};
+
+TEST(Collective, DecidesForAllRobotsOfATypeInTheOrderOfTheirIds) {
+  ChoirScene scene("choir", 2);
+  scene.world.step();
+  for (std::size_t i = 0; i < k_singers; ++i) {
+    EXPECT_EQ(scene.memory(i).singers, k_singers);
+    EXPECT_EQ(scene.memory(i).place, i);
+  }
+  ChoirScene soloists("soloists", 2);
+  soloists.world.step();
+  EXPECT_LT(soloists.memory(0).singers, k_singers) << "the same class that decides in tasks";
+}
+
+TEST(Collective, LeavesOutRobotsThatAreDisabled) {
+  ChoirScene scene("choir", 2);
+  EXPECT_TRUE(scene.world.set_disabled(scene.world.row(BodyId(3)), true));
+  scene.world.step();
+  EXPECT_EQ(scene.memory(0).singers, k_singers - 1);
+  EXPECT_EQ(scene.memory(2).singers, 0u);
+  EXPECT_EQ(scene.memory(3).place, 2u);
+}
+
+TEST(Collective, HasTheSameBitsWithAnyThreadsAndTiles) {
+  ChoirScene expected("choir", 1);
+  ChoirScene other("choir", 3, 1.5);
+  for (int tick = 0; tick < 20; ++tick) {
+    expected.world.step();
+    other.world.step();
+    ASSERT_EQ(expected.world.hashes().state, other.world.hashes().state) << tick;
+  }
+}
+
+TEST(Collective, IsRepeatedAsAWhole) {
+  ChoirScene scene("choir", 2);
+  ControllerCheck check(scene.world, choir_registry());
+  for (int tick = 0; tick < 3; ++tick) {
+    scene.world.step();
+    EXPECT_THAT(check.repeat(), IsEmpty());
+  }
+  EXPECT_EQ(check.decisions(), 3 * k_singers);
+}
+
+}  // namespace
+}  // namespace troupe::engine

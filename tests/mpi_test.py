@@ -1,0 +1,290 @@
+#!/usr/bin/env python3
+"""One world on several processes, with the real launchers of Open MPI and MPICH (docs/cluster.md).
+
+    mpi_test.py PROGRAM    PROGRAM: the program `troupe`, in the folder of its modules for MPI
+
+Exits with 77 if neither MPI can be tested here.
+"""
+
+import contextlib
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAM = None
+
+WORLD = """{
+  "troupe": 1, "title": "A room", "quit_time_s": 3,
+  "types": {
+    "wall": {"size_m": [0.2, 6.5, 1]},
+    "wanderer": {"size_m": [0.31, 0.17, 0.2], "drive": {"kind": "diff", "localization": "odom"},
+      "controller": {"kind": "wander"}, "sensors": [
+        {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1},
+         "transducers": [{"range_max_m": 3.3, "fov_deg": 170.5, "samples": 9}]}]}
+  },
+  "models": [{"name": "wall", "type": "wall", "pose": {"x_m": 3.7, "heading_deg": 0.7}}],
+  "populations": [{"name": "w", "type": "wanderer", "count": 40,
+                   "place": {"rule": "uniform", "region_m": [[-3.3, -3.3], [3.3, 3.3]]}}]
+}
+"""
+
+
+def lines_of(log):
+    return [line for line in log.read_text().splitlines() if not line.startswith("#")]
+
+
+class OnProcesses:
+    """The tests of one MPI."""
+
+    mpi = None
+    launcher_options = ()
+
+    @classmethod
+    def setUpClass(cls):
+        cls.launcher = shutil.which(f"mpirun.{cls.mpi}")
+        module = pathlib.Path(PROGRAM).parent / f"libtroupe_mpi_{cls.mpi}.so"
+        if cls.launcher is None or not module.exists():
+            raise unittest.SkipTest(f"NOT TESTED: {cls.mpi}: its mpirun or {module} is missing (scripts/setup --mpi)")
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+        (self.folder / "room.json").write_text(WORLD)
+
+    def environment(self, **more):
+        own = {name: value for name, value in os.environ.items()
+               if not name.startswith(("OMPI_", "PMI", "SLURM_", "TROUPE_"))}
+        return {**own, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", **more}
+
+    def command(self, ranks, *arguments):
+        return [self.launcher, *self.launcher_options, "-n", str(ranks), PROGRAM, *map(str, arguments)]
+
+    def call(self, command, **environment):
+        return subprocess.run(command, capture_output=True, text=True, cwd=self.folder, timeout=300,
+                              env=self.environment(**environment))
+
+    def run_on(self, ranks, *arguments, **environment):
+        return self.call(self.command(ranks, *arguments), **environment)
+
+    def plain(self, *arguments):
+        done = self.call([PROGRAM, *map(str, arguments)])
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def expected(self):
+        self.plain("run", "room.json", "--threads", 1, "--hash-log", "plain.log", "--quiet")
+        return lines_of(self.folder / "plain.log")
+
+    def test_any_number_of_processes_gives_the_same_bits(self):
+        expected = self.expected()
+        self.assertEqual(len(expected), 31)
+        for ranks in (1, 2, 3, 4):
+            done = self.run_on(ranks, "run", "room.json", "--threads", 1, "--hash-log", "log", "--quiet")
+            self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
+            self.assertEqual(lines_of(self.folder / "log"), expected, f"{ranks} processes")
+
+    def test_only_rank_0_prints(self):
+        done = self.run_on(3, "run", "room.json", "--threads", 1)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout.count("running\n"), 1)
+        self.assertIn("\n  ranks              3\n", done.stdout)
+
+    def test_other_numbers_of_processes_resume(self):
+        expected = self.expected()
+        done = self.run_on(3, "run", "room.json", "--threads", 1, "--for", 1, "--checkpoint", "run.h5", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for ranks in (2, 4):
+            done = self.run_on(ranks, "resume", "run.h5", "--threads", 1, "--hash-log", f"{ranks}.log", "--quiet")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(lines_of(self.folder / f"{ranks}.log"), expected[10:])
+        self.plain("resume", "run.h5", "--threads", 2, "--hash-log", "one.log", "--quiet")
+        self.assertEqual(lines_of(self.folder / "one.log"), expected[10:])
+
+    def test_check_compares_with_one_process(self):
+        done = self.run_on(3, "check", "room.json", "--for", 1, "--threads", "1,2", "--tile-size", "auto")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(done.stdout.count("same bits"), 4)
+        self.assertEqual(done.stdout.count("all processes"), 2)
+
+    def test_ranks_may_have_different_instruction_sets(self):
+        expected = self.expected()
+        arguments = ["run", "room.json", "--threads", "1", "--hash-log", "log", "--quiet"]
+        command = [self.launcher, *self.launcher_options, "-n", "1", "env", "TROUPE_SIMD=scalar", PROGRAM, *arguments,
+                   ":", "-n", "2", PROGRAM, *arguments]
+        done = self.call(command)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(lines_of(self.folder / "log"), expected)
+
+    def refused(self, done, text, code=2):
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        self.assertEqual(done.stderr.count(text), 1, done.stderr)
+        self.assertEqual([file.name for file in self.folder.iterdir()], ["room.json"])
+
+    def test_errors_are_reported_once(self):
+        (self.folder / "room.json").write_text(WORLD.replace('"wander"', '"wonder"'))
+        self.refused(self.run_on(3, "run", "room.json", "--hash-log", "log"), 'unknown controller "wonder"')
+
+    def test_wrong_usage_is_reported_once(self):
+        self.refused(self.run_on(2, "run", "room.json", "--thread", 3), 'unknown option "--thread"')
+
+    def test_ranks_in_one_process_are_refused(self):
+        self.refused(self.run_on(2, "run", "room.json", "--ranks", 2), "leave out --ranks")
+
+    def test_commands_of_one_process_are_refused(self):
+        self.refused(self.run_on(2, "info", "room.json"), "this command runs in one: start it without the launcher")
+
+    def test_a_missing_module_is_an_error(self):
+        self.refused(self.run_on(3, "run", "room.json", "--hash-log", "log", TROUPE_MPI="none"),
+                     "there is no module libtroupe_mpi_none.so")
+
+    def test_a_world_of_one_under_a_launcher_of_three_is_an_error(self):
+        other = {"openmpi": "mpich", "mpich": "openmpi"}[self.mpi]
+        if not (pathlib.Path(PROGRAM).parent / f"libtroupe_mpi_{other}.so").exists():
+            self.skipTest(f"NOT TESTED: there is no module of {other}")
+        done = self.run_on(3, "run", "room.json", "--hash-log", "log", TROUPE_MPI=other)
+        self.refused(done, "it belongs to another MPI")
+
+    def test_other_arguments_are_an_error(self):
+        command = [self.launcher, *self.launcher_options, "-n", "1", PROGRAM, "run", "room.json", "--seed", "1", ":",
+                   "-n", "1", PROGRAM, "run", "room.json", "--seed", "2"]
+        self.refused(self.call(command), "give all ranks the same arguments")
+
+    def test_processes_share_a_study(self):
+        study = {"troupe_study": 1, "world": "room.json", "for_s": 1, "measures": ["stalls"],
+                 "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [5, 10]}],
+                 "seeds": {"from": 1, "count": 4}}
+        (self.folder / "study.json").write_text(json.dumps(study))
+        self.plain("sweep", "study.json", "-o", "one", "--quiet")
+        done = self.run_on(3, "sweep", "study.json", "-o", "three", "--threads", 1, "--quiet")
+        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
+        self.assertEqual((self.folder / "three" / "table.csv").read_text(), (self.folder / "one" / "table.csv").read_text())
+        self.assertEqual(len(list((self.folder / "three").glob("runs-*-of-3.jsonl"))), 3)
+
+    def test_a_wrong_study_is_reported_once(self):
+        done = self.run_on(3, "sweep", "room.json", "-o", "results")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertEqual(done.stderr.count('missing "troupe_study"'), 1, done.stderr)
+
+    def wait_for(self, condition, run):
+        end = time.monotonic() + 60
+        while not condition() and time.monotonic() < end and run.poll() is None:
+            time.sleep(0.05)
+        self.assertTrue(condition())
+
+    def started(self, *arguments, first="run.h5"):
+        """A run of three processes that does not end by itself. Returns it and the processes of its ranks, once the file `first`
+        exists."""
+        run = subprocess.Popen(self.command(3, "run", "room.json", "--threads", 1, "--for", 1e6, "--checkpoint", "run.h5",
+                                            "--quiet", *arguments),
+                               cwd=self.folder, env=self.environment(), text=True, stderr=subprocess.PIPE)
+        self.addCleanup(run.stderr.close)
+        self.addCleanup(run.kill)
+        self.wait_for((self.folder / first).exists, run)
+        ranks = []
+        for process in pathlib.Path("/proc").iterdir():
+            try:
+                if not process.name.isdigit() or os.readlink(process / "exe") != os.path.realpath(PROGRAM):
+                    continue
+                if os.readlink(process / "cwd") == str(self.folder.resolve()):
+                    ranks.append(int(process.name))
+            except OSError:
+                continue
+        self.assertEqual(len(ranks), 3)
+        return run, sorted(ranks)
+
+    @staticmethod
+    def end(process):
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(process, signal.SIGKILL)
+
+    def is_rank(self, process, rank):
+        words = pathlib.Path(f"/proc/{process}/environ").read_bytes().split(b"\0")
+        return any(word in words for word in (b"OMPI_COMM_WORLD_RANK=%d" % rank, b"PMI_RANK=%d" % rank))
+
+    def test_a_rank_that_dies_ends_the_run(self):
+        run, ranks = self.started("--checkpoint-every", 1)
+        os.kill(next(process for process in ranks if self.is_rank(process, 2)), signal.SIGKILL)
+        self.assertNotEqual(run.wait(timeout=60), 0)
+        end = time.monotonic() + 30
+        while any(os.path.exists(f"/proc/{process}/exe") for process in ranks) and time.monotonic() < end:
+            time.sleep(0.1)
+        # The last checkpoint is whole, and another number of ranks resumes it.
+        done = self.run_on(2, "resume", "run.h5", "--for", 1e6, "--wall-limit", 1, "--quiet")
+        self.assertEqual(done.returncode, 3, done.stderr)
+
+    def test_a_rank_that_does_not_answer_ends_the_run(self):
+        run, ranks = self.started("--checkpoint-every", 1, "--rank-limit", 2)
+        stopped = next(process for process in ranks if self.is_rank(process, 2))
+        os.kill(stopped, signal.SIGSTOP)
+        self.addCleanup(self.end, stopped)
+        self.assertNotEqual(run.wait(timeout=60), 0)
+        self.assertRegex(run.stderr.read(), r"rank [01] on \S+: waited 2 s for rank 2 on \S+, which does not answer")
+
+    def test_usr1_at_any_process_saves_the_state(self):
+        expected = self.expected()
+        saved = self.folder / "run.h5"
+        for rank in (0, 2):
+            saved.unlink(missing_ok=True)
+            (self.folder / "log").unlink(missing_ok=True)
+            run, ranks = self.started("--hash-log", "log", first="log")
+            ticks = lambda: len(lines_of(self.folder / "log"))
+            self.wait_for(lambda: ticks() > 10, run)
+            self.assertFalse(saved.exists())
+            os.kill(next(process for process in ranks if self.is_rank(process, rank)), signal.SIGUSR1)
+            self.wait_for(saved.exists, run)
+            before = ticks()
+            self.wait_for(lambda: ticks() > before + 10, run)  # the run goes on
+            os.kill(next(process for process in ranks if self.is_rank(process, 0)), signal.SIGKILL)
+            run.wait(timeout=60)
+            self.plain("resume", "run.h5", "--for", 0.1 + float(self.tick()) / 10, "--quiet", "--hash-log", "log")
+            log = lines_of(self.folder / "log")
+            self.assertEqual(log[:len(expected)], expected[:len(log)])
+
+    def test_a_profile_shows_each_process(self):
+        done = self.run_on(3, "run", "room.json", "--threads", 1, "--profile", "trace.json", "--profile-ticks", "2:4", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        events = [event for event in json.loads((self.folder / "trace.json").read_text())["traceEvents"] if event["pid"] == 2]
+        names = [event["args"]["name"] for event in events if event["name"] == "thread_name"]
+        self.assertEqual(names, ["rank 0", "rank 1", "rank 2"])
+        sensed = [event for event in events if event["name"] == "sense"]
+        self.assertEqual(sorted((event["args"]["tick"], event["tid"]) for event in sensed),
+                         [(tick, rank) for tick in (2, 3, 4) for rank in (0, 1, 2)])
+        self.assertTrue(all(event["dur"] > 0 for event in sensed))
+        self.assertEqual(sum(event["args"]["rows"] for event in sensed), 3 * 40)
+
+    def test_a_signal_saves_the_state(self):
+        run, ranks = self.started("--checkpoint-every", 1)
+        os.kill(next(process for process in ranks if self.is_rank(process, 0)), signal.SIGTERM)
+        self.assertEqual(run.wait(timeout=60), 3)
+        self.plain("resume", "run.h5", "--for", 0.1 + float(self.tick()) / 10, "--quiet")
+
+    def tick(self):
+        done = self.call([PROGRAM, "info", "run.h5"])
+        line = next(line for line in done.stdout.splitlines() if line.split()[:1] == ["tick"])
+        return line.split()[1].strip(",")
+
+
+class OpenMpi(OnProcesses, unittest.TestCase):
+    mpi = "openmpi"
+    launcher_options = ("--oversubscribe", "--bind-to", "none")
+
+
+class Mpich(OnProcesses, unittest.TestCase):
+    mpi = "mpich"
+
+
+if __name__ == "__main__":
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    result = unittest.main(exit=False).result
+    for _, reason in result.skipped:
+        print(reason, file=sys.stderr)
+    if not result.wasSuccessful():
+        sys.exit(1)
+    sys.exit(77 if result.testsRun == 0 else 0)

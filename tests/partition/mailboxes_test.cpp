@@ -1,0 +1,96 @@
+#include "partition/mailboxes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace troupe::partition {
+namespace {
+
+std::shared_ptr<const Message> number(std::uint64_t value) {
+  MessageWriter writer;
+  writer.put(value);
+  return std::make_shared<const Message>(writer.take());
+}
+
+std::uint64_t number_in(const std::shared_ptr<const Message>& message) {
+  return MessageReader(*message).get<std::uint64_t>();
+}
+
+// Each rank sends its numbers to each other rank, and receives theirs from the last rank to the first.
+TEST(Mailboxes, KeepTheOrderOfEachSender) {
+  constexpr unsigned k_ranks = 5;
+  constexpr std::uint64_t k_messages = 30;
+  for (const std::optional<std::uint64_t> seed : {std::optional<std::uint64_t>(), {1}, {2}}) {
+    Mailboxes boxes(k_ranks, seed);
+    std::vector<std::vector<std::uint64_t>> got(k_ranks);
+    std::vector<std::thread> threads;
+    for (unsigned rank = 0; rank < k_ranks; ++rank)
+      threads.emplace_back([&, rank] {
+        Transport& own = boxes.of(rank);
+        for (std::uint64_t i = 0; i < k_messages; ++i) own.send_to_all(number(1000 * rank + i));
+        for (unsigned from = k_ranks; from-- > 0;)
+          for (std::uint64_t i = 0; from != rank && i < k_messages; ++i)
+            got[rank].push_back(number_in(own.receive(from)));
+      });
+    for (std::thread& thread : threads) thread.join();
+    for (unsigned rank = 0; rank < k_ranks; ++rank) {
+      std::vector<std::uint64_t> expected;
+      for (unsigned from = k_ranks; from-- > 0;)
+        for (std::uint64_t i = 0; from != rank && i < k_messages; ++i) expected.push_back(1000 * from + i);
+      EXPECT_EQ(got[rank], expected) << "rank " << rank;
+      EXPECT_EQ(boxes.of(rank).traffic().messages, k_messages * (k_ranks - 1));
+      EXPECT_EQ(boxes.of(rank).traffic().bytes, k_messages * (k_ranks - 1) * 8);
+    }
+  }
+}
+
+TEST(Mailboxes, ThatAreClosedEndAWait) {
+  Mailboxes boxes(2, 1);
+  boxes.of(1).send(0, number(7));
+  std::string error;
+  std::thread waiting([&] {
+    EXPECT_EQ(number_in(boxes.of(0).receive(1)), 7u);
+    try {
+      boxes.of(0).receive(1);
+    } catch (const RankError& thrown) {
+      error = thrown.what();
+    }
+  });
+  boxes.close("rank 1 failed: no memory");
+  boxes.close("a later reason");
+  waiting.join();
+  EXPECT_EQ(error, "rank 1 failed: no memory");
+}
+
+TEST(Mailboxes, AreForOneTo1024Ranks) {
+  EXPECT_NO_THROW(Mailboxes(1024));
+  for (const unsigned ranks : {0u, 1025u}) {
+    try {
+      Mailboxes boxes(ranks);
+      ADD_FAILURE() << ranks;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(std::string(error.what()), std::to_string(ranks) + " ranks: must be 1 to 1024");
+    }
+  }
+}
+
+TEST(Message, ThatIsTooShortIsAnError) {
+  MessageWriter writer;
+  writer.put(std::uint32_t{3});
+  writer.put_text("abc");
+  const Message message = writer.take();
+  MessageReader reader(message);
+  EXPECT_EQ(reader.get<std::uint32_t>(), 3u);
+  EXPECT_FALSE(reader.is_done());
+  EXPECT_EQ(reader.get_text(), "abc");
+  EXPECT_TRUE(reader.is_done());
+  EXPECT_THROW(reader.get<std::uint8_t>(), std::logic_error);
+}
+
+}  // namespace
+}  // namespace troupe::partition

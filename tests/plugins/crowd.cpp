@@ -1,0 +1,48 @@
+// Measures of a plug-in: one without and one with parameters and memory.
+#include <troupe/plugin.hpp>
+
+#include <algorithm>
+
+/// Distance between the two robots that are farthest apart.
+struct Extent : troupe::Measure {
+  static constexpr std::string_view text = "distance between the two robots that are farthest apart";
+  static constexpr std::string_view formula = "max_(i, j) |x_i - x_j|";
+  static constexpr troupe::Unit unit = troupe::Unit::meters;
+
+  Extent(const troupe::World&, std::vector<troupe::Row> its_robots) : robots(std::move(its_robots)) {}
+  double value(troupe::World& world) override {
+    double farthest = 0;
+    for (const troupe::Row a : robots)
+      for (const troupe::Row b : robots)
+        farthest = std::max(farthest, (world.transform(a).position - world.transform(b).position).norm());
+    return farthest;
+  }
+
+  std::vector<troupe::Row> robots;
+};
+TROUPE_MEASURE("crowd", Extent)
+
+/// Number of ticks in which the first robot has been beyond a line.
+struct Beyond : troupe::Measure {
+  struct Params {
+    double x = 0;
+
+    static constexpr void describe(troupe::Description<Params>& d) {
+      d.member<&Params::x>("x", troupe::Unit::meters, troupe::facts::required, "place of the line");
+    }
+  };
+  static constexpr std::string_view text = "ticks in which the first robot was beyond a line";
+
+  Beyond(const troupe::World&, const Params& its_params, std::vector<troupe::Row> its_robots)
+      : params(its_params), robots(std::move(its_robots)) {}
+  void see(troupe::World& world) override {
+    ticks += world.transform(robots.front()).position.x() > params.x;
+  }
+  double value(troupe::World&) override { return ticks; }
+  std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(&ticks, 1)); }
+
+  Params params;
+  std::vector<troupe::Row> robots;
+  double ticks = 0;
+};
+TROUPE_MEASURE("beyond", Beyond)

@@ -1,0 +1,248 @@
+"""Controllers and measures in Python: run, check, sweep, checkpoints, and what is wrong with them."""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+import numpy as np
+import troupe
+from support import InAFolder
+
+PACKAGES = pathlib.Path(os.environ["PYTHONPATH"].split(":")[0])
+PROGRAM = PACKAGES.parents[2] / "bin" / "troupe"
+PLUGINS = PACKAGES.parents[2] / "plugins" / "plugins"
+
+WORLD = """{"troupe": 1, "quit_time_s": 2, "measures": ["stalls"],
+  "arena": {"size_m": [6, 6]},
+  "types": {"bot": {"disc": {"radius_m": 0.1, "height_m": 0.2}, "drive": {"kind": "diff"},
+    "sensors": [{"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 5}]},
+                {"name": "radio", "kind": "radio", "range_m": 2, "payload": 4, "most_heard": 4}],
+    "devices": [{"name": "lamp", "kind": "led"}]}},
+  "populations": [{"name": "r", "type": "bot", "count": 30, "place": {"rule": "uniform"}}]}"""
+
+# Every robot turns by a random walk that it remembers, shines by what it sees and says where it heads.
+ROAM = """import numpy as np
+import troupe
+
+
+class roam(troupe.Controller):
+    \"\"\"roam about\"\"\"
+
+    robots = "r"
+    memory = {"turn": np.float32(0.25), "steps": "u4", "seen": np.zeros(5, "f4")}
+
+    def decide(self, robots):
+        memory = robots.memory
+        memory["turn"] = 0.9 * memory["turn"] + 0.1 * robots.normal()
+        memory["steps"] += 1
+        memory["seen"] = robots.ranges("eye")
+        near = memory["seen"].min(axis=1) < 0.4
+        robots.set_speeds(np.where(near, 0.0, 0.3), memory["turn"] + near)
+        robots.command("lamp", shows=1, red=near)
+        robots.say(memory["turn"])
+        heard, there = robots.heard("f4")
+        robots.command("lamp", green=there.any(axis=1), where=near)
+
+
+@troupe.measure(unit="m")
+def reach(robots):
+    "largest distance from the middle"
+    return np.abs(robots.poses()[:, :2]).max()
+"""
+
+# The law of the plug-in tests/plugins/walker.cpp.
+WALKER = """import numpy as np
+import troupe
+
+
+class walker(troupe.Controller):
+    memory = {"phase": "f8", "faint": "f8", "steps": "u4"}
+
+    def decide(self, robots):
+        memory = robots.memory
+        memory["phase"] += 0.3 * robots.normal()
+        memory["faint"] = 0.5 * (memory["faint"] + 2.0**-1050 * robots.uniform())
+        memory["steps"] += 1
+        robots.set_speeds(0.3 * troupe.math.cos(memory["phase"]), troupe.math.sin(memory["phase"]))
+"""
+
+
+class Controllers(InAFolder):
+    def setUp(self):
+        super().setUp()
+        self.write("w.json", WORLD)
+        self.write("roam.py", ROAM)
+
+    def write(self, name, text):
+        (self.folder / name).write_text(text)
+
+    def troupe(self, *arguments, code=0, **environment):
+        made = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=300,
+                              env={**os.environ, "TROUPE_PYTHON": sys.executable, **environment})
+        self.assertEqual(made.returncode, code, made.stdout + made.stderr)
+        return made
+
+    def hashes(self, log):
+        return [line.split()[:2] for line in (self.folder / log).read_text().splitlines() if not line.startswith("#")]
+
+    def test_a_run_a_simulation_and_a_resumed_run_have_one_hash(self):
+        self.troupe("run", "w.json", "--controller", "roam.py", "--hash-log", "run.log")
+        hashes = self.hashes("run.log")
+        self.assertEqual(len(hashes), 21)
+        world = troupe.Simulation("w.json", controllers=["roam.py"], threads=3, tile_size_m=1)
+        for tick, expected in hashes[1:]:
+            world.step()
+            self.assertEqual((tick, expected), (str(world.tick), f"{world.state_hash():016x}"))
+        memory = world.table("roam/0")
+        self.assertEqual(memory["steps"].tolist(), [20] * 30)
+        self.assertEqual([field.name for field in memory.fields], ["turn", "steps", "seen"])
+        self.assertGreater(np.ptp(memory["turn"]), 0)
+        self.assertTrue((world.swarm().readings("shown_color", "lamp")[:, 0] > 0).any())
+
+        self.troupe("run", "w.json", "--controller", "roam.py", "--for", "0.7", "--checkpoint", "c.h5")
+        self.troupe("resume", "c.h5", "--controller", "roam.py", "--for", "2", "--hash-log", "rest.log")
+        self.assertEqual(self.hashes("rest.log")[-1], hashes[-1])
+        again = troupe.Simulation.resume("c.h5", controllers=["roam.py"])
+        again.step(13)
+        self.assertEqual(f"{again.state_hash():016x}", hashes[-1][1])
+        world.reset()
+        world.step(20)
+        self.assertEqual(f"{world.state_hash():016x}", hashes[-1][1])
+
+    def test_ranks_of_one_process_have_the_same_hash(self):
+        self.troupe("run", "w.json", "--controller", "roam.py", "--hash-log", "one.log")
+        self.troupe("run", "w.json", "--controller", "roam.py", "--ranks", "3", "--hash-log", "three.log")
+        self.assertEqual(self.hashes("three.log"), self.hashes("one.log"))
+        made = self.troupe("check", "w.json", "--controller", "roam.py", "--for", "1", "--ranks", "1,2,4")
+        self.assertNotIn("DIFFERS", made.stdout)
+        self.write("roam.py", ROAM.replace("        memory = robots.memory\n", "        memory = robots.nothing\n"))
+        made = self.troupe("run", "w.json", "--controller", "roam.py", "--ranks", "3", code=1)
+        self.assertIn("roam.py:", made.stderr)
+
+    def test_a_checkpoint_needs_its_script(self):
+        self.troupe("run", "w.json", "--controller", "roam.py", "--for", "0.5", "--checkpoint", "c.h5")
+        self.assertIn("if it is a Python script, give --controller roam.py",
+                      self.troupe("resume", "c.h5", "--for", "1", code=2).stderr)
+        self.write("roam.py", ROAM.replace("0.9 *", "0.8 *"))
+        self.assertIn("--across-plugins",
+                      self.troupe("resume", "c.h5", "--controller", "roam.py", "--for", "1", code=2).stderr)
+        self.troupe("resume", "c.h5", "--controller", "roam.py", "--for", "1", "--across-plugins")
+
+    def test_check_finds_the_same_bits_and_a_state_that_is_not_declared(self):
+        made = self.troupe("check", "w.json", "--controller", "roam.py", "--for", "1", "--threads", "1,3",
+                           "--tile-size", "1,3", "--amnesia", "--controllers")
+        self.assertNotIn("DIFFERS", made.stdout)
+        self.assertIn("300 decisions, each 3 times", made.stdout)
+        self.write("leaky.py", ROAM.replace("class roam", "CALLS = [0]\n\n\nclass leaky").replace(
+            "        memory = robots.memory\n",
+            "        memory = robots.memory\n        CALLS[0] += 1\n        memory['turn'] += 1e-3 * CALLS[0]\n"))
+        made = self.troupe("check", "w.json", "--controller", "leaky.py", "--for", "1", code=1)
+        self.assertIn("DIFFERS", made.stdout)
+
+    def test_the_law_of_a_plug_in_gives_its_hash(self):
+        self.write("walker.py", WALKER)
+        self.troupe("run", "w.json", "--controller", "walker.py", "--hash-log", "python.log")
+        world = WORLD.replace('"devices"', '"controller": {"kind": "walker"}, "devices"')
+        self.write("cpp.json", world)
+        self.troupe("run", "cpp.json", "--plugin-path", PLUGINS, "--hash-log", "cpp.log")
+        self.assertEqual(self.hashes("python.log"), self.hashes("cpp.log"))
+
+    def test_measures_in_python(self):
+        self.troupe("run", "w.json", "--controller", "roam.py", "--measures", "m.csv", "--measure", "roam:reach,stalls")
+        lines = (self.folder / "m.csv").read_text().splitlines()
+        self.assertEqual(lines[0], "tick,time_s,roam:reach_m,stalls")
+        self.assertRegex(lines[1], r"^0,0,[12]\.\d+,0$")
+        stopping = WORLD.replace('"quit_time_s": 2', '"quit_time_s": 2, "stop_when": ["roam:reach > 0"]')
+        self.write("stop.json", stopping)
+        self.assertIn("ticks              1 of", self.troupe("run", "stop.json", "--controller", "roam.py").stdout)
+        checked = self.troupe("check", "stop.json", "--controller", "roam.py", "--for", "0.5")
+        self.assertIn("roam:reach is a measure in Python, outside the promise of equal bits", checked.stdout)
+        world = troupe.Simulation("w.json", controllers=["roam.py"])
+        measures = troupe.Measures(world, ["stalls", "roam:reach", lambda robots: len(robots)])
+        self.assertEqual(measures.columns, ["stalls", "roam:reach_m", "<lambda>"])
+        self.assertEqual(measures.values()[1:], [np.abs(world.swarm().poses()[:, :2]).max(), 30])
+        self.assertEqual(measures["<lambda>"], 30)
+
+    def test_a_sweep_uses_both(self):
+        self.write("study.json", '{"troupe_study": 1, "world": "w.json", "seeds": {"from": 1, "count": 3}, "measures": ["roam:reach"]}')
+        self.troupe("sweep", "study.json", "-o", "out", "--controller", "roam.py", "--threads", "2")
+        rows = (self.folder / "out" / "table.csv").read_text().splitlines()
+        self.assertEqual(len(rows), 4)
+        self.assertIn("roam:reach_m", rows[0])
+        hash_of = rows[1].split(",")[rows[0].split(",").index("state_hash")]
+        world = troupe.Simulation("w.json", seed=1, controllers=["roam.py"])
+        world.step(20)
+        self.assertEqual(f"{world.state_hash():016x}", hash_of)
+
+    def test_classes_can_be_given(self):
+        class Still(troupe.Controller):
+            memory = {"n": "i4"}
+
+            def decide(self, robots):
+                robots.memory["n"] += np.arange(len(robots))
+
+        world = troupe.Simulation("w.json", controllers=[Still])
+        world.step(3)
+        table = world.table("controllers_test:Still/0")
+        self.assertEqual(sorted(table["n"].tolist()), [3 * i for i in range(30)])
+        with self.assertRaisesRegex(TypeError, "neither the name of a script nor a class"):
+            troupe.Simulation("w.json", controllers=[int])
+
+    def error_of(self, change, code, *more, text=ROAM):
+        self.write("my.py", text.replace(*change))
+        return self.troupe("run", "w.json", "--controller", "my.py", *more, code=code).stderr
+
+    def test_what_is_wrong_is_said_with_its_line(self):
+        class_line = next(n for n, line in enumerate(ROAM.splitlines(), 1) if line.startswith("class "))
+        for change, code, text in (
+            (("import troupe\n", "import troupe\nfor\n"), 2, "my.py:3: error: SyntaxError: "),
+            (("import troupe\n", "import troupe\nnope\n"), 2, "my.py:3: error: NameError: name 'nope' is not defined"),
+            (('robots = "r"', 'robots = "s"'), 2,
+             f'my.py:{class_line}: error: controller roam: unknown type, population or robot "s"; known: bot'),
+            (('"u4"', '"u8x"'), 2, f"my.py:{class_line}: error: roam.memory['steps'] is 'u8x': expected a NumPy"),
+            (('"u4"', '"c16"'), 2, "has the type complex128 and the shape (): expected numbers of one of the types"),
+            (('np.zeros(5, "f4")', "np.zeros((5, 2))"), 2, "has the type float64 and the shape (5, 2)"),
+            (('    robots = "r"', "    uses = ['nose']"), 2, 'uses the device "nose", which the type does not have'),
+            (('memory["steps"] += 1', "raise ValueError('no')"), 1,
+             "tick 1: controller \"my:roam\" of \"r0\", the first of a batch of 30 robots, threw: my.py:14: ValueError: no"),
+            (('np.where(near, 0.0, 0.3)', "np.zeros(4)"), 1, "my.py:17: ValueError: forward has shape (4,); "),
+            (('memory["seen"] = robots.ranges("eye")', 'memory["seen"] = robots.ranges("eye")[:, :2]'), 1,
+             "my.py:15: ValueError: "),
+            (('memory["steps"] += 1', "self.count = 1"), 1,
+             'my.py:14: AttributeError: a controller has no attributes of its own: declare "count" in `memory`'),
+            (("class roam(troupe.Controller)", "class roam"), 2, "has the script a controller?"),
+        ):
+            if text.startswith("has the script"):
+                self.write("my.py", "import troupe\n")
+                found = self.troupe("run", "w.json", "--controller", "my.py", code=2).stderr
+                text = "my.py: error: it has no class derived from troupe.Controller"
+            else:
+                found = self.error_of(change, code)
+            with self.subTest(text):
+                self.assertIn(text, found)
+        found = self.troupe("run", "w.json", "--controller", "none.py", code=2).stderr
+        self.assertIn("none.py: error: cannot be read: No such file or directory", found)
+        launched = {"OMPI_COMM_WORLD_RANK": "0", "OMPI_COMM_WORLD_SIZE": "4"}
+        found = self.troupe("run", "w.json", "--controller", "roam.py", code=2, **launched).stderr
+        self.assertIn("--controller runs in one process, but mpirun of Open MPI has started 4", found)
+        found = self.troupe("run", "w.json", "--controller", "roam.py", code=2, TROUPE_PYTHON="/no/python").stderr
+        self.assertIn('"/no/python" cannot be executed', found)
+
+    def test_the_robots_of_a_call_end_with_it(self):
+        kept = []
+
+        class Keeper(troupe.Controller):
+            def decide(self, robots):
+                kept.append(robots)
+
+        world = troupe.Simulation("w.json", controllers=[Keeper])
+        world.step()
+        with self.assertRaisesRegex(RuntimeError, "only during its call"):
+            kept[0].ranges()
+
+
+if __name__ == "__main__":
+    unittest.main()

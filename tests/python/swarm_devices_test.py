@@ -1,0 +1,159 @@
+"""Readings and commands of all robots' devices as arrays: Swarm.readings, command, say and heard."""
+
+import os
+import pathlib
+import time
+import unittest
+
+import numpy as np
+import troupe
+from support import ROOM
+
+PLUGINS = pathlib.Path(os.environ["PYTHONPATH"].split(":")[0]).parents[2] / "plugins" / "plugins"
+
+TALKERS = {
+    "troupe": 1,
+    "types": {
+        "bot": {
+            "size_m": [0.2, 0.2, 0.2],
+            "drive": {"kind": "diff"},
+            "sensors": [{"name": "radio", "kind": "radio", "range_m": 3, "payload": 8, "most_heard": 3}],
+            "devices": [{"name": "lamp", "kind": "led"}],
+        }
+    },
+    "populations": [
+        {"name": "r", "type": "bot", "count": 6, "place": {"rule": "grid", "region_m": [[0, 0], [0, 10]], "pitch_m": 2}}
+    ],
+}
+
+
+class Devices(unittest.TestCase):
+    def setUp(self):
+        self.world = troupe.Simulation(TALKERS)
+        self.swarm = self.world.swarm("r")
+
+    def test_readings_are_arrays_in_the_order_of_the_swarm(self):
+        self.world.step()
+        self.assertEqual(self.swarm.readings("count").shape, (6,))
+        self.assertEqual(self.swarm.readings("count").dtype, np.uint32)
+        self.assertEqual(self.swarm.readings("range", "radio").shape, (6, 3))
+        self.assertEqual(self.swarm.readings("payload", "radio").shape, (6, 24))
+        for i, name in enumerate(self.swarm.names):
+            np.testing.assert_array_equal(
+                self.swarm.readings("shown_color", "lamp")[i], self.world.find(name).readings("shown_color"))
+        room = troupe.Simulation(ROOM)
+        room.step()
+        np.testing.assert_array_equal(room.swarm("r").readings("ranges"), room.swarm("r").ranges())
+
+    def test_commands_take_numbers_and_arrays(self):
+        red = np.linspace(0, 1, 6, dtype=np.float32)
+        self.swarm.command("lamp", shows=1, red=red, green=0.5, where=np.arange(6) < 5)
+        now = self.swarm.commands("lamp")
+        np.testing.assert_array_equal(now["red"][:5], red[:5])
+        self.assertEqual(now["shows"].tolist(), [1, 1, 1, 1, 1, 0])
+        self.world.step(2)
+        shown = self.swarm.readings("shown_color", "lamp")
+        np.testing.assert_array_equal(shown[:5], np.stack([red[:5], np.full(5, 0.5), np.zeros(5)], 1))
+        np.testing.assert_array_equal(shown[5], [1, 1, 1])
+
+    def test_messages_are_bytes_or_arrays(self):
+        self.swarm.say(np.arange(6, dtype="<f4") / 2)
+        self.world.step(2)
+        heard, there = self.swarm.heard("<f4")
+        self.assertEqual(heard.shape, (6, 3))
+        self.assertEqual(there.sum(axis=1).tolist(), [1, 2, 2, 2, 2, 1])
+        for i in range(6):
+            self.assertEqual(sorted(heard[i][there[i]]), [n / 2 for n in (i - 1, i + 1) if 0 <= n < 6])
+        self.assertFalse(self.swarm.heard("u1")[1].any())  # messages of another length
+        self.swarm.say(b"hello")
+        self.world.step(2)
+        heard, there = self.swarm.heard("S5")
+        self.assertEqual(set(heard[there].tolist()), {b"hello"})
+        self.swarm.command("radio", mode=1, length=np.arange(6), payload=[b"ab"[: i % 3] for i in range(6)])
+        self.world.step(2)
+        self.assertEqual(self.swarm.readings("length")[0, 0], 1)
+        np.testing.assert_array_equal(self.swarm.readings("payload")[1][:3], [0, 0, 0])
+        pairs = np.zeros(6, dtype=[("heading", "<f4"), ("hops", "<u2")])
+        pairs["hops"] = np.arange(6)
+        self.swarm.say(pairs)
+        self.world.step(2)
+        heard, there = self.swarm.heard(pairs.dtype)
+        self.assertEqual(heard["hops"][0][there[0]].tolist(), [1])
+        self.swarm.command("radio", mode=2)
+        self.world.step(2)
+        self.assertEqual(self.swarm.readings("count").tolist(), [0] * 6)
+
+    def test_what_is_wrong_changes_nothing(self):
+        for error, text, call in (
+            (LookupError, 'unknown field of "radio" "cuont"; known: ', lambda: self.swarm.readings("cuont", "radio")),
+            (LookupError, 'did you mean "lamp"', lambda: self.swarm.command("lump", red=1)),
+            (LookupError, 'unknown command of "lamp" "rde"; known: ', lambda: self.swarm.command("lamp", red=1, rde=1)),
+            (ValueError, '"red" has shape .5,.; for a swarm of 6 robots give one number, or one for each',
+             lambda: self.swarm.command("lamp", green=1, red=np.zeros(5))),
+            (ValueError, '"shows" has the type uint8, which cannot represent 1.5',
+             lambda: self.swarm.command("lamp", red=1, shows=1.5)),
+            (ValueError, "a message of 16 bytes is longer than the payload",
+             lambda: self.swarm.say(np.zeros((6, 2)))),
+            (ValueError, "message has shape .5,.", lambda: self.swarm.say(np.zeros(5))),
+            (ValueError, "does not fit into the payload", lambda: self.swarm.heard("S9")),
+            (ValueError, "where, of float64, has shape", lambda: self.swarm.command("lamp", red=1, where=np.zeros(6))),
+        ):
+            with self.subTest(text), self.assertRaisesRegex(error, text):
+                call()
+        self.assertEqual(self.swarm.commands("lamp")["red"].tolist(), [0] * 6)
+
+
+class TenThousand(unittest.TestCase):
+    """The law of tests/plugins/talker.cpp in NumPy, between ticks, takes at most three times as long.
+
+    The states differ: a plug-in sees the estimated pose before the motion of its tick.
+    """
+
+    def world(self, count, **controller):
+        bot = {
+            "disc": {"radius_m": 0.1, "height_m": 0.1, "corners": 8},
+            "drive": {"kind": "diff"},
+            "sensors": [{"name": "radio", "kind": "radio", "range_m": 1.2, "payload": 8, "most_heard": 16}],
+            "devices": [{"name": "lamp", "kind": "led"}],
+            **controller,
+        }
+        place = {"rule": "grid", "pitch_m": 0.5, "jitter_m": 0.1, "heading": "random", "region_m": [[0, 0], [49.9, 50]]}
+        return {"troupe": 1, "types": {"bot": bot},
+                "populations": [{"name": "r", "type": "bot", "count": count, "place": place}]}
+
+    @staticmethod
+    def talk(swarm):
+        heading = swarm.estimates()[:, 3]
+        heard, there = swarm.heard("2f4")
+        mean = np.where(there[:, :, np.newaxis], heard, 0)
+        x, y = troupe.math.ordered_sum(mean[:, :, 0]), troupe.math.ordered_sum(mean[:, :, 1])
+        count = there.sum(axis=1)
+        turn = troupe.math.wrap_angle(troupe.math.atan2(y, x) - heading)
+        swarm.set_speeds(0.2, np.where(count > 0, turn, 0.0))
+        swarm.say(np.stack([troupe.math.cos(heading), troupe.math.sin(heading)], axis=1).astype("f4"))
+        swarm.command("lamp", shows=1, red=count.astype("f4") / np.float32(16), green=0.25, blue=0.25)
+
+    def both(self, count, ticks):
+        plugin = troupe.Simulation(self.world(count, controller={"kind": "talker"}), plugin_path=[PLUGINS], threads=1)
+        numpy = troupe.Simulation(self.world(count), threads=1)
+        swarm = numpy.swarm()
+        taken = [0.0, 0.0]
+        for _ in range(ticks):
+            begin = time.process_time()
+            numpy.step()
+            self.talk(swarm)
+            between = time.process_time()
+            plugin.step()
+            taken[0] += between - begin
+            taken[1] += time.process_time() - between
+        return taken
+
+    def test_takes_at_most_three_times_as_long(self):
+        taken = self.both(10000, 8)
+        print(f"10,000 robots: NumPy {taken[0] / 8 * 1e3:.1f} ms, plug-in {taken[1] / 8 * 1e3:.1f} ms of processor time a tick, "
+              f"ratio {taken[0] / taken[1]:.2f}")
+        self.assertLess(taken[0], 3 * taken[1])
+
+
+if __name__ == "__main__":
+    unittest.main()

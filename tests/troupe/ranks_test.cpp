@@ -1,0 +1,577 @@
+// Several ranks compute a world with the same bits as one, however late and shuffled their messages arrive
+// and whichever robots each of them works for (docs/cluster.md).
+
+#include "base/hash.hpp"
+#include "engine/controller.hpp"
+#include "engine/replica.hpp"
+#include "engine/world.hpp"
+#include "models/devices/led.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/scratch.hpp"
+#include "tests/support/slow_build.hpp"
+#include "tests/troupe/golden_hashes.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/troupe.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+namespace fs = std::filesystem;
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// A number of ranks, of threads per rank, and a seed of delays and owners.
+struct Team {
+  unsigned ranks = 1;
+  unsigned threads = 1;
+  std::uint64_t seed = 1;
+};
+
+SimulationOptions options_of(const Team& team, const scenes::Run& run) {
+  SimulationOptions options;
+  options.threads = team.threads;
+  options.ranks = team.ranks;
+  options.rank_seed = team.seed;
+  if (run.by_grid) options.ranging = RangingEngine::grid;
+  if (run.robots) options.robots = {{"", *run.robots}};
+  return options;
+}
+
+std::vector<std::string> log_of(const scenes::Run& run, const Team& team) {
+  Simulation simulation(run.file(), options_of(team, run));
+  std::vector<std::string> lines{simulation.hash_log_line()};
+  while (simulation.tick() < run.ticks) {
+    simulation.step();
+    lines.push_back(simulation.hash_log_line());
+  }
+  return lines;
+}
+
+/// Each pair of values of two columns is in a row.
+constexpr std::array<Team, 12> k_teams{{{2, 1, 1},
+                                        {2, 2, 2},
+                                        {2, 1, 3},
+                                        {3, 2, 1},
+                                        {3, 1, 2},
+                                        {3, 2, 3},
+                                        {4, 1, 1},
+                                        {4, 2, 2},
+                                        {4, 1, 3},
+                                        {7, 2, 1},
+                                        {7, 1, 2},
+                                        {7, 2, 3}}};
+
+void expect_golden(const scenes::Run& run, const std::vector<Team>& teams) {
+  const std::vector<std::string> expected = log_of(run, {});
+  const auto golden = test::golden_hashes();
+  ASSERT_THAT(expected.back(), HasSubstr(" " + golden.at(test::golden_run(run)) + " "));
+  for (const Team& team : teams) {
+    const std::vector<std::string> got = log_of(run, team);
+    for (std::size_t tick = 0; tick < expected.size(); ++tick)
+      ASSERT_EQ(got[tick], expected[tick])
+          << team.ranks << " ranks, " << team.threads << " threads, seed " << team.seed;
+  }
+}
+
+class Ranks : public ::testing::TestWithParam<scenes::Run> {};
+
+// One team for each world; the worlds together use all of them.
+TEST_P(Ranks, GiveTheSameBits) {
+  expect_golden(GetParam(), {k_teams[hash_text(GetParam().name()) % k_teams.size()]});
+}
+
+class RanksOfScene : public ::testing::TestWithParam<scenes::Run> {};
+
+// One team for each number of ranks; scripts/prove runs more.
+TEST_P(RanksOfScene, GiveTheSameBits) {
+  std::vector<Team> teams;
+  for (std::size_t first = 0; first < k_teams.size(); first += 3)
+    teams.push_back(k_teams[first + hash_text(GetParam().name()) % 3]);
+  expect_golden(GetParam(), teams);
+}
+
+std::vector<scenes::Run> runs() {
+  return scenes::runs_of(test::k_slow_build ? "same_bits_slow" : "same_bits");
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, Ranks, ::testing::ValuesIn(runs()),
+                         [](const auto& run) { return run.param.name(); });
+INSTANTIATE_TEST_SUITE_P(Worlds, RanksOfScene, ::testing::ValuesIn(runs()),
+                         [](const auto& run) { return run.param.name(); });
+
+/// A room with wandering robots that have radios and noisy odometry, a gripper, a reserve and faults.
+constexpr std::string_view k_wanderers = R"({
+  "troupe": 1, "title": "A room", "mortal": true,
+  "types": {
+    "wall": {"size_m": [0.2, 6.5, 1]},
+    "wanderer": {"size_m": [0.31, 0.17, 0.2],
+      "drive": {"kind": "diff", "localization": "odom", "odom_error": [0.03, 0.03, 0.05]},
+      "controller": {"kind": "wander"}, "sensors": [
+      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 3.3, "fov_deg": 170.5, "samples": 9}]}]}
+  },
+  "models": [{"name": "wall", "type": "wall", "pose": {"x_m": 3.7, "heading_deg": 0.7}}],
+  "populations": [
+    {"name": "w", "type": "wanderer", "count": 40, "reserve": 5,
+     "place": {"rule": "uniform", "region_m": [[-3.3, -3.3], [3.3, 3.3]]}}
+  ]
+})";
+
+class RanksOfAProgram : public test::ScratchTest {
+ protected:
+  static constexpr std::uint64_t k_ticks = 12;
+
+  Simulation load(unsigned ranks, std::uint64_t seed = 5) const {
+    SimulationOptions options;
+    options.threads = 2;
+    options.ranks = ranks;
+    options.rank_seed = seed;
+    return Simulation(write("room.json", k_wanderers), options);
+  }
+  using Program = std::function<void(Simulation& simulation)>;
+  /// The hash log of a run whose program changes the world before each tick.
+  static std::vector<std::string> log_of(Simulation simulation, const Program& program) {
+    std::vector<std::string> lines;
+    for (std::uint64_t i = 0; i < k_ticks; ++i) {
+      program(simulation);
+      lines.push_back(simulation.hash_log_line());
+      simulation.step();
+      lines.push_back(simulation.hash_log_line());
+    }
+    return lines;
+  }
+  void expect_same(const Program& program) const {
+    const std::vector<std::string> expected = log_of(load(1), program);
+    EXPECT_NE(expected, log_of(load(1), [](Simulation&) {})) << "the program changes nothing";
+    EXPECT_EQ(log_of(load(3), program), expected);
+    EXPECT_EQ(log_of(load(4, 6), program), expected);
+  }
+};
+
+TEST_F(RanksOfAProgram, TakeOverItsCommands) {
+  expect_same([](Simulation& simulation) {
+    simulation.find("w7").set_estimate({0.1, 0.2, 0, 0.3});
+    simulation.find("w3").go_to(0.1 * static_cast<double>(simulation.tick()), 1, 0);
+  });
+}
+
+TEST_F(RanksOfAProgram, TakeOverPlacesBirthsAndDeaths) {
+  expect_same([](Simulation& simulation) {
+    if (simulation.tick() == 2) simulation.find("w9").set_pose({3.2, 3.2, 0, 1});
+    if (simulation.tick() == 3) simulation.remove(simulation.find("w4"));
+    if (simulation.tick() == 5) {
+      EXPECT_TRUE(simulation.spawn("w", {-5, -5, 0, 0}).has_value());
+    }
+    if (simulation.tick() == 6) {
+      EXPECT_TRUE(simulation.disable(simulation.find("w5")));
+    }
+    if (simulation.tick() == 8) {
+      EXPECT_TRUE(simulation.enable(simulation.find("w5")));
+    }
+  });
+}
+
+TEST_F(RanksOfAProgram, TakeOverWhatItChangesBeforeATick) {
+  const auto program = [](Simulation& simulation) {
+    simulation.before_tick([](Simulation& now) {
+      if (now.tick() % 3 == 0) now.find("w1").set_pose({0.5, 0.01 * static_cast<double>(now.tick()), 0, 1});
+      EXPECT_EQ(now.find("w2").ranges().size(), 9u);
+    });
+  };
+  expect_same(program);
+}
+
+TEST_F(RanksOfAProgram, TakeOverChangedParameters) {
+  const auto setting = [](Simulation& now) {
+    if (now.tick() == 3)
+      now.set("wanderer", R"({"controller": {"kind": "wander", "cruise_speed_mps": 0.11}})");
+    if (now.tick() == 6) now.set("wanderer", R"({"drive": {"velocity_max_x_mps": 0.05}})");
+  };
+  expect_same(setting);
+  expect_same([&](Simulation& simulation) { simulation.before_tick(setting); });
+  expect_same([&](Simulation& simulation) {
+    setting(simulation);
+    if (simulation.tick() == 3) simulation.find("w1").set_pose({0.5, 0.1, 0, 1});
+    if (simulation.tick() == 9) simulation.reset();
+  });
+}
+
+TEST_F(RanksOfAProgram, StartAgain) {
+  expect_same([](Simulation& simulation) {
+    if (simulation.tick() == 3) simulation.seed() == 17 ? simulation.reset() : simulation.reset(17);
+    simulation.find("w3").set_speed(0.1, 0.2);
+  });
+}
+
+TEST_F(RanksOfAProgram, ShowEveryReading) {
+  Simulation one = load(1);
+  Simulation four = load(4);
+  for (int i = 0; i < 5; ++i) {
+    one.step();
+    four.step();
+    for (const std::string name : {"w0", "w13", "w20", "w39"}) {
+      const std::span<const float> expected = one.find(name).ranges();
+      const std::span<const float> got = four.find(name).ranges();
+      EXPECT_TRUE(std::ranges::equal(got, expected)) << name;
+      EXPECT_EQ(four.find(name).estimate(), one.find(name).estimate()) << name;
+    }
+    EXPECT_EQ(four.statistics().beams, one.statistics().beams);
+    EXPECT_EQ(four.statistics().stalled, one.statistics().stalled);
+  }
+}
+
+TEST_F(RanksOfAProgram, ResumeWhatOthersSaved) {
+  Simulation straight = load(1);
+  for (int i = 0; i < 20; ++i) straight.step();
+  Simulation saved = load(3);
+  for (int i = 0; i < 10; ++i) saved.step();
+  const fs::path file = folder_ / "run.h5";
+  saved.save(file);
+  for (const unsigned ranks : {1u, 2u, 5u}) {
+    ResumeOptions options;
+    options.threads = 1;
+    options.ranks = ranks;
+    options.rank_seed = 3;
+    Simulation resumed = Simulation::resume(file, options);
+    EXPECT_EQ(resumed.ranks(), ranks);
+    for (int i = 0; i < 10; ++i) resumed.step();
+    EXPECT_EQ(resumed.hash_log_line(), straight.hash_log_line()) << ranks << " ranks";
+  }
+}
+
+// A program may keep spans and references across steps, which another rank computes or must learn of.
+TEST_F(RanksOfAProgram, ShowNewStateThroughOldReferences) {
+  constexpr std::string_view k_lamps = R"({
+  "troupe": 1,
+  "types": {"r": {"size_m": [0.3, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "wander"},
+    "sensors": [{"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 3, "fov_deg": 170, "samples": 9}]}],
+    "devices": [{"name": "lamp", "kind": "led"}]}},
+  "populations": [{"name": "r", "type": "r", "count": 20, "place": {"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}}]
+})";
+  struct Held {
+    Simulation simulation;
+    std::span<const float> ranges;
+    models::LedCommand* lamp;
+  };
+  const fs::path file = write("lamps.json", k_lamps);
+  const auto hold = [&](unsigned ranks) {
+    SimulationOptions options;
+    options.threads = 1;
+    options.ranks = ranks;
+    return Simulation(file, options);
+  };
+  const auto held = [](Simulation simulation) {
+    const std::span<const float> ranges = simulation.find("r19").ranges();
+    models::LedCommand* lamp = &simulation.find("r19").command<models::LedCommand>();
+    return Held{std::move(simulation), ranges, lamp};
+  };
+  Held one = held(hold(1));
+  Held three = held(hold(3));
+  for (int tick = 0; tick < 20; ++tick) {
+    for (Held* each : {&one, &three}) {
+      if (tick == 12) each->simulation.reset();
+      each->lamp->shows = true;
+      each->lamp->red = 0.01F * static_cast<float>(tick);
+      each->simulation.step();
+    }
+    ASSERT_TRUE(std::ranges::equal(three.ranges, one.ranges)) << tick;
+    ASSERT_EQ(three.simulation.hash_log_line(), one.simulation.hash_log_line()) << tick;
+  }
+}
+
+// Three stores give energy to a robot whose pack cannot take all of it: the order of the effects decides
+// which of them gives how much.
+TEST(RanksOfAWorld, ApplyEffectsInOneOrder) {
+  const fs::path world = TROUPE_SOURCE_DIR "/tests/planted/rank_effect_order.json";
+  const auto log = [&](unsigned ranks, std::uint64_t seed) {
+    SimulationOptions options;
+    options.threads = 1;
+    options.ranks = ranks;
+    options.rank_seed = seed;
+    Simulation simulation(world, options);
+    std::vector<std::string> lines;
+    for (int tick = 0; tick < 20; ++tick) {
+      simulation.step();
+      lines.push_back(simulation.hash_log_line());
+    }
+    std::vector<double> given;
+    for (const char* name : {"a", "b", "c"}) given.push_back(simulation.find(name).energy()->given_j);
+    return std::pair(lines, given);
+  };
+  const auto expected = log(1, 0);
+  EXPECT_GT(expected.second[0], expected.second[2]) << "the stores do not compete";
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    EXPECT_EQ(log(2, seed), expected);
+    EXPECT_EQ(log(3, seed), expected);
+  }
+}
+
+/// The clocks of the ranks, which advance by their own step in each call.
+struct Clocks {
+  explicit Clocks(std::vector<double> steps) : steps_s(std::move(steps)), now_s(steps_s.size(), 0) {}
+  double operator()(unsigned rank) { return now_s[rank] += steps_s[rank]; }
+  std::vector<double> steps_s, now_s;
+};
+
+// Rank 0 seems to take three times as long as rank 1, whatever it computes: in each cut it loses robots.
+TEST_F(RanksOfAProgram, GetRobotsAsTheirTimesSay) {
+  Clocks clocks({3, 1});
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = 2;
+  options.rank_clock = [&](unsigned rank) { return clocks(rank); };
+  const fs::path file = write("room.json", k_wanderers);
+  Simulation two(file, options);
+  Simulation one(file, {});
+  const auto rows = [&] { return two.rank_work()[0].rows; };
+  two.step();
+  one.step();
+  const std::uint64_t half = rows();
+  EXPECT_EQ(half, two.world().rows() / 2);
+  EXPECT_EQ(two.rank_work()[1].rows, two.world().rows() - half);
+  EXPECT_DOUBLE_EQ(two.rank_work()[0].sense_s, 3 * two.rank_work()[1].sense_s);
+  for (int tick = 2; tick <= 33; ++tick) {
+    two.step();
+    one.step();
+    ASSERT_EQ(two.hash_log_line(), one.hash_log_line()) << tick;
+  }
+  EXPECT_EQ(two.rank_statistics().rebalanced, 1u);
+  EXPECT_NEAR(static_cast<double>(rows()), 2.0 / 3 * static_cast<double>(half), 1);
+  for (int tick = 34; tick <= 65; ++tick) {
+    two.step();
+    one.step();
+  }
+  EXPECT_EQ(two.hash_log_line(), one.hash_log_line());
+  EXPECT_EQ(two.rank_statistics().rebalanced, 2u);
+  EXPECT_LT(rows(), half / 2 + 1);
+}
+
+TEST_F(RanksOfAProgram, KeepTheirRobotsIfTheirTimesAreEqual) {
+  Clocks clocks({1, 1.05, 1});
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = 3;
+  options.rank_clock = [&](unsigned rank) { return clocks(rank); };
+  Simulation simulation(write("room.json", k_wanderers), options);
+  for (int tick = 0; tick < 70; ++tick) simulation.step();
+  EXPECT_EQ(simulation.rank_statistics().rebalanced, 0u);
+  EXPECT_GT(simulation.rank_statistics().waited_s, 0);
+}
+
+std::string step_error(Simulation& simulation) {
+  try {
+    simulation.step();
+  } catch (const engine::StepError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+// Two robots have a wrong command. The error names the one with the lower id, whichever ranks own them.
+TEST_F(RanksOfAProgram, ReportTheErrorOfOneProcess) {
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  const auto spoil = [](Simulation& simulation) {
+    simulation.step();
+    for (const char* name : {"w31", "w17"}) {
+      simulation.world().set_command(simulation.world().row(simulation.find(name).id()), {k_nan, 0, 0});
+    }
+  };
+  Simulation one = load(1);
+  spoil(one);
+  const std::string expected = step_error(one);
+  EXPECT_THAT(expected, HasSubstr("robot \"w17\" was commanded a speed that is not a finite number"));
+  for (const unsigned ranks : {2u, 3u, 7u}) {
+    Simulation several = load(ranks);
+    spoil(several);
+    EXPECT_EQ(step_error(several), expected);
+    EXPECT_THROW(several.step(), std::logic_error);
+    several.reset();
+    one.reset();
+    several.step();
+    one.step();
+    EXPECT_EQ(several.hash_log_line(), one.hash_log_line());
+  }
+}
+
+TEST_F(RanksOfAProgram, GoOnAfterAnExceptionOfItsCallback) {
+  Simulation one = load(1);
+  Simulation three = load(3);
+  for (Simulation* simulation : {&one, &three}) {
+    simulation->step();
+    simulation->before_tick([](Simulation&) { throw std::runtime_error("not today"); });
+    EXPECT_THROW(simulation->step(), std::runtime_error);
+    simulation->before_tick(nullptr);
+    simulation->reset();
+    simulation->step();
+  }
+  EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+}
+
+TEST_F(RanksOfAProgram, AreOneTo1024) {
+  for (const unsigned ranks : {0u, 1025u}) {
+    try {
+      load(ranks);
+      ADD_FAILURE() << ranks;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(std::string(error.what()), std::to_string(ranks) + " ranks: must be 1 to 1024");
+    }
+  }
+}
+
+/// A controller that throws for one robot.
+struct Fails {
+  static constexpr bool needs_drive = true;
+  std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
+    return {};
+  }
+  void operator()(const engine::Percept& percept, Random&, engine::Actions&) const {
+    if (percept.tick == 3 && percept.body % 10 == 6) throw std::runtime_error("lost");
+  }
+};
+
+TEST_F(RanksOfAProgram, ReportAControllerThatThrows) {
+  engine::Registry kinds = make_registry();
+  kinds.controllers.push_back(engine::make_controller_kind<Fails>("fails", "throws"));
+  std::string text(k_wanderers);
+  text.replace(text.find("\"wander\""), 8, "\"fails\"");
+  const fs::path file = write("fails.json", text);
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = 4;
+  Simulation simulation(file, options, kinds);
+  simulation.step();
+  simulation.step();
+  EXPECT_THAT(step_error(simulation), StartsWith("tick 3: controller \"fails\" of \"w"));
+}
+
+/// A collective controller: every robot turns by the mean of what the rangers of all of them read. It throws
+/// in tick `k_throws`.
+template <std::uint64_t k_throws>
+struct Choir {
+  struct Memory {
+    double mean = 0;
+    TROUPE_FIELDS(mean)
+  };
+  static constexpr bool needs_drive = true;
+
+  void operator()(const engine::DecideBatch& batch) const {
+    if (batch.tick == k_throws) throw std::runtime_error("hoarse");
+    double sum = 0;
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      sum += batch.percepts[0]->cell<double>(batch.slot(i), 0)[4];
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      auto& memory = *reinterpret_cast<Memory*>(batch.memory(i));
+      memory.mean = 0.5 * (memory.mean + sum / static_cast<double>(batch.size()));
+      batch.command(i) = {0.1, 0, memory.mean - 1};
+    }
+  }
+};
+
+template <class C>
+Simulation load_collective(const fs::path& file, unsigned ranks) {
+  engine::Registry kinds = make_registry();
+  kinds.controllers.push_back(engine::make_controller_kind<C>("choir", "sings"));
+  kinds.controllers.back().is_collective = true;
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = ranks;
+  options.rank_seed = 7;
+  return Simulation(file, options, kinds);
+}
+
+class CollectiveControllers : public RanksOfAProgram {
+ protected:
+  fs::path write_world() const {
+    std::string text(k_wanderers);
+    text.replace(text.find("\"wander\""), 8, "\"choir\"");
+    return write("choir.json", text);
+  }
+};
+
+TEST_F(CollectiveControllers, DecideForTheRobotsOfAllRanks) {
+  const fs::path file = write_world();
+  const auto nothing = [](Simulation&) {};
+  const std::vector<std::string> expected = log_of(load_collective<Choir<0>>(file, 1), nothing);
+  EXPECT_NE(expected[5], expected[7]);
+  for (const unsigned ranks : {2u, 3u, 7u})
+    EXPECT_EQ(log_of(load_collective<Choir<0>>(file, ranks), nothing), expected) << ranks;
+}
+
+TEST_F(CollectiveControllers, EndTheTickOfAllRanksIfTheyThrow) {
+  Simulation simulation = load_collective<Choir<3>>(write_world(), 4);
+  simulation.step();
+  simulation.step();
+  EXPECT_THAT(step_error(simulation), HasSubstr("controller \"choir\""));
+  simulation.reset();
+  simulation.step();
+}
+
+TEST_F(CollectiveControllers, AreNotCalledIfARankHasFailed) {
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  const fs::path file = write_world();
+  for (const char* name : {"w2", "w17", "w39"}) {
+    Simulation one = load_collective<Choir<0>>(file, 1);
+    Simulation several = load_collective<Choir<0>>(file, 4);
+    for (Simulation* simulation : {&one, &several}) {
+      simulation->step();
+      simulation->world().set_command(simulation->world().row(simulation->find(name).id()), {k_nan, 0, 0});
+    }
+    EXPECT_EQ(step_error(several), step_error(one));
+    several.reset();
+    one.reset();
+    several.step();
+    one.step();
+    EXPECT_EQ(several.hash_log_line(), one.hash_log_line());
+  }
+}
+
+/// The names of the tables that have this sharing.
+std::vector<std::string> shared(const engine::World& world, engine::Sharing how) {
+  std::vector<std::string> names;
+  const std::vector<engine::Sharing> sharing = engine::sharing_of(world);
+  for (std::size_t t = 0; t < sharing.size(); ++t)
+    if (sharing[t] == how) names.push_back(world.tables()[t].component());
+  return names;
+}
+
+TEST_F(RanksOfAProgram, ShareOnlyWhatOthersRead) {
+  const Simulation simulation(write("shares.json", R"({
+  "troupe": 1,
+  "types": {
+    "r": {"size_m": [0.31, 0.17, 0.2], "drive": {"kind": "diff", "localization": "odom"},
+      "controller": {"kind": "wander"}, "sensors": [
+      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 3.3, "fov_deg": 170.5, "samples": 9}]},
+      {"name": "talk", "kind": "radio", "range_m": 2}],
+      "devices": [{"name": "lamp", "kind": "led"}, {"name": "hand", "kind": "gripper"}]}
+  },
+  "models": [{"name": "r", "type": "r"}]
+})"),
+                              {});
+  const engine::World& world = simulation.world();
+  EXPECT_THAT(shared(world, engine::Sharing::sent),
+              ::testing::UnorderedElementsAre("velocity", "radio/talk/command", "led/lamp", "gripper/hand",
+                                              "gripper/hand/command"))
+      << "no controller switches devices, so no rank reads the commands to the drives of other ranks";
+  EXPECT_THAT(shared(world, engine::Sharing::kept),
+              ::testing::UnorderedElementsAre("command", "ranger/eyes", "radio/talk", "led/lamp/command",
+                                              "wander/0"));
+}
+
+}  // namespace
+}  // namespace troupe

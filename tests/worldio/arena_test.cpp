@@ -1,0 +1,377 @@
+// Short forms of the world format: arenas, lines of walls, discs, rings, and types from other files.
+#include "engine/description.hpp"
+#include "tests/support/scratch.hpp"
+#include "tests/worldio/json_test_world.hpp"
+#include "worldio/json/json_world.hpp"
+#include "worldio/json/wall_line.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace troupe::worldio {
+namespace {
+
+using engine::WorldSpec;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+struct LoadedArena {
+  Diagnostics diagnostics;
+  WorldSpec spec;
+  std::vector<std::string> found;
+
+  explicit LoadedArena(const std::string& text, const LoadOptions& options = {},
+                       const std::filesystem::path& file = "maze.json") {
+    spec = load_json_world(file, text, json_test_registry(), options, diagnostics);
+    for (std::string line : findings(diagnostics)) {  // without the folder
+      const std::string folder = file.parent_path().string() + "/";
+      for (std::size_t at; folder != "/" && (at = line.find(folder)) != std::string::npos;)
+        line.erase(at, folder.size());
+      found.push_back(line);
+    }
+  }
+  const engine::TypeSpec& type(std::string_view name) const {
+    return *std::ranges::find(spec.types, name, &engine::TypeSpec::name);
+  }
+};
+
+std::string world(const std::string& keys) { return "{\"troupe\": 1,\n" + keys + "}"; }
+
+Box extent(const engine::PartSpec& part) {
+  Box box;
+  for (const Solid& solid : part.solids)
+    for (const Ring& ring : solid.contours) box.extend(bounds(ring));
+  return box;
+}
+
+bool is_solid(const engine::PartSpec& part, const Vec2& point) {
+  return std::ranges::any_of(part.solids, [&](const Solid& solid) { return contains(solid, point); });
+}
+
+TEST(Arena, IsBoundsAndWallsOutsideOfThem) {
+  const LoadedArena loaded(
+      world(R"("arena": {"size_m": [4, 2], "height_m": 0.3, "thickness_cm": 20, "color": "red"})"));
+  ASSERT_THAT(loaded.found, IsEmpty());
+  ASSERT_EQ(loaded.spec.bodies.size(), 2u);
+  EXPECT_EQ(loaded.spec.name(BodyId(1)), "arena");
+  EXPECT_EQ(loaded.spec.bodies[1].color, (Color{1, 0, 0, 1}));
+  EXPECT_EQ(loaded.spec.bodies[1].where.line, 2u);
+  ASSERT_TRUE(loaded.spec.bounds);
+  EXPECT_EQ(loaded.spec.bounds->min, Vec2(-2, -1));
+  EXPECT_EQ(loaded.spec.bounds->max, Vec2(2, 1));
+  const engine::PartSpec& walls = loaded.type("arena").parts.front();
+  EXPECT_TRUE(walls.floor_plan);
+  EXPECT_TRUE(extent(walls).max.isApprox(Vec2(2.2, 1.2)));
+  EXPECT_TRUE(extent(walls).min.isApprox(Vec2(-2.2, -1.2)));
+  for (const Vec2& inside : {Vec2(0, 0), Vec2(1.99, 0.99), Vec2(-1.99, 0.99)})
+    EXPECT_FALSE(is_solid(walls, inside));
+  for (const Vec2& wall : {Vec2(2.1, 0), Vec2(2.15, 1.15), Vec2(-2.15, 1.19), Vec2(0, -1.1)})
+    EXPECT_TRUE(is_solid(walls, wall)) << wall.transpose();
+  for (const Solid& wall : walls.solids) EXPECT_EQ(wall.z, (ZInterval{0, 0.3}));
+}
+
+TEST(Arena, MayHaveNoWallsAndOtherBounds) {
+  const LoadedArena open(world(R"("arena": {"size_m": [4, 2], "walls": false})"));
+  ASSERT_THAT(open.found, IsEmpty());
+  EXPECT_EQ(open.spec.bodies.size(), 1u);
+  EXPECT_EQ(open.spec.bounds->max, Vec2(2, 1));
+  const LoadedArena other(world(R"("arena": {"size_m": [4, 2]}, "bounds_m": [[-1, -1], [1, 1]])"));
+  ASSERT_THAT(other.found, IsEmpty());
+  EXPECT_EQ(other.spec.bounds->max, Vec2(1, 1));
+  EXPECT_THAT(
+      LoadedArena(world(R"("arena": {"walls": true})")).found,
+      ElementsAre(
+          R"(maze.json:2: error: /arena: missing "size_m", "size_cm" or "size_mm": [x, y], the size of the free floor)"));
+  EXPECT_THAT(
+      LoadedArena(world(R"("arena": {"size_m": [4, 0]})")).found,
+      ElementsAre("maze.json:2: error: /arena/size_m/1: must be above 0 and at most 100000 m, found 0"));
+}
+
+TEST(Arena, PopulationsFillIt) {
+  const LoadedArena loaded(world(
+      R"("arena": {"size_m": [2, 2]}, "types": {"bot": {"size_m": [0.2, 0.2, 0.1], "drive": {"kind": "diff"}}},
+    "populations": [{"name": "r", "type": "bot", "count": 20, "place": {"rule": "uniform"}}])"));
+  ASSERT_THAT(loaded.found, IsEmpty());
+  for (std::size_t i = 2; i < loaded.spec.bodies.size(); ++i)
+    EXPECT_LT(loaded.spec.bodies[i].pose_world_body.position().cwiseAbs().maxCoeff(), 0.95);
+}
+
+TEST(WallLine, HasMitredCornersAndIsClosedWhenItsEndsMeet) {
+  const LoadedArena loaded(world(R"("floorplans": [
+    {"name": "open", "walls_m": [[0, 0], [2, 0], [2, 1]], "thickness_m": 0.2, "pose": {"x_m": 10}},
+    {"name": "ring", "walls_m": [[0, 0], [2, 0], [1, 2], [0, 0]], "height_m": 0.5}])"));
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const engine::PartSpec& open = loaded.type("open").parts.front();
+  ASSERT_EQ(open.solids.size(), 2u);
+  EXPECT_EQ(open.solids[0].z, (ZInterval{0, 1}));
+  for (const Vec2& wall : {Vec2(0.01, 0.09), Vec2(2.09, -0.09), Vec2(2.09, 0.99)})
+    EXPECT_TRUE(is_solid(open, wall));
+  for (const Vec2& free : {Vec2(-0.01, 0), Vec2(2, 1.01), Vec2(1.89, 0.11), Vec2(2.11, -0.05)})
+    EXPECT_FALSE(is_solid(open, free)) << free.transpose();
+  EXPECT_EQ(loaded.type("ring").parts.front().solids.size(), 3u);
+  EXPECT_EQ(loaded.type("ring").parts.front().solids[0].z, (ZInterval{0, 0.5}));
+  EXPECT_TRUE(loaded.spec.bounds->max.isApprox(Vec2(12, 2)));
+}
+
+TEST(WallLine, Errors) {
+  const auto error_of = [](const std::string& keys) {
+    return LoadedArena(world(R"("floorplans": [{"name": "w", )" + keys + "}]")).found;
+  };
+  const std::string at = "maze.json:2: error: /floorplans/0";
+  EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0], [1, 0]])"),
+              ElementsAre(at + "/walls_m: a wall of no length: point 2 repeats point 1"));
+  EXPECT_THAT(error_of(R"("walls_m": [[0, 0]])"),
+              ElementsAre(at + "/walls_m: expected 2 to 1000 points, found 1"));
+  EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0], [0, 0.01]])"),
+              ElementsAre(at + "/walls_m: the line turns back on itself at point 1"));
+  EXPECT_THAT(
+      error_of(R"("walls_m": [[0, 0], [0.1, 0], [0.1, 1]], "thickness_m": 0.4)"),
+      ElementsAre(at + "/walls_m: the segment from point 0 is too short for walls that are 0.4 m thick"));
+  EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0]], "bitmap": "x.png")"),
+              ElementsAre(at + R"(: give "bitmap" or "walls_m", not both)"));
+}
+
+TEST(Disc, IsARegularPolygon) {
+  const LoadedArena loaded(world(R"("types": {"foot": {"disc": {"radius_cm": 8.5, "height_m": 0.15}},
+    "post": {"disc": {"radius_m": 1, "height_m": 2, "corners": 6}, "blocks": []}, "none": {"disc": {"radius_m": 1}}})"));
+  EXPECT_THAT(
+      loaded.found,
+      ElementsAre(
+          R"(maze.json:3: error: /types/none/disc: missing "height_m", "height_cm" or "height_mm": height of the cylinder)"));
+  const engine::PartSpec& foot = loaded.type("foot").parts.front();
+  ASSERT_EQ(foot.solids.size(), 1u);
+  ASSERT_EQ(foot.solids[0].contours[0].size(), 16u);
+  for (const Vec2& corner : foot.solids[0].contours[0]) EXPECT_NEAR(corner.norm(), 0.085, 1e-15);
+  EXPECT_GT(signed_area(foot.solids[0].contours[0]), 0);
+  EXPECT_EQ(foot.solids[0].z, (ZInterval{0, 0.15}));
+  EXPECT_NEAR(foot.size.x(), 0.17, 1e-15);
+  EXPECT_EQ(loaded.type("post").parts.front().solids[0].contours[0].size(), 6u);
+}
+
+TEST(Ring, RepeatsTransducersAroundTheirPose) {
+  const LoadedArena loaded(
+      world(R"("types": {"bot": {"size_m": [1, 1, 1], "sensors": [{"name": "ir", "kind": "ranger",
+    "transducers": [{"ring": {"count": 4, "radius_m": 0.5, "start_deg": 45}, "pose": {"x_m": 1, "heading_deg": 90}, "range_max_m": 2},
+                    {"range_max_m": 3}]}]}})"));
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const engine::Registry registry = json_test_registry();
+  const engine::FieldTable& ranger = registry.device("ranger")->params;
+  const auto& fans = engine::get(ranger, loaded.type("bot").devices[0].params, "transducers").records();
+  ASSERT_EQ(fans.size(), 5u);
+  const engine::FieldTable& fan = *ranger.fields.front().record;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pose = engine::from_record<Pose>(engine::get(fan, fans[i], "pose").records().front());
+    const double angle = radians(135 + 90.0 * static_cast<double>(i));
+    EXPECT_NEAR(pose.x, 1 + 0.5 * std::cos(angle), 1e-12);
+    EXPECT_NEAR(pose.y, 0.5 * std::sin(angle), 1e-12);
+    EXPECT_NEAR(std::remainder(pose.heading - angle, 2 * k_pi), 0, 1e-12);
+    EXPECT_EQ(engine::get(fan, fans[i], "range_max").number(), 2.0);
+  }
+  EXPECT_EQ(engine::get(fan, fans[4], "range_max").number(), 3.0);
+}
+
+TEST(Ring, RepeatsPartsAndTheNamesOfTheirDevices) {
+  const LoadedArena loaded(world(R"("types": {"bot": {"size_m": [1, 1, 1], "parts": [
+    {"name": "lamp", "size_m": [0.1, 0.1, 0.1], "ring": {"count": 3, "radius_m": 0.4},
+     "sensors": [{"name": "eye", "kind": "ranger", "transducers": []}]}]}})"));
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const engine::TypeSpec& bot = loaded.type("bot");
+  ASSERT_EQ(bot.parts.size(), 4u);
+  EXPECT_EQ(bot.parts[1].name, "lamp0");
+  EXPECT_EQ(bot.parts[3].name, "lamp2");
+  EXPECT_EQ(bot.parts[1].pose_body_part, (Pose{0.4, 0, 0, 0}));
+  EXPECT_NEAR(bot.parts[2].pose_body_part.x, -0.2, 1e-12);
+  ASSERT_EQ(bot.devices.size(), 3u);
+  EXPECT_EQ(bot.devices[2].name, "eye2");
+  EXPECT_EQ(bot.devices[2].part, 3u);
+}
+
+TEST(Ring, Errors) {
+  const auto error_of = [](const std::string& ring) {
+    return LoadedArena(world(R"("types": {"bot": {"size_m": [1, 1, 1], "sensors": [
+    {"name": "ir", "kind": "ranger", "transducers": [{"ring": )" +
+                             ring + "}]}]}}"))
+        .found;
+  };
+  const std::string at = "maze.json:3: error: /types/bot/sensors/0/transducers/0";
+  EXPECT_THAT(error_of(R"({"count": 0})"), ElementsAre(at + "/ring/count: must be from 1 to 10000, found 0"));
+  EXPECT_THAT(error_of(R"({"radius_m": 1})"),
+              ElementsAre(at + R"(/ring: missing "count": number of copies)"));
+  EXPECT_THAT(error_of("3"), ElementsAre(at + "/ring: expected an object, found the number 3"));
+  // An error of the entry is reported once, not for each copy.
+  EXPECT_THAT(error_of(R"({"count": 8}, "range_max_m": -1)"),
+              ElementsAre(at + "/range_max_m: must be above 0 and at most 100 m, found -1"));
+  EXPECT_THAT(LoadedArena(world(R"("types": {"bot": {"size_m": [1, 1, 1], "ring": {"count": 2}}})")).found,
+              ElementsAre(testing::StartsWith(R"(maze.json:2: error: /types/bot: unknown key "ring")")));
+}
+
+constexpr const char* k_base = R"({"types": {
+  "base": {
+    "size_m": [0.2, 0.2, 0.1], "color": "blue", "name": "Base",
+    "drive": {"kind": "diff", "speed_max_mps": 0.5},
+    "sensors": [{"name": "ir", "kind": "ranger", "transducers": [{"range_max_m": 2}]},
+                {"name": "far", "kind": "ranger", "transducers": []}],
+    "controllers": [{"kind": "expand"}, {"kind": "expand"}]}}})";
+
+class IncludeTest : public test::ScratchTest {
+ protected:
+  LoadedArena load(const std::string& keys, const LoadOptions& options = {}) const {
+    return LoadedArena(world(keys), options, folder_ / "maze.json");
+  }
+};
+
+TEST_F(IncludeTest, TypesOfOtherFilesComeFirst) {
+  write("lib/base.json", k_base);
+  write("lib/all.json",
+        R"({"troupe": 1, "include": ["base.json"], "types": {"box": {"size_m": [1, 1, 1]}}})");
+  const LoadedArena loaded =
+      load(R"("include": ["lib/all.json", "lib/base.json"], "types": {"own": {"extends": "box"}},
+    "models": [{"name": "a", "type": "base"}])");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  ASSERT_EQ(loaded.spec.types.size(), 4u);
+  EXPECT_EQ(loaded.spec.types[1].name, "Base");
+  EXPECT_EQ(loaded.spec.types[2].name, "box");
+  EXPECT_EQ(loaded.spec.types[3].name, "own");
+  EXPECT_EQ(loaded.spec.types[3].parts[0].size, Eigen::Vector3d(1, 1, 1));
+  const Where where = loaded.spec.types[1].drive->where;
+  EXPECT_EQ(loaded.diagnostics.files()->name(where.file), (folder_ / "lib/base.json").string());
+  EXPECT_EQ(where.line, 4u);
+}
+
+TEST_F(IncludeTest, PathsOfImagesAreRelativeToTheirFile) {
+  write("lib/dot.pgm", std::string("P5\n1 1\n255\n\0", 12));
+  write("lib/plan.json", R"({"types": {"plan": {"bitmap": "dot.pgm", "size_m": [1, 1, 1]}}})");
+  const LoadedArena loaded = load(R"("include": ["lib/plan.json"])");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  EXPECT_EQ(loaded.type("plan").parts[0].solids.size(), 1u);
+}
+
+TEST_F(IncludeTest, ErrorsNameTheirFileAndLine) {
+  write("base.json", k_base);
+  write("wrong.json", "{\"types\": {\n\"w\": {\"size_m\": [1, 1, 1], \"colour\": \"red\"}}}");
+  write("models.json", R"({"models": []})");
+  write("broken.json", "{\n");
+  write("a.json", R"({"include": ["sub/b.json"]})");
+  write("sub/b.json", "{\n\"include\": [\"../a.json\"]}");
+  EXPECT_THAT(
+      load(R"("include": ["none.json"])").found,
+      ElementsAre("maze.json:2: error: /include/0: \"none.json\" cannot be included: there is no such file"));
+  EXPECT_THAT(load(R"("include": [])").found, IsEmpty());
+  EXPECT_THAT(load(R"("include": "base.json")").found,
+              ElementsAre("maze.json:2: error: /include: expected a list, found the text \"base.json\""));
+  EXPECT_THAT(load(R"("include": ["wrong.json"])").found,
+              ElementsAre(testing::StartsWith("wrong.json:2: error: /types/w: unknown key \"colour\"")));
+  EXPECT_THAT(
+      load(R"("include": ["models.json"])").found,
+      ElementsAre("models.json:1: error: unknown key \"models\"; known: $schema, include, troupe, types"));
+  EXPECT_THAT(load(R"("include": ["broken.json"])").found,
+              ElementsAre(testing::StartsWith("broken.json:2: error: ")));
+  EXPECT_THAT(load(R"("include": ["a.json"])").found,
+              ElementsAre("sub/b.json:2: error: /include/0: a circle of includes: a.json includes sub/b.json "
+                          "includes a.json"));
+  EXPECT_THAT(
+      load("\"include\": [\"base.json\"],\n\"types\": {\"base\": {\"size_m\": [1, 1, 1]}}").found,
+      ElementsAre("maze.json:3: error: /types/base: the type is already given in base.json, line 2: choose "
+                  "another name, and \"extends\" to change the other type"));
+}
+
+TEST_F(IncludeTest, ATypeExtendsAnother) {
+  write("base.json", k_base);
+  const LoadedArena loaded = load(R"("include": ["base.json"], "types": {
+    "small": {"extends": "base", "size_cm": [10, 10, 10], "drive": {"speed_max_mps": 0.1},
+              "sensors": [{"name": "near", "kind": "ranger", "transducers": []},
+                          {"name": "ir", "transducers": [{"range_max_m": 1}]}],
+              "controller": {"kind": "expand_swarm"}},
+    "car": {"extends": "small", "drive": {"kind": "car", "wheelbase_m": 0.1}, "color": null},
+    "still": {"extends": "base", "drive": null, "controllers": null}})");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const engine::TypeSpec& small = loaded.type("small");
+  EXPECT_EQ(small.parts[0].size, Eigen::Vector3d(10 * 0.01, 10 * 0.01, 10 * 0.01));
+  EXPECT_EQ(small.drive->kind, "diff");
+  EXPECT_EQ(small.drive->params, engine::Record{0.1});
+  ASSERT_EQ(small.devices.size(), 3u);
+  EXPECT_EQ(small.devices[0].name, "ir");
+  EXPECT_EQ(small.devices[1].name, "far");
+  EXPECT_EQ(small.devices[2].name, "near");
+  ASSERT_EQ(small.controllers.size(), 1u);
+  EXPECT_EQ(loaded.type("Base").controllers.size(), 2u) << "the base is unchanged";
+  const engine::TypeSpec& car = loaded.type("car");
+  EXPECT_EQ(car.drive->params, (engine::Record{1.0, 0.1})) << "another kind inherits no parameter";
+  EXPECT_EQ(car.devices.size(), 3u);
+  EXPECT_FALSE(loaded.type("still").drive);
+  EXPECT_THAT(loaded.type("still").controllers, IsEmpty());
+}
+
+TEST_F(IncludeTest, SetChangesATypeAndThoseThatExtendIt) {
+  write("base.json", k_base);
+  LoadOptions options;
+  options.set = {{"/types/base/drive/speed_max_mps", "0.9"}};
+  const LoadedArena loaded =
+      load(R"("include": ["base.json"], "types": {"small": {"extends": "base"}})", options);
+  ASSERT_THAT(loaded.found, IsEmpty());
+  EXPECT_EQ(loaded.type("small").drive->params, engine::Record{0.9});
+}
+
+TEST_F(IncludeTest, ErrorsOfExtends) {
+  EXPECT_THAT(load(R"("types": {"a": {"extends": "bass"}, "base": {"size_m": [1, 1, 1]}})").found,
+              testing::Contains("maze.json:2: error: /types/a/extends: unknown type \"bass\"; known: base "
+                                "(did you mean \"base\"?)"));
+  EXPECT_THAT(
+      load("\"types\": {\"a\": {\"extends\": \"b\"},\n\"b\": {\"extends\": \"c\"}, \"c\": {\"extends\": "
+           "\"a\"}}")
+          .found,
+      testing::Contains("maze.json:2: error: /types/a/extends: a circle: a extends b extends c extends a"));
+  EXPECT_THAT(
+      load(R"("types": {"a": {"extends": 3, "size_m": [1, 1, 1]}})").found,
+      ElementsAre("maze.json:2: error: /types/a/extends: expected the name of a type, found the number 3"));
+}
+
+constexpr const char* k_boxes = R"("types": {"wall": {"size_m": [2, 0.1, 1]},
+    "bot": {"size_m": [0.2, 0.2, 0.1], "drive": {"kind": "diff"}}, "puck": {"size_m": [0.2, 0.2, 0.1], "pushable": true}},
+    "models": [)";
+
+TEST(StartOverlaps, StaticBodiesMayOverlap) {
+  EXPECT_THAT(LoadedArena(world(std::string(k_boxes) + R"({"name": "a", "type": "wall"},
+    {"name": "b", "type": "wall", "pose": {"heading_deg": 90}}])"))
+                  .found,
+              IsEmpty());
+  // A population still avoids both.
+  EXPECT_THAT(LoadedArena(world(std::string(k_boxes) + R"({"name": "a", "type": "wall"}], "populations": [
+    {"name": "r", "type": "bot", "count": 1, "place": {"rule": "grid", "region_m": [[0, 0], [0, 0]], "pitch_m": 1}}])"))
+                  .found,
+              ElementsAre(testing::HasSubstr("placed 0 of 1 bodies")));
+}
+
+TEST(StartOverlaps, OthersAreErrorsThatSayByHowMuch) {
+  const auto found = [](const std::string& models) {
+    return LoadedArena(world(k_boxes + models + "]")).found;
+  };
+  for (const char* type : {"bot", "puck"})
+    EXPECT_THAT(
+        found(fmt::format(
+            R"({{"name": "a", "type": "wall"}}, {{"name": "b", "type": "{}", "pose": {{"y_m": 0.12}}}})",
+            type)),
+        ElementsAre(
+            "maze.json:4: error: /models/1: \"b\" overlaps \"a\" by 0.03 m at the start; \"overlaps\": "
+            "\"warn\" allows it"));
+  // In either order.
+  EXPECT_THAT(found(R"({"name": "b", "type": "bot", "pose": {"y_m": 0.12}}, {"name": "a", "type": "wall"})"),
+              ElementsAre("maze.json:4: error: /models/1: \"a\" overlaps \"b\" by 0.03 m at the start; "
+                          "\"overlaps\": \"warn\" allows it"));
+}
+
+TEST(StartOverlaps, RoundingIsTolerated) {
+  const auto found = [](double overlap) {
+    return LoadedArena(world(fmt::format(R"({}{{"name": "a", "type": "wall"}},
+      {{"name": "b", "type": "bot", "pose": {{"y_m": {:.17g}}}}}])",
+                                         k_boxes, 0.15 - overlap)))
+        .found;
+  };
+  EXPECT_THAT(found(0.9e-9), IsEmpty());
+  EXPECT_EQ(found(1.5e-9).size(), 1u);
+}
+
+}  // namespace
+}  // namespace troupe::worldio

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace troupe {
+
+/// Whether an option of Simulation::effective_options() changes no result: it says how the run is computed,
+/// or from which tick on.
+constexpr bool changes_no_result(std::string_view option) {
+  constexpr std::array<std::string_view, 5> k_options{"threads", "tile_m", "simd", "ranks",
+                                                      "resumed_at_tick"};
+  return std::ranges::find(k_options, option) != k_options.end();
+}
+
+}  // namespace troupe

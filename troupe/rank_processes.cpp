@@ -1,0 +1,201 @@
+#include "troupe/rank_processes.hpp"
+
+#include "base/diagnostics.hpp"
+#include "base/hash.hpp"
+#include "engine/replica.hpp"
+#include "engine/world.hpp"
+#include "partition/transport.hpp"
+#include "troupe/plugins.hpp"
+#include "troupe/registry.hpp"
+#include "worldio/json/spec_json.hpp"
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+using engine::Order;
+using partition::Message;
+using partition::MessageReader;
+using partition::MessageWriter;
+using partition::Transport;
+
+std::shared_ptr<const Message> shared(MessageWriter message) {
+  return std::make_shared<const Message>(message.take());
+}
+
+MessageWriter begin(Order order, std::uint32_t world) {
+  MessageWriter message;
+  message.put(order);
+  message.put(world);
+  return message;
+}
+
+/// Calls visit() with each column of the bodies.
+template <class Bodies, class Visit>
+void for_columns(Bodies& bodies, Visit&& visit) {
+  std::apply([&](auto&... columns) { (visit(columns), ...); },
+             std::tie(bodies.word, bodies.number, bodies.type, bodies.pose, bodies.color, bodies.fiducial,
+                      bodies.file, bodies.line, bodies.alias_word, bodies.alias_number, bodies.alias_body));
+}
+
+void put_spec(MessageWriter& message, const worldio::StoredSpec& spec) {
+  message.put_text(spec.json);
+  for_columns(spec.bodies, [&](const auto& column) {
+    message.put(static_cast<std::uint64_t>(column.size()));
+    message.put_bytes(std::as_bytes(std::span(column)));
+  });
+}
+
+worldio::StoredSpec get_spec(MessageReader& message) {
+  worldio::StoredSpec spec;
+  spec.json = message.get_text();
+  for_columns(spec.bodies, [&](auto& column) {
+    column.resize(message.get<std::uint64_t>());
+    message.get_bytes(std::as_writable_bytes(std::span(column)));
+  });
+  return spec;
+}
+
+engine::ReplicaOptions options_for(std::optional<std::uint64_t> seed,
+                                   const std::function<std::uint32_t()>& requests = {}) {
+  return {.cut_seed = seed, .verify = seed.has_value(), .keeps_references = false, .requests = requests};
+}
+
+/// A replica of a world of rank 0, with all that it needs.
+struct Follower {
+  engine::Registry registry = make_registry();
+  std::shared_ptr<Plugins> plugins;
+  std::unique_ptr<engine::World> world;
+  std::unique_ptr<engine::Replica> replica;
+
+  Follower(MessageReader& message, const std::vector<std::filesystem::path>& plugin_path, unsigned threads,
+           Transport& transport, std::uint32_t number, const std::function<std::uint32_t()>& requests)
+      : plugins(add_plugins(registry, plugin_path)) {
+    engine::WorldOptions options;
+    options.threads = message.get<std::uint32_t>();
+    if (options.threads == 0) options.threads = threads;
+    options.tile_size_m = message.get<double>();
+    const bool has_seed = message.get<bool>();
+    const auto seed = message.get<std::uint64_t>();
+    for (auto left = message.get<std::uint64_t>(); left > 0; --left) {
+      const std::string name = message.get_text();
+      const auto contents = message.get<std::uint64_t>();
+      const Result<const Plugins::Library*> loaded = plugins->load(name);
+      if (!loaded) throw InputError(fmt::format("plug-in \"{}\": {}", name, loaded.error().text));
+      if ((*loaded)->contents != contents)
+        throw InputError(fmt::format("{} is another build of plug-in \"{}\" than that of rank 0",
+                                     (*loaded)->file.string(), name));
+    }
+    Diagnostics diagnostics;
+    const Where where;
+    engine::WorldSpec spec = worldio::restore_spec(get_spec(message), registry, {}, where, diagnostics);
+    diagnostics.throw_if_errors();
+    world = std::make_unique<engine::World>(std::move(spec), registry, options, diagnostics);
+    replica = std::make_unique<engine::Replica>(
+        *world, registry, transport, number,
+        options_for(has_seed ? std::optional(seed) : std::nullopt, requests));
+  }
+};
+
+/// The replicas of a world on the other processes.
+class ProcessGroup : public RankGroup {
+ public:
+  ProcessGroup(engine::World& world, const engine::Registry& registry, Transport& transport, unsigned nodes,
+               std::uint32_t number, std::optional<std::uint64_t> seed)
+      : transport_(transport),
+        nodes_(nodes),
+        replica_(world, registry, transport, number, options_for(seed)) {}
+  ~ProcessGroup() override {
+    try {
+      transport_.send_to_all(shared(begin(Order::drop, replica_.number())));
+    } catch (const partition::RankError&) {  // the run has failed already, and its error is reported
+    }
+  }
+  unsigned nodes() const override { return nodes_; }
+  const engine::Replica& replica() const override { return replica_; }
+
+ private:
+  Transport& transport_;
+  unsigned nodes_;
+  engine::Replica replica_;
+};
+
+}  // namespace
+
+RankProcesses::~RankProcesses() {
+  if (transport_.rank() != 0) return;
+  try {
+    transport_.send_to_all(shared(begin(Order::end, 0)));
+  } catch (const partition::RankError&) {  // as above
+  }
+}
+
+std::unique_ptr<RankGroup> RankProcesses::add(engine::World& world, const engine::Registry& registry,
+                                              const Plugins& plugins, const engine::WorldOptions& options,
+                                              std::optional<std::uint64_t> seed) {
+  const std::uint32_t number = worlds_++;
+  MessageWriter message = begin(Order::make, number);
+  message.put(std::uint32_t{options.threads});
+  message.put(options.tile_size_m);
+  message.put(seed.has_value());
+  message.put(seed.value_or(0));
+  const std::vector<Plugins::Library> libraries = plugins.libraries();
+  message.put(static_cast<std::uint64_t>(libraries.size()));
+  for (const Plugins::Library& library : libraries) {
+    message.put_text(library.name);
+    message.put(library.contents);
+  }
+  put_spec(message, worldio::store_spec(world.spec(), registry));
+  transport_.send_to_all(shared(std::move(message)));
+  std::string failures;
+  for (unsigned rank = 1; rank < transport_.ranks(); ++rank) {
+    const std::shared_ptr<const Message> letter = transport_.receive(rank);
+    MessageReader answer(*letter);
+    if (answer.get<Order>() != Order::failed) continue;
+    answer.get<std::uint32_t>();
+    failures +=
+        fmt::format("{}troupe: error: rank {}: {}", failures.empty() ? "" : "\n", rank, answer.get_text());
+  }
+  if (!failures.empty()) {
+    transport_.send_to_all(shared(begin(Order::drop, number)));
+    throw InputError(failures);
+  }
+  return std::make_unique<ProcessGroup>(world, registry, transport_, nodes_, number, seed);
+}
+
+void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path, unsigned threads,
+                           const std::function<std::uint32_t()>& requests) {
+  std::map<std::uint32_t, std::unique_ptr<Follower>> followers;
+  while (true) {
+    const std::shared_ptr<const Message> letter = transport_.receive(0);
+    MessageReader message(*letter);
+    const auto order = message.get<Order>();
+    const auto number = message.get<std::uint32_t>();
+    if (order == Order::end) return;
+    if (order == Order::make) {
+      MessageWriter answer = begin(Order::make, number);
+      try {
+        followers[number] =
+            std::make_unique<Follower>(message, plugin_path, threads, transport_, number, requests);
+      } catch (const std::exception& error) {
+        followers.erase(number);
+        answer = begin(Order::failed, number);
+        answer.put_text(error.what());
+      }
+      transport_.send(0, shared(std::move(answer)));
+    } else if (order == Order::drop) {
+      followers.erase(number);
+    } else if (const auto found = followers.find(number); found != followers.end()) {
+      found->second->replica->follow(order, message);
+    }
+  }
+}
+
+}  // namespace troupe

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "troupe/rank_group.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace troupe::engine {
+struct Registry;
+class World;
+struct WorldOptions;
+}  // namespace troupe::engine
+namespace troupe::partition {
+class Transport;
+}  // namespace troupe::partition
+
+namespace troupe {
+
+class Plugins;
+
+/// The processes of one program, each of them a rank (docs/cluster.md). Rank 0 runs the program, and makes
+/// replicas of its worlds on the others, which only follow its orders.
+class RankProcesses {
+ public:
+  /// transport: to the other processes; it must outlive this object
+  /// nodes: number of computers on which they run
+  RankProcesses(partition::Transport& transport, unsigned nodes) : transport_(transport), nodes_(nodes) {}
+  /// On rank 0: tells the other processes that no order follows.
+  ~RankProcesses();
+  RankProcesses(const RankProcesses&) = delete;
+  RankProcesses& operator=(const RankProcesses&) = delete;
+
+  /// On rank 0: makes replicas of a world, which is at tick 0. `world` and `registry` must outlive the
+  /// result. Throws InputError, with the rank and the reason, if a process cannot make its replica, for
+  /// example because it lacks a plug-in.
+  ///
+  /// plugins: those that the world uses
+  /// seed: SimulationOptions::rank_seed; here it only says how robots change their ranks
+  std::unique_ptr<RankGroup> add(engine::World& world, const engine::Registry& registry,
+                                 const Plugins& plugins, const engine::WorldOptions& options,
+                                 std::optional<std::uint64_t> seed);
+  /// On all other ranks: obeys orders until rank 0 has no more. Throws partition::RankError if a rank fails.
+  ///
+  /// plugin_path: folders to search for the plug-ins of rank 0
+  /// threads: number of worker threads of each replica
+  /// requests: returns how often this process was asked for a checkpoint (RankStatistics::requests)
+  void follow(const std::vector<std::filesystem::path>& plugin_path, unsigned threads,
+              const std::function<std::uint32_t()>& requests);
+
+ private:
+  partition::Transport& transport_;
+  unsigned nodes_;
+  std::uint32_t worlds_ = 0;  // number of worlds that were added
+};
+
+}  // namespace troupe

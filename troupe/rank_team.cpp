@@ -1,0 +1,103 @@
+#include "troupe/rank_team.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/replica.hpp"
+#include "engine/world.hpp"
+#include "partition/job_thread.hpp"
+#include "partition/mailboxes.hpp"
+#include "partition/processors.hpp"
+#include "troupe/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace troupe {
+namespace {
+
+using engine::Order;
+using partition::Message;
+using partition::MessageReader;
+using partition::MessageWriter;
+using partition::Transport;
+
+std::shared_ptr<const Message> message_of(Order order) {
+  MessageWriter message;
+  message.put(order);
+  message.put(std::uint32_t{0});
+  return std::make_shared<const Message>(message.take());
+}
+
+}  // namespace
+
+void check_ranks(const RankOptions& options) {
+  static_assert(k_most_ranks == partition::k_most_ranks);
+  if (options.ranks < 1 || options.ranks > k_most_ranks)
+    throw std::invalid_argument(fmt::format("{} ranks: must be 1 to {}", options.ranks, k_most_ranks));
+}
+
+unsigned threads_per_rank(unsigned threads, unsigned ranks) {
+  if (threads > 0 || ranks <= 1) return threads;
+  return std::max(1u, partition::processors_allowed() / ranks);
+}
+
+struct RankTeam::Impl {
+  Impl(engine::World& lead, const engine::Registry& registry, const engine::WorldOptions& world,
+       const RankOptions& options)
+      : mailboxes(options.ranks, options.seed, options.clock),
+        replica_options{.cut_seed = options.seed,
+                        .verify = options.seed.has_value(),
+                        .keeps_references = true,
+                        .requests = {}} {
+    for (unsigned rank = 1; rank < options.ranks; ++rank) {
+      threads.push_back(std::make_unique<partition::JobThread>(1));
+      threads.back()->add([this, &lead, &registry, world, rank] { follow(lead, registry, world, rank); });
+    }
+    for (unsigned rank = 1; rank < options.ranks; ++rank) mailboxes.of(0).receive(rank);  // it is ready
+    replica.emplace(lead, registry, mailboxes.of(0), 0, replica_options);
+  }
+  ~Impl() {
+    if (replica) mailboxes.of(0).send_to_all(message_of(Order::end));
+    mailboxes.close("rank 0 has ended");
+  }
+
+  void follow(const engine::World& lead, const engine::Registry& registry, const engine::WorldOptions& world,
+              unsigned rank) {
+    try {
+      Diagnostics diagnostics(lead.spec().files);  // its warnings are those of rank 0
+      engine::World own(lead.spec(), registry, world, diagnostics);
+      Transport& transport = mailboxes.of(rank);
+      engine::Replica replica_here(own, registry, transport, 0, replica_options);
+      transport.send(0, message_of(Order::make));
+      while (true) {
+        const std::shared_ptr<const Message> letter = transport.receive(0);
+        MessageReader message(*letter);
+        const auto order = message.get<Order>();
+        message.get<std::uint32_t>();
+        if (order == Order::end) return;
+        replica_here.follow(order, message);
+      }
+    } catch (const std::exception& error) {
+      mailboxes.close(fmt::format("rank {} failed: {}", rank, error.what()));
+    }
+  }
+
+  partition::Mailboxes mailboxes;
+  engine::ReplicaOptions replica_options;
+  std::optional<engine::Replica> replica;
+  std::vector<std::unique_ptr<partition::JobThread>> threads;  // destroyed first: they use the others
+};
+
+RankTeam::RankTeam(engine::World& lead, const engine::Registry& registry, const engine::WorldOptions& world,
+                   const RankOptions& options)
+    : impl_(std::make_unique<Impl>(lead, registry, world, options)) {}
+
+RankTeam::~RankTeam() = default;
+
+const engine::Replica& RankTeam::replica() const { return *impl_->replica; }
+
+}  // namespace troupe

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "troupe/rank_group.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+namespace troupe::engine {
+class World;
+struct Registry;
+struct WorldOptions;
+}  // namespace troupe::engine
+
+namespace troupe {
+
+/// The ranks of a simulation: SimulationOptions::ranks, rank_seed and rank_clock.
+struct RankOptions {
+  unsigned ranks = 1;
+  std::optional<std::uint64_t> seed;
+  std::function<double(unsigned rank)> clock;
+};
+
+/// Throws std::invalid_argument, with the allowed numbers, if the number of ranks is not allowed.
+void check_ranks(const RankOptions& options);
+/// Number of worker threads of each rank. threads: the number that the user wants; 0: the processors that the
+/// process may use, divided by the number of ranks.
+unsigned threads_per_rank(unsigned threads, unsigned ranks);
+
+/// Replicas of a world on threads of this process (engine/replica.hpp). The calling thread is rank 0.
+class RankTeam : public RankGroup {
+ public:
+  /// Makes the replicas of `lead`, which is at tick 0 and becomes the replica of rank 0. `lead` and
+  /// `registry` must outlive this object. Throws partition::RankError if a replica cannot be made.
+  RankTeam(engine::World& lead, const engine::Registry& registry, const engine::WorldOptions& world,
+           const RankOptions& options);
+  ~RankTeam() override;
+
+  unsigned nodes() const override { return 1; }
+  const engine::Replica& replica() const override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace troupe

@@ -1,0 +1,85 @@
+#include "troupe/script.hpp"
+
+#include "engine/names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace troupe {
+namespace {
+
+using engine::TypeSpec;
+using engine::WorldSpec;
+
+/// Whether a body is the robot `robots` or belongs to the population `robots`.
+bool is_of(std::string_view name, std::string_view robots) {
+  return name == robots || (name.starts_with(robots) && name.size() > robots.size() &&
+                            name.find_first_not_of("0123456789", robots.size()) == name.npos);
+}
+
+/// Returns the types whose robots get a controller. The error says why there are none.
+Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::string& robots) {
+  std::vector<std::size_t> types;
+  for (std::size_t t = 0; t < world.types.size(); ++t)
+    if (robots.empty() ? engine::is_mobile(world.types[t]) : world.types[t].name == robots)
+      types.push_back(t);
+  if (!types.empty()) return types;
+  if (robots.empty()) return Error{"the world has no type with a drive"};
+  std::vector<bool> has(world.types.size(), false);
+  std::vector<bool> has_others(world.types.size(), false);
+  for (std::size_t b = 1; b < world.bodies.size(); ++b) {
+    const std::size_t type = world.bodies[b].type.index();
+    (is_of(world.name(BodyId(b)), robots) ? has : has_others)[type] = true;
+  }
+  for (std::size_t t = 0; t < world.types.size(); ++t) {
+    if (!has[t]) continue;
+    if (has_others[t])
+      return Error{fmt::format(
+          "\"{1}\" shares the type \"{0}\" with other robots, and all robots of a type have the same "
+          "controllers: write \"{0}\" for all of them, or give \"{1}\" a type of its own, with \"extends\"",
+          world.types[t].name, robots)};
+    types.push_back(t);
+  }
+  if (!types.empty()) return types;
+  std::vector<std::string_view> known;
+  for (const TypeSpec& type : world.types)
+    if (engine::is_mobile(type)) known.push_back(type.name);
+  return Error{unknown_name("type, population or robot", robots, std::move(known))};
+}
+
+}  // namespace
+
+void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, WorldSpec& world,
+                        Diagnostics& diagnostics) {
+  std::vector<const Script::Controller*> given(world.types.size(), nullptr);
+  for (const std::shared_ptr<const Script>& script : scripts) {
+    const std::string name = script->name();
+    for (const Script::Controller& controller : script->controllers) {
+      const Where where{diagnostics.files()->add(script->file.string()), controller.line};
+      const auto types = types_of(world, controller.robots);
+      if (!types) {
+        diagnostics.error(where, fmt::format("controller {}: {}", controller.kind.name, types.error().text));
+        continue;
+      }
+      for (const std::size_t t : *types) {
+        TypeSpec& type = world.types[t];
+        if (given[t] != nullptr) {
+          diagnostics.error(where, fmt::format("controller {}: the robots of type \"{}\" already get {}",
+                                               controller.kind.name, type.name, given[t]->kind.name));
+          continue;
+        }
+        given[t] = &controller;
+        const bool is_main = controller.kind.name == name;
+        engine::ControllerSpec spec{.where = where};
+        spec.kind = is_main ? name : fmt::format("{}:{}", name, controller.kind.name);
+        spec.params = controller.kind.params.defaults();
+        type.controllers = {std::move(spec)};
+      }
+    }
+  }
+}
+
+}  // namespace troupe

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "base/diagnostics.hpp"
+#include "engine/kinds.hpp"
+#include "engine/measure_kind.hpp"
+#include "engine/world_spec.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace troupe {
+
+/// Controllers and measures that a program has read from a script, such as a Python file. A simulation uses
+/// them like those of a plug-in with the name of the script: `my.py` with a class `Wander` gives the
+/// controller `my:Wander`. Checkpoints state the script, and resuming needs it.
+struct Script {
+  /// A controller of the script, and the robots that get it.
+  struct Controller {
+    engine::ControllerKind kind;  ///< its name is that of the class
+    std::string robots;           ///< type, population or robot; empty: all types with a drive
+    std::uint32_t line = 0;       ///< line of the class in the file
+  };
+  std::filesystem::path file;                 ///< the script
+  std::uint64_t contents = 0;                 ///< hash of the bytes of the file
+  std::vector<Controller> controllers;        ///< in the order of the file
+  std::vector<engine::MeasureKind> measures;  ///< in the order of the file
+
+  std::string name() const { return file.stem().string(); }  ///< name of the plug-in
+};
+
+/// Makes the controllers of scripts the controllers of their robots, in place of those that the world gives
+/// them. Reports an error, at the line of the class, for a controller whose robots do not exist or are only
+/// some of those of their type, and for two controllers of one robot.
+void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, engine::WorldSpec& world,
+                        Diagnostics& diagnostics);
+
+}  // namespace troupe

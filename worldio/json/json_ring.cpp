@@ -1,0 +1,77 @@
+#include "worldio/json/json_ring.hpp"
+
+#include "base/math.hpp"
+#include "base/pose.hpp"
+#include "engine/description.hpp"
+#include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_text.hpp"
+#include "worldio/json/read_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace troupe::worldio {
+namespace {
+
+/// Appends a number to the name of an entry, and to the names of the entries of its lists of sensors, devices
+/// and parts: names of devices are unique in a type.
+void number_names(JsonNode& entry, std::size_t number) {
+  constexpr std::array<std::string_view, 3> k_named{"sensors", "devices", "parts"};
+  auto* members = std::get_if<JsonNode::Object>(&entry.value);
+  if (!members) return;
+  for (JsonMember& member : *members) {
+    if (auto* name = std::get_if<std::string>(&member.node.value); name && member.key == "name")
+      *name += fmt::format("{}", number);
+    auto* list = std::get_if<JsonNode::List>(&member.node.value);
+    if (!list || std::ranges::find(k_named, member.key) == k_named.end()) continue;
+    for (JsonNode& inner : *list) number_names(inner, number);
+  }
+}
+
+Pose pose_of(const JsonCursor& at) {
+  const JsonNode* node = at.node().find("pose");
+  if (!node) return {};
+  const JsonCursor cursor(at, "pose", *node);
+  JsonObject object(cursor);
+  const engine::Record record = read_fields(object, engine::pose_fields());
+  object.finish();
+  return engine::from_record<Pose>(record);
+}
+
+JsonNode pose_node(const Pose& pose, Where where) {
+  JsonNode::Object object;
+  add_member(object, "x_m", pose.x, where);
+  add_member(object, "y_m", pose.y, where);
+  add_member(object, "z_m", pose.z, where);
+  add_member(object, "heading_rad", pose.heading, where);
+  return json_node(std::move(object), where);
+}
+
+}  // namespace
+
+std::vector<JsonNode> expand_ring(const JsonCursor& at) {
+  const JsonNode& described = *at.node().find("ring");
+  const std::size_t before = at.diagnostics().findings().size();
+  const engine::Registry no_kinds;
+  const auto ring = read_document<RingDocument>(JsonCursor(at, "ring", described), {no_kinds, 0});
+  const Pose center = pose_of(at);
+  if (at.diagnostics().findings().size() > before) return {};
+  std::vector<JsonNode> copies;
+  for (std::int64_t i = 0; i < ring.count; ++i) {
+    const double angle = ring.start + 2 * k_pi * static_cast<double>(i) / static_cast<double>(ring.count);
+    const SinCos direction = sincos(angle);
+    const Pose pose = compose(center, {ring.radius * direction.cos, ring.radius * direction.sin, 0, angle});
+    JsonNode& copy = copies.emplace_back(at.node());
+    auto& members = std::get<JsonNode::Object>(copy.value);
+    std::erase_if(members,
+                  [](const JsonMember& member) { return member.key == "ring" || member.key == "pose"; });
+    add_node(members, "pose", pose_node(pose, described.where));
+    number_names(copy, static_cast<std::size_t>(i));
+  }
+  return copies;
+}
+
+}  // namespace troupe::worldio
