@@ -79,7 +79,7 @@ std::string version_text() {
   return fmt::format("{} simd {} (of {})", version_line(), partition::simd_target(), usable);
 }
 
-/// Adds every command; parsing fills their options.
+/// Adds every command to the parser `app`, which then fills ProgramCommand::options.
 void add_commands(CLI::App& app, const std::vector<ProgramCommand>& commands) {
   app.get_formatter()->column_width(26);
   app.footer(k_troupe_footer);
@@ -146,7 +146,7 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
   } catch (...) {  // a plug-in may throw anything
     fmt::print(
         stderr,
-        "troupe: error: ended by an exception that is not a std::exception; plug-ins may throw such\n");
+        "troupe: error: unknown exception (not derived from std::exception); a plug-in may have thrown it\n");
     return k_failed;
   }
 }

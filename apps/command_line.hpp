@@ -15,7 +15,7 @@ namespace troupe::apps {
 int run_command_line(int argc, const char* const* argv,
                      const std::function<void(std::any& options)>& limit = nullptr);
 
-/// Returns the program itself and all its commands with their options, as command_table() does.
+/// Returns the result of command_table(): the program itself and all its commands with their options.
 std::vector<Command> known_commands();
 
 }  // namespace troupe::apps

@@ -14,13 +14,14 @@ namespace troupe::apps {
 struct CommandOption {
   std::vector<std::string> names;  ///< as typed: "--for"; for a positional argument only its name: "WORLD"
   std::string value;  ///< placeholder of its value: "S", "FILE.h5", "exact|grid"; empty: no value
-  std::string help;
+  std::string help;   ///< description in --help
   bool positional = false;
 };
 
+/// A command, or the program itself, as the command-line parser describes it.
 struct Command {
-  std::string name;
-  std::string help;
+  std::string name;                    ///< as typed: "run"; of the program itself: "troupe"
+  std::string help;                    ///< description in --help
   std::vector<CommandOption> options;  ///< in the order of --help; --help itself is first
   std::string footer;                  ///< text below the options in --help
 };

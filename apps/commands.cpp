@@ -25,6 +25,8 @@
 namespace troupe::apps {
 namespace {
 
+/// Returns a command that runs in one process. If a launcher such as mpirun has started several processes,
+/// the command prints an error instead of running.
 template <class Options>
 ProgramCommand row(const char* name, const char* help, void (*add_options)(CLI::App&, Options&),
                    ExitCode (*run)(const Options&)) {
@@ -36,7 +38,7 @@ ProgramCommand row(const char* name, const char* help, void (*add_options)(CLI::
           .options = options};
 }
 
-/// row() for a command that itself joins a launcher such as mpirun.
+/// Like row(), for a command whose run() itself connects the processes of a launcher such as mpirun.
 template <class Options>
 ProgramCommand row_of_any(const char* name, const char* help, void (*add_options)(CLI::App&, Options&),
                           ExitCode (*run)(const Options&)) {
@@ -47,7 +49,7 @@ ProgramCommand row_of_any(const char* name, const char* help, void (*add_options
   return command;
 }
 
-/// row() for a command that uses all processes of a launcher such as mpirun.
+/// Like row(), for a command that simulates its worlds on all processes of a launcher such as mpirun.
 template <class Options>
 ProgramCommand row_of_ranks(const char* name, const char* help, void (*add_options)(CLI::App&, Options&),
                             ExitCode (*run)(const Options&)) {

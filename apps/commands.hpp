@@ -15,8 +15,8 @@ namespace troupe::apps {
 
 /// A command of the program.
 struct ProgramCommand {
-  std::string name;
-  std::string help;
+  std::string name;                                    ///< as typed: "run"
+  std::string help;                                    ///< one line for --help
   std::function<void(CLI::App& command)> add_options;  ///< declares the options; parsing fills them
   std::function<ExitCode()> run;                       ///< runs the command with its options
   std::any options;  ///< a std::shared_ptr to the options that parsing fills, such as RunOptions

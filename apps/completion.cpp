@@ -18,7 +18,7 @@ namespace {
 using Arguments = std::map<std::string, std::vector<std::string>>;
 
 /// The values that a shell offers for an option: the list `words`, or, if `file` is true, file names. If the
-/// list is empty and `file` is false, it offers nothing.
+/// list is empty and `file` is false, the shell offers nothing.
 struct ValueHint {
   std::vector<std::string> words;
   bool file = false;

@@ -15,6 +15,7 @@ class App;
 
 namespace troupe::apps {
 
+/// The shells for which there are completion scripts.
 inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"};
 
 /// Returns a script for a shell, which completes commands, options, and those values of options that the help

@@ -22,12 +22,13 @@ class CsvFile {
   /// header.
   CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
 
-  /// Appends a cell to the current line: the shortest text that reads back as the same number, or `nan`.
+  /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back
+  /// as the same number, or as `nan`.
   CsvFile& add(double number);
   CsvFile& add(std::uint64_t number);
   /// Appends a cell, in quotes if necessary (csv_cell()).
   CsvFile& add(std::string_view text);
-  void end_line();
+  void end_line();  ///< ends the current line
 
   /// Writes the finished lines to the file. Call it only after end_line(). Throws std::runtime_error, whose
   /// text names the file and the tick `tick` of the run, if that fails.

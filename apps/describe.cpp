@@ -28,6 +28,7 @@ using engine::FieldType;
 using engine::Registry;
 using engine::Value;
 
+/// Returns a heading and one line with name and description for each kind; empty if there are no kinds.
 template <class Kinds>
 std::string listed(std::string_view heading, const Kinds& kinds) {
   if (kinds.empty()) return {};
@@ -135,8 +136,9 @@ std::string fields_text(const FieldTable& table) {
   return text;
 }
 
-/// Returns typical parameters of a kind, from which its readings can be determined: the defaults, and one
-/// block in each required list of blocks. Returns nothing if another required parameter has no default.
+/// Returns typical parameters of a kind, with which a device can be compiled to determine the fields of its
+/// readings: the defaults, and one block in each required list of blocks. Returns nothing if another required
+/// parameter has no default.
 std::optional<engine::Record> usual(const FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
@@ -187,11 +189,13 @@ std::string state_text(const engine::DeviceKind& kind) {
 std::string others_text(const engine::DeviceKind& kind) {
   std::string text;
   if (!kind.reads.empty())
-    text += fmt::format("  reads of other bodies, besides their places: {}\n", fmt::join(kind.reads, ", "));
+    text += fmt::format("  reads of other bodies, in addition to their poses and shapes: {}\n",
+                        fmt::join(kind.reads, ", "));
   if (kind.apply != nullptr) {
     constexpr std::array<std::string_view, 3> k_scopes{
-        "its own body, a target within its reach, and what these carry or are carried by",
-        "its own body, a target anywhere in the world, and what these carry or are carried by", "any body"};
+        "its own body, a target within its reach, and the bodies that these carry or are carried by",
+        "its own body, a target anywhere in the world, and the bodies that these carry or are carried by",
+        "any body"};
     text += fmt::format("  changes: {}\n", k_scopes[static_cast<std::size_t>(kind.scope)]);
   }
   return text.empty() ? text : "other bodies\n" + text + "\n";
@@ -221,14 +225,15 @@ std::string model_text(const Registry& registry, const engine::ModelKind& kind) 
   std::string text =
       fmt::format("model {}: {}\n\n  default size {} x {} x {} m, {}\n\n", kind.name, kind.text,
                   kind.size.x(), kind.size.y(), kind.size.z(),
-                  kind.has_default_body ? "a box unless it has blocks or a bitmap"
+                  kind.has_default_body ? "a box unless the model has blocks or a bitmap"
                   : device && device->body != nullptr
-                      ? "with the shape that the device defines unless it has blocks or a bitmap"
-                      : "without a body");
+                      ? "with the shape that the device defines, unless the model has blocks or a bitmap"
+                      : "without a shape unless the model has blocks or a bitmap");
   if (kind.name != "model") text += properties_text("properties in a Stage world", kind.name);
-  if (kind.name == "ranger") text += properties_text("properties of each sensor( ) block in it", "sensor");
+  if (kind.name == "ranger")
+    text += properties_text("properties of each sensor( ) block in a ranger", "sensor");
   return text + properties_text("properties of every model", "model") +
-         properties_text("properties of each block( ) in it", "block");
+         properties_text("properties of each block( ) in a model", "block");
 }
 
 /// Wraps a text into indented lines of at most 100 characters.
@@ -254,8 +259,8 @@ std::string measure_text(const engine::MeasureKind& kind) {
                      fields_text(kind.params));
 }
 
-/// Returns the description of a preset: its parameters are those of its kind of controller, with other
-/// defaults.
+/// Returns the description of a preset (a named set of parameters for a kind of controller), as text: the
+/// parameters of the kind, with the preset's values as defaults.
 std::string preset_text(const Registry& registry, const Registry::Preset& preset) {
   FieldTable table = registry.controller(preset.kind)->params;
   for (const auto& [name, value] : preset.params)

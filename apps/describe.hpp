@@ -16,9 +16,9 @@ namespace troupe::apps {
 
 /// Options of `troupe describe`.
 struct DescribeOptions {
-  std::string kind;     ///< name of the kind to describe; empty: list all kinds
-  bool schema = false;  ///< print the JSON Schema of worlds instead
-  std::vector<std::filesystem::path> plugin_path;
+  std::string kind;                                ///< name of the kind to describe; empty: list all kinds
+  bool schema = false;                             ///< print the JSON Schema of worlds instead
+  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
 };
 /// Adds the options of `describe`; parsing fills `options`, which must outlive `command`.
 void add_describe_options(CLI::App& command, DescribeOptions& options);
@@ -26,8 +26,8 @@ void add_describe_options(CLI::App& command, DescribeOptions& options);
 /// worlds. Throws InputError for an unknown kind.
 ExitCode describe(const DescribeOptions& options);
 
-/// Returns one line with name and text for every kind of model, sensor, device, drive, controller, preset,
-/// measure, fault and event.
+/// Returns one line with name and description for every kind of model, sensor, device, drive, controller,
+/// preset, measure, fault and event.
 std::string list_kinds(const engine::Registry& registry);
 
 /// Returns the names of all kinds that list_kinds() lists, sorted, without duplicates.

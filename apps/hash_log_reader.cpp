@@ -74,7 +74,7 @@ std::optional<HashLogReader::Line> HashLogReader::next() {
 
 bool HashLogReader::read_line(std::string& line) {
   if (!std::getline(stream_, line)) {
-    if (stream_.bad()) fail("cannot be read beyond this line");
+    if (stream_.bad()) fail("the file cannot be read beyond this line");
     return false;
   }
   ++number_;

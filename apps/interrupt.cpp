@@ -16,7 +16,8 @@ std::atomic<bool> requested = false;
 std::atomic<bool> has_doomed = false;
 std::atomic<std::uint32_t> saves = 0;  // how often SIGUSR1 has arrived
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::uint32_t>::is_always_lock_free);
-std::array<char, 4096> doomed{};  // name of the file to remove; written only while has_doomed is false
+std::array<char, 4096> doomed{};  // name of the file that a second signal removes; written only while
+                                  // has_doomed is false
 
 void handle(int signal) {
   if (!requested.exchange(true)) return;

@@ -15,8 +15,8 @@ bool stop_requested();
 void count_save_requests();
 /// How often SIGUSR1 has arrived since count_save_requests().
 std::uint32_t save_requests();
-/// Sets the file that a second signal removes before it ends the program, such as an unfinished film. The
-/// file replaces the previous one. Empty: no file; a name of 4,096 bytes or more has the same effect.
+/// Sets the file, such as an unfinished film, that a second Ctrl-C or SIGTERM removes before it ends the
+/// program. Replaces the file of the previous call. An empty name, or one of 4,096 bytes or more: no file.
 void remove_when_killed(const std::filesystem::path& file);
 
 }  // namespace troupe::apps

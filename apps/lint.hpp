@@ -14,13 +14,14 @@ namespace troupe::apps {
 /// Options of `troupe lint`.
 struct LintOptions {
   std::filesystem::path world;
-  std::vector<std::filesystem::path> plugin_path;
+  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
 };
 
 /// Adds the options of `lint`; parsing fills `options`, which must outlive `command`.
 void add_lint_options(CLI::App& command, LintOptions& options);
 
-/// `troupe lint`: prints the findings about a world, one line each. Throws InputError if it cannot be loaded.
+/// `troupe lint`: prints likely mistakes in a world, one line each. Throws InputError if the world cannot be
+/// loaded.
 ExitCode lint_world(const LintOptions& options);
 
 }  // namespace troupe::apps

@@ -25,6 +25,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+/// Returns the entry of an option in the manual page.
 std::string option_text(const CommandOption& option) {
   std::string text;
   for (const std::string& name : option.names)
@@ -77,7 +78,7 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
   text +=
       ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with plug\\-ins, separated by colons.\n"
       ".TP\n.B STAGEPATH\nFolders searched for worlds, included files and plug\\-ins.\n"
-      ".TP\n.B TROUPE_SIMD\nInstruction set for range finding: the values of \\-\\-simd.\n";
+      ".TP\n.B TROUPE_SIMD\nInstruction set for range finding, if \\-\\-simd is not given.\n";
   return text;
 }
 

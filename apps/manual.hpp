@@ -13,8 +13,8 @@ class App;
 
 namespace troupe::apps {
 
-/// Returns the manual page troupe(1), written in the man macros of roff: every command with its options and
-/// the texts of --help. `version` is printed at the foot of each page.
+/// Returns the manual page troupe(1) in roff with the macros of `man`: every command with its options and the
+/// texts of --help. version: version of the program, which is printed at the foot of each page.
 std::string manual_page(const std::vector<Command>& commands, std::string_view version);
 
 /// `troupe manual` has no options.

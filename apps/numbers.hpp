@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-/// Formatting of numbers in the summaries that people read. Files contain all digits instead.
+/// Formatting of numbers in summaries for users. Files contain all digits instead.
 namespace troupe::apps {
 
 /// Returns an integer as text, in groups of three digits: `12,345,678`.

@@ -19,9 +19,10 @@
 namespace troupe::apps {
 namespace {
 
-// Largest time that an option accepts, 32,000 years. Counted in microseconds it still fits into 64 bits.
+// Largest time that --for accepts, s: 32,000 years. In microseconds it still fits into 64 bits.
 constexpr double k_max_seconds = 1e12;
 
+/// Converts a value of --robots to the name of a population (empty: the only one) and its size.
 std::pair<std::string, std::size_t> population_size(const std::string& text) {
   const auto equals = text.rfind('=');
   const auto count = number<std::size_t>(text.substr(equals == text.npos ? 0 : equals + 1));
@@ -31,6 +32,7 @@ std::pair<std::string, std::size_t> population_size(const std::string& text) {
   return {equals == text.npos ? "" : text.substr(0, equals), *count};
 }
 
+/// Converts a value of --set to a JSON pointer and the text of a JSON value.
 std::pair<std::string, std::string> assignment(const std::string& text) {
   const auto equals = text.find('=');
   if (!text.starts_with('/') || equals == text.npos)
@@ -38,6 +40,7 @@ std::pair<std::string, std::string> assignment(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
+/// Returns the value of an environment variable; empty if it is not set.
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
@@ -130,7 +133,7 @@ void add_world_options(CLI::App& app, WorldOptions& options) {
 
 void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_end_option(app, options);
-  add_value(app, "--seed", "N", "Seed of every random stream (default: the world's, else 1)",
+  add_value(app, "--seed", "N", "Seed of all random numbers (default: the world's, else 1)",
             [&options](const std::string& text) {
               options.simulation.seed = number<std::uint64_t>(text);
               if (!options.simulation.seed) refuse("--seed", text, "a whole number from 0 to 2^64 - 1");
@@ -146,7 +149,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
       app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
       [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
   add_value(app, "--spare", "N",
-            "Extra bodies per population of robots, to be added while the world runs (default: 0)",
+            "Spare robots per population, which can be added during the run (default: 0)",
             [&options](const std::string& text) {
               constexpr std::uint32_t k_most = 1000000;
               const auto count = number<std::uint32_t>(text);
@@ -163,7 +166,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
 
 void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
   add_value(app, "--rank-seed", "N",
-            "Delay and shuffle the messages between ranks, and let robots change their ranks",
+            "For tests: delay messages between ranks and move robots to other ranks at random, with seed N",
             [&options](const std::string& text) {
               options.simulation.rank_seed = number<std::uint64_t>(text);
               if (!options.simulation.rank_seed)
@@ -174,7 +177,7 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
 
 void add_rank_limit_option(CLI::App& app, WorldOptions& options) {
   add_value(app, "--rank-limit", "S",
-            "Under mpirun: longest wait for another rank, s of real time (default: 600)",
+            "Under mpirun: fail after waiting S seconds of real time for another rank (default: 600)",
             [&options](const std::string& text) {
               options.rank_limit_s = positive_seconds("--rank-limit", text, "a time");
             })
@@ -182,7 +185,7 @@ void add_rank_limit_option(CLI::App& app, WorldOptions& options) {
 }
 
 void add_end_option(CLI::App& app, WorldOptions& options) {
-  add_value(app, "--for", "S", "End at S seconds of world time", [&options](const std::string& text) {
+  add_value(app, "--for", "S", "End at S seconds of simulated time", [&options](const std::string& text) {
     options.for_s = finite(text);
     if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
       refuse("--for", text, fmt::format("a time in seconds, from 0 to {:g}", k_max_seconds));

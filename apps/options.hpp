@@ -19,7 +19,7 @@ class Option;
 /// Command-line options that several commands share.
 namespace troupe::apps {
 
-/// Converts a text to a number; nothing if the text as a whole is not a number of type T.
+/// Converts a text to a number of type T. Returns nothing if the text contains anything else than the number.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -27,44 +27,44 @@ std::optional<T> number(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
-/// Converts a text to a finite number; nothing if the text as a whole is not one.
+/// Converts a text to a finite number. Returns nothing if the text is inf or nan, or contains anything else.
 std::optional<double> finite(std::string_view text);
 
 /// Throws CLI::ValidationError for the value `text` of the option `option`. With `expected` = "a number of
 /// threads, ..." the error reads `--threads: "many" is not a number of threads, ...`.
 [[noreturn]] void refuse(const char* option, std::string_view text, std::string_view expected);
-/// Returns the name of a file to write. Throws as refuse() if the name is empty or begins with `-`.
+/// Returns `text`, the value of `option`, as the name of a file to write. Throws CLI::ValidationError if the
+/// name is empty or begins with `-`.
 std::filesystem::path file_name(const char* option, const std::string& text);
-/// Converts a text to a time in seconds, from 0 to engine::k_most_seconds (10^9). Throws as refuse() for
-/// other texts.
+/// Converts a text to a time in seconds, from 0 to engine::k_most_seconds (10^9). Throws
+/// CLI::ValidationError for other texts.
 double seconds_from_zero(const char* option, const std::string& text);
-/// Converts a text to a time in seconds, above 0 and at most engine::k_most_seconds (10^9). Throws as
-/// refuse() for other texts. what: name of the time in the error, such as "a real time".
+/// Converts a text to a time in seconds, above 0 and at most engine::k_most_seconds (10^9). Throws
+/// CLI::ValidationError for other texts. what: name of the time in the error, such as "a real time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
-/// Convert the values of --threads and --tile-size, which have the same form in every command. Throw as
-/// refuse() for invalid values.
+/// Convert a value of --threads, --tile-size (m) or --ranks, which have the same form in every command. Throw
+/// CLI::ValidationError for invalid values.
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);
-/// Converts a value of --ranks. Throws as refuse() for invalid values.
 unsigned rank_count(std::string_view text);
 
-/// Adds an option with one value. name: as typed, `--for`; value: placeholder of the value in the help; help:
-/// its line in the help; set: is called with the text of the value, which it converts. CLI11's own
+/// Adds an option with one value. name: as typed, `--for`; value: placeholder of the value in the help, `S`;
+/// help: the description in the help; set: converts the text of the value and stores the result. CLI11's own
 /// conversions are not used, because they would accept hexadecimal numbers and nan.
 CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
                        const std::function<void(const std::string&)>& set);
-/// Adds an option as add_value() does, which may be repeated. `add` is called with the text of each value.
+/// Like add_value(), for an option that may be repeated. `add` is called with the text of each value.
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
 /// Options that determine a run: the world, everything that changes its results, and its end.
 struct WorldOptions {
-  std::filesystem::path world;  ///< file of the world or checkpoint
+  std::filesystem::path world;  ///< file of the world, or of the checkpoint
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
-  double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, s
+  double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, wall time, s
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
 /// must outlive `app`.
@@ -72,7 +72,8 @@ void add_world_options(CLI::App& app, WorldOptions& options);
 /// Adds --for, --seed, --raytracer, --robots, --spare, --set, --plugin-path, --controller and --simd. Parsing
 /// fills `options`, which must outlive `app`.
 void add_run_settings(CLI::App& app, WorldOptions& options);
-/// Add --for or --set. `troupe resume` has these two options of add_run_settings() as well.
+/// Add only the option --for or only --set, for commands without the other options of add_run_settings().
+/// help: description of --set; set: receives pairs of a JSON pointer and a value.
 void add_end_option(CLI::App& app, WorldOptions& options);
 void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
 
@@ -86,7 +87,7 @@ void add_simd_option(CLI::App& app);
 void obey_simd_variable();
 /// Adds --rank-seed, which sets SimulationOptions::rank_seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
-/// Adds --rank-limit.
+/// Adds --rank-limit, which sets WorldOptions::rank_limit_s.
 void add_rank_limit_option(CLI::App& app, WorldOptions& options);
 /// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);

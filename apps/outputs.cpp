@@ -14,6 +14,7 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
+/// Throws OutputError if the file cannot be written. Creates nothing.
 void check_output(const fs::path& file) {
   std::error_code ignored;
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
@@ -35,9 +36,10 @@ std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
   return bytes;
 }
 
-/// Throws OutputError if the log belongs to another run, that is, if the options in its header differ.
-/// Options that change no result, or that a resumed run may change, are not compared. Comparing states is not
-/// enough, because the states of two runs may be equal for a while.
+/// Throws OutputError if the log belongs to another run, that is, if the options in its header differ from
+/// those of the simulation. Options that change no result, or that a resumed run may change, are not
+/// compared. Comparing the states at one tick is not enough, because the states of two runs may be equal for
+/// a while.
 void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   const auto is_free = [](std::string_view key) {
     return changes_no_result(key) || key.starts_with("set ") || key.starts_with("plugin ");

@@ -12,8 +12,8 @@
 
 namespace troupe::apps {
 
-/// A set of objects of type T, one for each thread that calls own(), so that threads write without locks.
-/// all() may be called only while no thread calls own() or writes its object.
+/// A set of objects of type T, one for each thread that calls own(). Each thread writes only its own object,
+/// without locks. all() may be called only while no thread calls own() or writes its object.
 template <class T>
 class PerThread {
  public:

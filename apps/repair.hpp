@@ -14,7 +14,7 @@ namespace troupe::apps {
 void add_repair_options(CLI::App& command, std::filesystem::path& recording);
 
 /// `troupe repair`: makes the recording of a killed run readable for standard HDF5 tools, and prints how many
-/// frames it contains.
+/// frames the recording contains.
 ExitCode repair(const std::filesystem::path& recording);
 
 }  // namespace troupe::apps

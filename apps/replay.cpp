@@ -31,7 +31,7 @@ larger than --max-mb, it contains only every second frame, or every third, ...; 
 frames it contains.
 
 The page shows poses and all other recorded fields (troupe run --record-fields pose,stall,ranges). --fields selects
-some of them: by component (stall), by field (ranges) or by both (stall/stalled).
+some of the other fields: by component (stall), by field (ranges) or by both (stall/stalled).
 
 Exit codes: 0 written; 1 writing failed; 2 nothing written, because RECORDING is not a recording or has no poses, FILE
 exists, or the usage was wrong.
@@ -43,7 +43,7 @@ Examples:
 
 constexpr std::string_view k_mark = "@RECORDING@";
 constexpr double k_bytes_mb = 1e6;
-constexpr double k_most_mb = 500;  // because browsers limit the length of a text
+constexpr double k_most_mb = 500;  // because browsers limit the length of a string
 
 std::vector<std::string> names_of(const std::string& text) {
   std::vector<std::string> names;
@@ -70,13 +70,14 @@ std::string number_of(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
-/// Returns how many bytes of recording data fit into a page of at most `max_mb` megabytes. The page contains
-/// them as Base64, which encodes 3 bytes as 4.
+/// Returns how many bytes of recorded data fit into a page of at most `max_mb` megabytes (10^6 bytes). The
+/// page contains the data as Base64, which encodes 3 bytes as 4.
 std::size_t room(double max_mb) {
   const double left = max_mb * k_bytes_mb - static_cast<double>(k_replay_page.size());
   return left > 0 ? static_cast<std::size_t>(left / 4 * 3) : 0;
 }
 
+/// Returns a description of a page of `mb` megabytes, for the user: robots, frames, and what was omitted.
 std::string contents_of(const fs::path& page, double mb, double max_mb, const worldio::ReplayData& data) {
   std::string bodies = number_of(data.robots, "robot");
   if (data.others > 0)
@@ -88,12 +89,13 @@ std::string contents_of(const fs::path& page, double mb, double max_mb, const wo
     text += fmt::format("{}: every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n",
                         page.string(), ordinal(data.stride), data.recorded, max_mb);
   if (data.at_rest)
-    text +=
-        fmt::format("{}: moving parts are drawn at rest: record their positions with --record-fields joint\n",
-                    page.string());
+    text += fmt::format(
+        "{}: moving parts are drawn at rest, because the recording does not contain the field joint\n",
+        page.string());
   return text;
 }
 
+/// Throws OutputError if the page cannot be written, or exists and --force is not given.
 void check(const ReplayOptions& options, const fs::path& page) {
   check_outputs({Input{options.recording, "the recording"}}, {page});
   std::error_code ignored;
@@ -121,7 +123,8 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
             [&options](const std::string& text) {
               const auto mb = finite(text);
               if (!mb || *mb <= 0 || *mb > k_most_mb)
-                refuse("--max-mb", text, fmt::format("a size in megabytes, above 0, to {:g}", k_most_mb));
+                refuse("--max-mb", text,
+                       fmt::format("a size in megabytes, above 0 and at most {:g}", k_most_mb));
               options.max_mb = *mb;
             });
   add_value(command, "--fields", "A,B,...", "Fields to show in addition to poses (default: all recorded)",

@@ -16,7 +16,7 @@ namespace troupe::apps {
 /// Options of `troupe replay`.
 struct ReplayOptions {
   std::filesystem::path recording;
-  std::filesystem::path page;       ///< output; empty: the recording's name with .html
+  std::filesystem::path page;       ///< file to write; empty: the recording's name with .html
   double max_mb = 25;               ///< largest size of the page, 10^6 bytes
   std::vector<std::string> fields;  ///< fields to show in addition to poses; empty: all recorded fields
   bool force = false;               ///< replace an existing page
@@ -25,11 +25,11 @@ struct ReplayOptions {
 /// Adds the options of `replay`; parsing fills `options`, which must outlive `command`.
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 
-/// Writes a self-contained page that plays the recording in a browser. Returns what the page contains, as
-/// lines of text for people. Throws InputError if the file is not a recording or does not have the data that
-/// the page needs, or if the page exists, and OutputError if writing fails.
+/// Writes a self-contained HTML page that plays the recording in a browser. Returns a description of the page
+/// (robots, frames, size) as lines of text for the user. Throws InputError if the file is not a recording or
+/// does not have the data that the page needs, or if the page exists, and OutputError if writing fails.
 std::string write_replay_page(const ReplayOptions& options);
-/// `troupe replay RECORDING -o FILE.html`: write_replay_page(). Prints what the page contains.
+/// `troupe replay RECORDING -o FILE.html`: calls write_replay_page() and prints its result.
 ExitCode replay(const ReplayOptions& options);
 
 }  // namespace troupe::apps

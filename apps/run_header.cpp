@@ -14,8 +14,8 @@
 namespace troupe::apps {
 namespace {
 
-// Entries that are not compared, besides options that change no result: they describe the file. "version" is
-// one of them because compare_domains() compares it part by part.
+// Entries that compare_runs() does not compare, in addition to options that change no result. They describe
+// the file, except "version", which compare_domains() compares part by part.
 constexpr std::array<std::string_view, 5> k_free = {"version", "kind", "layout", "record_every_ticks",
                                                     "record_fields"};
 
@@ -44,8 +44,8 @@ std::vector<DomainPart> domain_of(const std::string& version_line) {
   return parts;
 }
 
-/// Collects the differences between two headers as lines of an error, each of which begins with the place in
-/// the second file.
+/// Collects the differences between two headers as the lines of an error message. Each line begins with the
+/// name of the second file and a line number in it.
 class Unlike {
  public:
   Unlike(const RunHeader& first, const RunHeader& second) : first_(first), second_(second) {}
@@ -90,8 +90,8 @@ class Unlike {
     return entry == header.entries.end() ? "" : entry->second.value;
   }
 
-  /// Returns the place of an entry in the second file: its name and, if it is a text file, the line number of
-  /// `key`, or line 1 if it has no such entry.
+  /// Returns the name of the second file and, if it is a text file, the line number of the entry `key`, or
+  /// line 1 if the file has no such entry.
   std::string place(const std::string& key) const {
     const auto entry = second_.entries.find(key);
     const bool in_lines = !second_.entries.empty() && second_.entries.begin()->second.line > 0;

@@ -28,8 +28,8 @@ std::string environment(const char* name) {
   return value ? value : "";
 }
 
-/// Returns the interpreter to execute: that of TROUPE_PYTHON, else the one that the package was built for,
-/// else the first on the path.
+/// Returns the Python interpreter to execute: that of the environment variable TROUPE_PYTHON, else the one
+/// for which the package was built, else the first python3 on PATH.
 std::string interpreter() {
   if (std::string chosen = environment("TROUPE_PYTHON"); !chosen.empty()) return chosen;
   const std::string built_for = TROUPE_PYTHON_INTERPRETER;
@@ -37,7 +37,7 @@ std::string interpreter() {
   return fs::exists(built_for, error) ? built_for : "python3";
 }
 
-/// Makes the Python package that belongs to this program importable: that of its build or installation.
+/// Makes the Python package that was built or installed with this program importable, through PYTHONPATH.
 void add_package_path() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -69,8 +69,9 @@ bool python_is_wanted() { return g_wants_python; }
 
 void run_in_python(int argc, const char* const* argv) {
   if (const std::optional<Launcher> launcher = find_launcher(); launcher && launcher->ranks > 1)
-    throw InputError(fmt::format("troupe: error: --controller runs in one process, but {} has started {}",
-                                 launcher->name, launcher->ranks));
+    throw InputError(
+        fmt::format("troupe: error: --controller works only in one process, but {} started {} processes",
+                    launcher->name, launcher->ranks));
   add_package_path();
   const std::string python = interpreter();
   std::vector<const char*> arguments{python.c_str(), "-m", "troupe"};
@@ -79,7 +80,7 @@ void run_in_python(int argc, const char* const* argv) {
   execvp(python.c_str(), const_cast<char* const*>(arguments.data()));
   throw InputError(
       fmt::format("troupe: error: --controller needs Python, but \"{}\" cannot be executed: {}; "
-                  "TROUPE_PYTHON names another "
+                  "set TROUPE_PYTHON to a Python "
                   "interpreter",
                   python, std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe): before any thread exists
 }

@@ -11,11 +11,12 @@ namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
 }  // namespace CLI
 
-/// The option --controller, whose scripts need a Python interpreter. The program never links Python: given
-/// the option, it executes `python3 -m troupe` with the same arguments. That process links this library, and
-/// calls set_script_reader() before run_command_line().
+/// The option --controller, whose scripts need a Python interpreter. The program does not link Python. If the
+/// option is given, the program executes `python3 -m troupe` with the same arguments. This Python package
+/// links the functions of the program, and calls set_script_reader() before run_command_line().
 namespace troupe::apps {
 
+/// A function that reads a script and returns it.
 using ReadScript = std::function<std::shared_ptr<const Script>(const std::filesystem::path& file)>;
 
 /// Sets the function that reads scripts, for the rest of the process.
@@ -27,9 +28,10 @@ void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Scri
 
 /// Whether a parsed command line has --controller, and this process has no script reader.
 bool python_is_wanted();
-/// Replaces this process by `python3 -m troupe` with these arguments. The interpreter is the one that the
-/// Python package was built for; the environment variable TROUPE_PYTHON names another one. Throws InputError
-/// if it cannot be executed, and under mpirun with several processes.
+/// Replaces this process by `python3 -m troupe` with these arguments. The interpreter is that of the
+/// environment variable TROUPE_PYTHON, or else the one for which the Python package was built. Throws
+/// InputError if the interpreter cannot be executed, or if a launcher such as mpirun started several
+/// processes.
 [[noreturn]] void run_in_python(int argc, const char* const* argv);
 
 }  // namespace troupe::apps

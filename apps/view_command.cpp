@@ -25,20 +25,20 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_view_footer = R"(
-Shows the world in a browser. The program prints the address of a page on this machine. In the page, a user can play,
-pause, single-step and restart the world, can select, inspect, drag, turn, drive, disable, remove and add robots, can
-change parameters, and can request checkpoints and recordings. The run begins when the first page is opened, at --rate
-times real time, and ends with Ctrl-C.
+Shows the world in a browser. The program prints the address of a web page, which it serves itself. In the page, a user
+can play, pause, single-step and restart the world, can select, inspect, drag, turn, drive, disable, remove and add
+robots, can change parameters, and can request checkpoints and recordings. The run begins when a browser first opens the
+page, at --rate times real time, and ends with Ctrl-C.
 
 The first address contains a token that grants full control; the second address is read-only. To view a world that runs
 on another machine (HOST), run ssh -L 8000:127.0.0.1:PORT HOST and open http://127.0.0.1:8000/#TOKEN.
-With --bind, the page is at an address that other machines can reach; the connection is not encrypted, so prefer ssh -L,
-or a proxy with TLS (--allow-host).
+With --bind, other machines can open the page directly; the connection is not encrypted, so prefer ssh -L, or a proxy
+with TLS (--allow-host).
 
-WORLD may also be a checkpoint (troupe run --checkpoint); the run then continues from it. All acts of the user, such as
-moving a robot, are written to the session file WORLD.session.jsonl (if it exists: WORLD.session-2.jsonl, ...). The
-command troupe run WORLD --session WORLD.session.jsonl repeats the run with these acts, with the same bits. For a
-checkpoint, troupe resume --session does so. See docs/live.md.
+WORLD may also be a checkpoint (troupe run --checkpoint); the run then continues from it. All actions of the users, such
+as moving a robot, are written to the session file WORLD.session.jsonl (if it exists: WORLD.session-2.jsonl, ...). The
+command troupe run WORLD --session WORLD.session.jsonl repeats the run with these actions, with the same bits. For a
+checkpoint, the command is troupe resume CHECKPOINT --session. See docs/live.md.
 
 Exit codes: 0 ended by --for or the world's stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C or SIGTERM.
 
@@ -47,8 +47,9 @@ Examples:
   troupe view c.h5
   troupe view worlds/hospital.json --robots 2000 --rate 5 --port 8000 --out /tmp)";
 
-/// A temporary page, which only this user can read and which redirects a browser to the address. The address
-/// contains the token, and must not be an argument of a command, because all users can see the arguments.
+/// A temporary HTML file, which only this user can read and which redirects a browser to the address of the
+/// view. The address contains the token. It must not be an argument of a command, because all users of this
+/// machine can see the arguments of running commands.
 class Redirect {
  public:
   explicit Redirect(const std::string& address) {
@@ -93,16 +94,16 @@ class Redirect {
   fs::path file_;
 };
 
-/// Loads the world or checkpoint. A checkpoint keeps its reserves, and whether bodies can be removed. Throws
-/// InputError.
+/// Loads the world, with bodies that can be removed, or resumes the checkpoint, whose reserves and removable
+/// bodies are those of its run. Throws InputError.
 Simulation load(const ViewOptions& options) {
   const SimulationOptions& simulation = options.simulation;
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (is_checkpoint &&
       (simulation.seed || simulation.ranging || !simulation.robots.empty() || simulation.spare > 0))
     throw InputError(
-        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are only for worlds: a checkpoint "
-                    "keeps those of its run",
+        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are only for worlds; a checkpoint "
+                    "keeps the values of the run that wrote it",
                     options.world.string()));
   if (is_checkpoint)
     return Simulation::resume(options.world, {.threads = options.simulation.threads,
@@ -139,7 +140,7 @@ ExitCode view_checked(const ViewOptions& options) {
   if (options.open) redirect.emplace(view.address()).open();
   view.run();
   fmt::print("{}\n",
-             simulation.hash_log_line());  // of the last tick; a repetition of the session prints the same
+             simulation.hash_log_line());  // of the last tick; repeating the session prints the same line
   return stop_requested() ? k_stopped : k_finished;
 }
 
@@ -159,13 +160,14 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
               options.bind = text;
             });
   add_values(view, "--allow-host", "NAME",
-             "Name of a proxy through which browsers reach the page (repeatable)",
+             "Host name under which a proxy serves the page to browsers; repeatable",
              [&options](const std::string& text) { options.hosts.push_back(text); });
-  add_value(view, "--port", "N", "Port (default: 0, any free port)", [&options](const std::string& text) {
-    const auto port = number<std::uint16_t>(text);
-    if (!port) refuse("--port", text, "a port from 0 to 65535");
-    options.port = *port;
-  });
+  add_value(view, "--port", "N", "TCP port to listen on (default: 0, any free port)",
+            [&options](const std::string& text) {
+              const auto port = number<std::uint16_t>(text);
+              if (!port) refuse("--port", text, "a port from 0 to 65535");
+              options.port = *port;
+            });
   add_value(view, "--rate", "R", "Limit the speed to R times real time; 0: no limit (default: 1)",
             [&options](const std::string& text) {
               const auto rate = finite(text);

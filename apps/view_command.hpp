@@ -14,7 +14,7 @@ namespace troupe::apps {
 struct ViewOptions : WorldOptions {
   std::uint16_t port = 0;          ///< 0: any free port
   std::string bind;                ///< IP address to listen on; empty: the loopback addresses
-  std::vector<std::string> hosts;  ///< names of proxies that the `Host` of a request may have
+  std::vector<std::string> hosts;  ///< host names of proxies; requests may have them in the header `Host`
   double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
   std::filesystem::path folder;    ///< folder for the session and other files; empty: the working folder
   bool open = false;               ///< open a browser
@@ -22,8 +22,8 @@ struct ViewOptions : WorldOptions {
 
 /// Adds the options of `view`; parsing fills `options`, which must outlive `command`.
 void add_view_options(CLI::App& command, ViewOptions& options);
-/// `troupe view`: shows a world in browsers until Ctrl-C, until the time of --for, or until the world's own
-/// end.
+/// `troupe view`: shows a world in browsers until Ctrl-C, until the time of --for, or until a condition in
+/// the world's stop_when holds.
 ExitCode view_world(const ViewOptions& options);
 
 }  // namespace troupe::apps

@@ -141,9 +141,9 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
   return heights;
 }
 
-/// Appends the even-odd region between two levels, between which no sides cross, to `trapezoids`. If a
-/// trapezoid has the same two sides as one of the slab below, it extends that trapezoid instead. open: the
-/// trapezoids of the slab below, replaced by those of this slab.
+/// A slab is the space between two neighbouring levels, in which no sides cross. Appends the even-odd region
+/// of a slab to `trapezoids`. Where a trapezoid of the slab below has the same two sides, that trapezoid is
+/// extended instead. open: the trapezoids of the slab below, replaced by those of this slab.
 void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom, double top,
               std::vector<Trapezoid>& trapezoids, std::vector<std::size_t>& open, Effort& effort) {
   effort.spend(4 * active.size());

@@ -136,7 +136,8 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
     const auto [shorter, longer] = std::minmax({word.size(), name.size()});
     // A third of the letters may be wrong. Names of one or two letters get no suggestion.
     const std::size_t most = shorter / 3;
-    // The edit distance is at least the difference in length; this skips most names of a large world cheaply.
+    // The edit distance is at least the difference in length, so most names of a large world are skipped
+    // cheaply.
     if (longer - shorter > most || (best != nullptr && longer - shorter >= best_distance)) continue;
     const std::size_t distance = edit_distance(word, name, rows);
     if (distance > most) continue;

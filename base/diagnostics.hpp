@@ -36,7 +36,7 @@ struct Where {
 
 /// Severity of a finding.
 enum class Severity {
-  note,     ///< explains the finding before it
+  note,     ///< explains the previous finding
   warning,  ///< reported; the load continues
   error,    ///< the load fails with InputError
 };
@@ -59,10 +59,11 @@ class InputError : public std::runtime_error {
 /// characters are cut. Not thread-safe.
 class Diagnostics {
  public:
-  /// thorough: set for `troupe lint`. warning_once() then reports every place and not only the first, and the
-  /// readers of input files also report problems that do not affect a run, such as unused definitions.
+  /// thorough: true for `troupe lint`. If true, warning_once() reports every place and not only the first,
+  /// and the readers of input files also report problems that do not affect a run, such as unused
+  /// definitions.
   explicit Diagnostics(bool thorough = false);
-  /// Creates diagnostics that are not thorough and number the input files by an existing table. If `files` is
+  /// Creates diagnostics that are not thorough and that use an existing table of input files. If `files` is
   /// null, they use a new, empty table.
   explicit Diagnostics(std::shared_ptr<SourceFiles> files);
 

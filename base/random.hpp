@@ -17,11 +17,12 @@ std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
 /// does not change the random numbers of any other sensor.
 std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 
-/// A sequence of random numbers for one entity (usually a body, by its id), in one stream, at one tick. Draw
-/// k is a pure function of (seed, stream, entity, tick, k), so no generator state is kept between ticks.
+/// A sequence of random numbers for one entity (usually a body, by its id), in one stream, at one tick. A
+/// draw is one 32-bit number of the sequence. Draw k is a pure function of (seed, stream, entity, tick, k),
+/// so no generator state is kept between ticks.
 class Random {
  public:
-  /// Starts at draw 0.
+  /// Creates the sequence; the next draw is draw 0.
   Random(std::uint64_t seed, std::uint32_t stream, std::uint32_t entity, std::uint32_t tick);
 
   /// Returns 32 uniform random bits; uses one draw.

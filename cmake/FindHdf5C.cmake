@@ -1,5 +1,5 @@
 # Finds HDF5's C library as the target Hdf5C::Hdf5C. CMake's own module needs a C compiler and HDF5's compiler wrapper,
-# which a cross-compiled C++ project has not.
+# which a cross-compiled C++ project does not have.
 include(FindPackageHandleStandardArgs)
 
 find_path(HDF5C_INCLUDE_DIR hdf5.h PATH_SUFFIXES hdf5/serial)  # Debian has several builds in parallel

@@ -8,9 +8,10 @@ target_compile_options(troupe_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshad
 target_compile_options(troupe_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
 
 # Headers that nearly every source includes (standard library, Eigen, fmt) are precompiled once for the engine and all
-# libraries above it. In base and partition that would take as long as it saves. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
-# turns it off. Our own headers, which would save 2 % more, are not precompiled: ccache reuses a precompiled header in
-# another checkout, whose headers `#pragma once` does not recognise as the same files.
+# libraries above it. In base and partition, precompiling would take as long as it saves.
+# -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON turns precompiled headers off. Our own headers, which would save 2 % more, are
+# not precompiled: ccache reuses a precompiled header in another checkout, whose headers `#pragma once` does not
+# recognise as the same files.
 set(CMAKE_PCH_PROLOGUE "")  # CMake's default marks everything as a system header, which hides warnings about our headers
 set(troupe_precompiled_headers
     <algorithm> <any> <array> <atomic> <charconv> <cmath> <compare> <cstdint> <cstring> <exception> <filesystem> <functional>
@@ -95,23 +96,25 @@ function(troupe_compile_briefly target)
   endif()
 endfunction()
 
-# Sources of such a target that process much data; they are compiled at -O3, outside the unity build.
+# For sources of a target of troupe_compile_briefly() that process much data: compiles them at -O3, outside the unity
+# build.
 function(troupe_compile_optimised)
   if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
     set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
   endif()
 endfunction()
 
-# Sources in which a tick spends its time. They take part only in unity builds of the whole project (CMAKE_UNITY_BUILD),
-# so that inlining in them does not change otherwise.
+# For sources in which a tick spends its time. They take part only in unity builds of the whole project
+# (CMAKE_UNITY_BUILD); otherwise each is compiled alone, so that other sources do not change how the compiler inlines
+# them.
 function(troupe_compile_hot)
   if(NOT CMAKE_UNITY_BUILD)
     troupe_compile_alone(${ARGN})
   endif()
 endfunction()
 
-# Sources that a unity build (such as the preset dev, which takes a quarter of the time) compiles separately: each uses a
-# name that another source of its library also uses, or includes itself once for each instruction set.
+# For sources that a unity build (such as the preset dev, which takes a quarter of the time) must compile separately:
+# each defines a name that another source of its library also defines, or includes itself once for each instruction set.
 function(troupe_compile_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

@@ -19,7 +19,7 @@ struct Act {
     move,     ///< places a body at `pose`, if it is free there
     speed,    ///< commands `speed` to a robot, once
     hold,     ///< commands `speed` to a robot before every tick, overriding its controller, until `release`
-    release,  ///< ends a `hold`: the controller commands the robot again
+    release,  ///< ends a `hold`: the robot follows the commands of its controller again
     command,  ///< sets fields of the command of `device` to `values`
     add,      ///< spawns the next body of the reserve of population `whom` at `pose`
     remove,   ///< removes a body from the world
@@ -30,14 +30,15 @@ struct Act {
   Kind kind = Kind::move;  ///< kind of action; its name is in k_acts
   std::string whom;        ///< name of a body; for `add`, of a population; for `set`, of a type
   Pose pose;               ///< for `move` and `add`: new pose of the body, world frame, m and rad
-  /// For `speed` and `hold`: the speeds [forward, left, turn], m/s and rad/s, body frame. As in
-  /// Model::set_speed, turn is the steering angle, rad, for a car.
+  /// For `speed` and `hold`: the speeds [forward, left, turn], m/s and rad/s, body frame. For a car, `turn`
+  /// is the steering angle, rad.
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device
   /// For `command`: the fields of the device's command struct to set. Each has a name, and one number per
   /// column.
   std::vector<std::pair<std::string, std::vector<double>>> values;
-  /// For `set`: the parameters that change, as for Simulation::set().
+  /// For `set`: JSON text with the new values, as Simulation::set() takes it. Example:
+  /// `{"drive": {"velocity_max_x_mps": 0.5}}`.
   std::string setting;
 
   friend bool operator==(const Act&, const Act&) = default;

@@ -18,7 +18,7 @@ namespace troupe::engine {
 inline constexpr std::size_t k_near_batch = 64;  ///< for work that reads neighbours
 inline constexpr std::size_t k_row_block = 256;  ///< for work that does not read neighbours
 
-/// Calls work(rows, type) for the rows of each type. Changes the order of the rows.
+/// Sorts `rows`, at most k_row_block rows, by body type, and calls work(rows, type) once for each type.
 template <class Work>
 void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return state.row_types[row.index()]; };
@@ -47,8 +47,8 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
 }
 
 /// Calls work(rows, type) in parallel for batches of rows of one type that are near one another in the world.
-/// It is for work that reads the neighbours of a row: these are then likely to be in the cache. order: the
-/// rows, such that neighbours in the world are near in this list (BodyIndex::order())
+/// It is for work that reads the neighbours of a row, which are then likely to be in the CPU cache. order:
+/// the rows, in an order in which neighbours in the world are near one another (BodyIndex::order())
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
                     std::span<const std::uint32_t> order, Work&& work) {
@@ -64,8 +64,8 @@ void for_neighbours(const WorldState& state, partition::Parallel& parallel,
 }
 
 /// Calls work(rows, type) in parallel for batches of rows of one type from a block of consecutive rows. It is
-/// for work that does not read neighbours: memory is then read sequentially. Only bodies that are in the
-/// world take part.
+/// for work that does not read the neighbours of a row: memory is then read sequentially. Only bodies that
+/// are in the world take part.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange range, Work&& work) {
   const std::size_t row_count = range.end - range.first;
@@ -87,9 +87,9 @@ void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& w
   for_blocks(state, parallel, {0, state.row_count()}, work);
 }
 
-/// Calls work(rows) for those of `rows` that are due, once for each run of consecutive rows. A row is due if
-/// the number of ticks since the birth of its body is a multiple of `period`. In a world without births, all
-/// rows are due, or none.
+/// Calls work(rows) for those of `rows` that are due in this tick, once for each run of consecutive due rows.
+/// A row is due if the number of ticks since the birth of its body is a multiple of `period`. In a world
+/// without births, either all rows are due or none.
 template <class Work>
 void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !state.life_table) {
@@ -105,7 +105,7 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
 }
 
 /// Calls work(rows) for those of `rows` whose device is due in this tick and runs(): it is active or
-/// subscribed to, switched on, works and has power. There is one call for each run of consecutive rows.
+/// subscribed to, switched on, works and has power. There is one call for each run of consecutive such rows.
 template <class Work>
 void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
                  Work&& work) {
@@ -121,7 +121,8 @@ void for_running(const WorldState& state, std::span<const Row> rows, const BodyT
   });
 }
 
-/// Calls work(rows) for the rows that are neither disabled nor dropped out, in the same order.
+/// Calls work(rows) once, for those of `rows` whose bodies are neither disabled nor dropped out, in the same
+/// order. `rows` has at most k_row_block rows.
 template <class Work>
 void for_enabled(const WorldState& state, std::span<const Row> rows, Work&& work) {
   if (state.now.impaired == 0) return work(rows);

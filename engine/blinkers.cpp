@@ -21,8 +21,8 @@ Blinkers::Blinkers(WorldState& state)
       tables_(state.tables),
       index_(state.geometry) {}
 
-/// For each state table, whether a kind of device may read the rows of other bodies in it: the tables of
-/// places (SensingView), and those that the kind declares.
+/// Returns for each state table 1 if a kind of device may read the rows of other bodies in the table,
+/// otherwise 0. It may read the tables of places (SensingView) and the tables that the kind declares.
 std::vector<std::uint8_t> Blinkers::tables_read_by(const DeviceKind& kind) const {
   std::vector<std::uint8_t> reads(state_.tables.size(), 0);
   const auto declares = [&](std::string_view name) {
@@ -53,7 +53,7 @@ std::vector<std::uint8_t> Blinkers::tables_read_by(const DeviceKind& kind) const
 void Blinkers::hide_from(Row row, const DeviceKind& kind, double reach) {
   const auto [reads, is_new] = reads_.try_emplace(&kind);
   if (is_new) reads->second = tables_read_by(kind);
-  constexpr double k_slack_m = 1e-6;  // for the rounding of a distance and a radius
+  constexpr double k_slack_m = 1e-6;  // margin for the rounding of a distance and a radius
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   const Vec2 origin = state_.view.transform(row).position;
   hidden_.clear();
@@ -85,8 +85,8 @@ void Blinkers::hide_from(Row row, const DeviceKind& kind, double reach) {
   state_.index.rebuild(state_.transforms, state_.radii, serial_);
 }
 
-/// Calls visit(t, i) for each row i of a table t that belongs to another body than that of `row`, if the body
-/// is visible and the table is not one of those in `reads`.
+/// Calls visit(t, i) for each row i of a table t with reads[t] == 0, if the row belongs to a visible body
+/// other than that of `row`.
 template <class Visit>
 void Blinkers::for_other_tables(Row row, std::span<const std::uint8_t> reads, Visit&& visit) {
   std::size_t hidden = 0;  // hidden rows are in ascending order
@@ -125,7 +125,7 @@ void Blinkers::begin_effect(const Effect& effect) {
   inside_ = trees_of(effect);
 }
 
-/// For each row, whether it is in the tree of the source or of the target of an effect.
+/// Returns for each row 1 if it is in the tree of the source or of the target of an effect, otherwise 0.
 std::vector<std::uint8_t> Blinkers::trees_of(const Effect& effect) const {
   const Row source = state_.view.row(effect.source);
   const bool has_target = effect.target.valid() && effect.target.index() < state_.rows.size() &&
@@ -145,9 +145,8 @@ void Blinkers::end_effect(const BodyType::Device& device, const Effect& effect) 
     state_.for_tables_of(Row(r), [&](std::size_t t, std::size_t at) {
       if (state_.tables[t].hash_row(at) == before_[t].hash_row(at)) return;
       throw StepError(
-          fmt::format("tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", which "
-                      "is outside the "
-                      "scope that its kind declares",
+          fmt::format("tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", but the "
+                      "kind of the device does not declare to change this body (scope)",
                       state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
                       state_.tables[t].component(), state_.spec.name(state_.bodies[r])));
     });

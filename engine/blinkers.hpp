@@ -11,23 +11,25 @@
 
 namespace troupe::engine {
 
-/// The test mode World::hide_beyond_reach(): hides from a device all data that its kind does not declare to
-/// read, and finds effects that change other bodies than their kind declares.
+/// Implements the test mode World::hide_beyond_reach(). It hides from a device all data that the kind of the
+/// device does not declare to read, and detects effects that change bodies which the kind does not declare to
+/// change.
 class Blinkers {
  public:
   /// The state must outlive the object.
   explicit Blinkers(WorldState& state);
 
-  /// Hides data from a device of this kind of a row: the bodies beyond `reach` (m), and of the other bodies
-  /// the components that the kind does not declare (DeviceKind::reads).
+  /// Hides data from a device of the row's body: all bodies beyond `reach` (m) of this body, and, in the
+  /// state of the remaining bodies, the components that the kind of the device does not declare to read
+  /// (DeviceKind::reads).
   void hide_from(Row row, const DeviceKind& kind, double reach);
-  /// Undoes hide_from(), which was called with the same row and kind.
+  /// Undoes the last call of hide_from(), which must have had the same row and kind.
   void show_hidden(Row row, const DeviceKind& kind);
 
   /// Remembers the state before an effect is applied.
   void begin_effect(const Effect& effect);
-  /// Throws a StepError if the effect that was applied since begin_effect() has changed a body outside the
-  /// scope that the kind of its device declares (DeviceKind::scope).
+  /// Throws a StepError if the effect that was applied since begin_effect() has changed the state of a body
+  /// that the kind of the device does not declare to change (DeviceKind::scope).
   void end_effect(const BodyType::Device& device, const Effect& effect);
 
  private:
@@ -44,7 +46,8 @@ class Blinkers {
   std::vector<double> radii_;
   std::vector<const partition::ObstacleShape*> shapes_;
   std::vector<StateTable> tables_;
-  partition::BodyIndex index_;  // the index without the hidden rows, or while they are hidden the whole one
+  partition::BodyIndex index_;  // while rows are hidden: the complete index; otherwise: memory for the index
+                                // without hidden rows
   partition::Parallel serial_{1};
   std::vector<Row> hidden_;
   // Per kind of device: for each state table, whether the kind reads the rows of other bodies in it.

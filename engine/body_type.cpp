@@ -293,7 +293,7 @@ BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Regi
       name = fmt::format("{}#{}", sensor.name, n);
     if (name != sensor.name) {
       diagnostics.warning(sensor.where,
-                          fmt::format("the robot already has a sensor \"{}\": this sensor is renamed \"{}\"",
+                          fmt::format("the type already has a sensor \"{}\": this sensor is renamed \"{}\"",
                                       sensor.name, name));
     }
     const std::uint32_t stream = stream_id(kind->name, name);

@@ -20,8 +20,8 @@ struct RayOutline {
   ZInterval z;              ///< height interval, body frame
   /// Intensity that rangers read (Returns::ranger); negative if their beams pass through the outline.
   float ranger_return = 1;
-  std::uint32_t part = 0;        ///< index of its part in the type
-  std::uint32_t solid = 0;       ///< number of its solid; outlines of one solid bound one even-odd region
+  std::uint32_t part = 0;   ///< index of its part in the type
+  std::uint32_t solid = 0;  ///< number of its solid; the outlines of a solid bound one region (even-odd rule)
   std::int32_t joint = k_rigid;  ///< index of the joint that moves it; k_rigid: none
 };
 
@@ -64,7 +64,7 @@ struct BodyType {
     std::uint8_t pushes = 0;  ///< largest number of bodies that it can push at once
   };
   std::optional<Drive> drive;  ///< none: bodies of the type do not move on their own
-  bool pushable = false;       ///< robots can push bodies of the type, which has no drive
+  bool pushable = false;       ///< true: robots can push bodies of this type, which then has no drive
 
   /// A compiled DeviceSpec.
   struct Device {
@@ -74,8 +74,8 @@ struct BodyType {
     std::uint64_t period;           ///< ticks from one run to the next
     bool active;           ///< it runs without a subscription: DeviceSpec::active, or a controller uses it
     std::uint32_t part;    ///< part that carries it: index in the type
-    std::int32_t joint;    ///< joint that it is mounted on: index in the type
-    std::int32_t moves;    ///< first of the joints that it moves: index in the type
+    std::int32_t joint;    ///< joint that it is mounted on: index in the type; k_rigid: none
+    std::int32_t moves;    ///< first of the joints that it moves: index in the type; k_rigid: none
     std::uint32_t stream;  ///< stream of its random numbers
     std::optional<std::size_t> supply;         ///< its power supply: index into `devices`
     std::size_t table = 0;                     ///< table of its percepts: index into World::tables()
@@ -89,13 +89,15 @@ struct BodyType {
 
   /// A compiled ControllerSpec.
   struct Controller {
-    const ControllerKind* kind;        ///< its kind, owned by the registry
-    std::any data;                     ///< result of ControllerKind::prepare
-    std::vector<std::size_t> devices;  ///< indices into BodyType::devices; it runs when the first runs
+    const ControllerKind* kind;  ///< its kind, owned by the registry
+    std::any data;               ///< result of ControllerKind::prepare
+    /// The devices that it uses: indices into BodyType::devices. It runs when the first of them runs.
+    std::vector<std::size_t> devices;
     std::uint64_t period;              ///< ticks from one run to the next
     std::uint32_t stream;              ///< stream of its random numbers
     std::optional<std::size_t> table;  ///< table of its memories: index into World::tables()
-    /// Drive device that it commands: index into BodyType::devices. Not set: it commands the body's drive.
+    /// The drive device that it commands: index into BodyType::devices. Not set: it commands the drive of the
+    /// body.
     std::optional<std::size_t> drive;
   };
   std::vector<Controller> controllers;  ///< in the order in which they decide (TypeSpec::controllers)
@@ -116,8 +118,8 @@ struct BodyType {
 double samples_asked_for(const FieldTable& table, const Record& params);
 
 /// Calls the hooks of a device kind that compile a device: prepare, bind_part, bind_world and reach_m. `spec`
-/// is the type that has the device. The error says what is wrong with the device, or which exception its kind
-/// threw.
+/// is the type that has the device. Returns the compiled device. The error says what is wrong with the
+/// device, or which exception its kind threw.
 Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
                                             const WorldSpec& world, const TypeSpec& spec);
 

@@ -6,7 +6,7 @@
 
 namespace troupe::engine {
 
-// Rows of components that the engine itself defines.
+// The rows of those components of the state that the engine itself defines, not a kind.
 
 /// A row of the component `carrier`: all zero if the body is not carried.
 struct Carried {

@@ -24,11 +24,12 @@ using partition::PlacedShape;
 // Largest number of dependencies that are stored for a row. For a row with more dependencies, the geometric
 // tests are repeated in each round.
 inline constexpr std::size_t k_listed = 64;
-inline constexpr std::uint32_t k_unlisted = ~0u;
+inline constexpr std::uint32_t k_unlisted = ~0u;  // Waiting::count of a row with more dependencies
 
-// A motion that is longer than this is called far. Bodies with far motions are not looked up in the index:
-// each mover is tested against all of them, because they would otherwise widen the search of every mover. If
-// there are more than k_max_far of them, they are looked up like all other bodies.
+// A motion that is longer than this is called far. Bodies with far motions are not looked up in the spatial
+// index. Instead, each mover is tested against all of them, because a lookup would have to widen the search
+// of every mover by the longest motion. If there are more than k_max_far far motions, these bodies are looked
+// up like all others.
 inline constexpr double k_far_m = 0.5;
 
 template <class T>
@@ -36,8 +37,8 @@ std::atomic_ref<T> atomic(T& value) {
   return std::atomic_ref(value);
 }
 
-/// Sets `most`, the bits of a double, to those of `value` if that is larger. All values are non-negative, so
-/// their bit patterns have the order of the values.
+/// Raises `most`, which holds the bits of a double, to `value` if `value` is larger. All values are
+/// non-negative, so their bit patterns have the order of the values.
 inline void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
@@ -56,8 +57,8 @@ inline std::size_t motion_samples(double displacement, double thinnest) {
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
 }
 
-/// A row that proposes a motion. The number of samples and the placed shapes are computed on first use,
-/// because only some rows need them.
+/// A row that proposes a motion. The number of samples (the poses at which the motion is tested) and the
+/// placed shapes are computed on first use, because only some rows need them.
 class Mover {
  public:
   Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
@@ -216,16 +217,17 @@ class Conflicts::Resolver {
   }
   std::uint32_t round() const { return round_; }
 
-  // ---- Only if the world has pushable bodies: engine/pushing.cpp
+  // ---- Only if the world has pushable bodies: engine/pushing.cpp. The *zone* of a row is a circle that
+  // contains everything that its motion could touch or push (class Conflicts, `source`).
 
   /// Finds the radius of the largest zone of the rows [first, last). It determines how far to search for
   /// overlapping zones.
   void bound_zones(std::size_t first, std::size_t last);
-  /// Sets the row's zone to Zone::pushes if the row can push and a pushable body is in the zone, otherwise to
-  /// Zone::plain.
+  /// Sets the kind of the row's zone: Zone::pushes if the row can push and a pushable body is in the zone,
+  /// otherwise Zone::plain.
   void find_zone(std::uint32_t row);
-  /// Changes the row's zone from Zone::plain to Zone::may_push if it overlaps a zone of kind Zone::pushes: a
-  /// pushable body of that zone may be pushed into this one.
+  /// Changes the kind of the row's zone from Zone::plain to Zone::may_push if the zone overlaps a zone of
+  /// kind Zone::pushes: a pushable body of that other zone may be pushed into this zone.
   void widen_zone(std::uint32_t row);
   bool is_plain(std::uint32_t row) const { return conflicts_.zones_[row] == Zone::plain; }
   void propose_and_check_in_zone(std::uint32_t row);
@@ -316,8 +318,8 @@ class Conflicts::Resolver {
 
   bool scene_blocks(Mover& mover) const {
     if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
-    // A body in a floor plan crosses many edges of one solid. `known` is the last solid that the mover
-    // already overlaps, so that the test against a solid is not repeated for each edge.
+    // A body in a floor plan crosses many edges of one solid. `known` is the last solid that the mover was
+    // found to overlap at its old pose, so that this test is not repeated for each edge of the solid.
     std::uint32_t known = ~0u;
     const auto already_in = [&](std::uint32_t solid) {
       if (solid == known) return true;
@@ -331,8 +333,8 @@ class Conflicts::Resolver {
     return scene_.crossed(mover.there(), already_in) >= 0;
   }
 
-  /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, and for some
-  /// others. If there are more than 32 such bodies, a row may be visited more than once.
+  /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, and possibly for
+  /// bodies farther away. If there are more than 32 rows to visit, a row may be visited more than once.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();

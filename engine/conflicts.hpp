@@ -49,9 +49,9 @@ struct Pushables {
 ///
 /// rule    Bodies take turns in the order of priority. The body whose turn it is (the mover) takes its
 ///         proposed pose if its motion to that pose is free of the static scene and of every other body. The
-///         other bodies are tested at their new poses if they had their turn and moved, and otherwise at
+///         other bodies are tested at their new poses if they have had their turn and moved, and otherwise at
 ///         their old poses. If the motion is blocked, the mover stays at its old pose. The priority is a
-///         hash, mix(seed, tick, id): the body with the lowest number has the first turn, and ties are broken
+///         hash, mix(seed, tick, id): the body with the lowest hash has the first turn, and ties are broken
 ///         by id. Bodies that only touch do not block each other. A body that overlaps the mover at the
 ///         mover's old pose never blocks a motion that increases the distance between their origins. A static
 ///         solid that the mover already overlaps never blocks it.
@@ -73,9 +73,9 @@ struct Pushables {
 ///         is blocked in each of these cases: it needs to push more bodies than the limit; it needs more
 ///         passes; a pushed body would be shifted by more than half of its thinnest part between two poses;
 ///         the new position of a pushed body is out of bounds, or not free of the static scene, or not free
-///         of every body that is not pushed. Those other bodies are tested at their poses of that turn, and
-///         overlaps that existed before do not count, as in `rule`. Several bodies may push the same body in
-///         a tick, one after another.
+///         of every body that is not pushed. The bodies that are not pushed are tested at the poses that they
+///         have when it is the pusher's turn, and overlaps that existed before do not count, as in `rule`.
+///         Several bodies may push the same body in a tick, one after another.
 /// result  The outcome of each body is that of this sequential rule, on any number of threads.
 /// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
 ///         algorithms can be fast, PPoPP 2012. A body depends on those moving bodies of higher priority that
@@ -98,14 +98,14 @@ class Conflicts {
     /// Obstacle shapes, body frame. A body with an empty shape blocks no other and is never blocked.
     std::span<const partition::ObstacleShape* const> shapes;
     std::span<const std::uint32_t> ids;  ///< unique ids of the bodies
-    /// A cache: for each row, a circle near it into which the static scene does not reach. resolve() updates
-    /// the circles. The caller keeps them from tick to tick while the static scene does not change. They are
-    /// not state: circles with radius 0 give the same outcomes.
+    /// A cache: for each row, a circle near its body into which the static scene does not reach. resolve()
+    /// updates the circles. The caller keeps them from tick to tick while the static scene does not change.
+    /// They are not state: circles with radius 0 give the same outcomes.
     std::span<FreeCircle> free;
     std::uint64_t seed = 1;    ///< seed of the world, for priorities
     std::uint64_t tick = 0;    ///< the current tick, for priorities
     Box bounds;                ///< box in which motions must end, m, world frame
-    Pushables pushables = {};  ///< which bodies can push and be pushed; empty: none
+    Pushables pushables = {};  ///< which bodies can push or be pushed; empty: none
   };
 
   /// A pushed row and its new position. Its height and heading do not change.
@@ -135,20 +135,20 @@ class Conflicts {
   Outcome outcome(std::size_t row) const {
     return resolutions_[row].round() > base_ ? resolutions_[row].outcome() : Outcome::stands;
   }
-  /// Number of rounds of the last resolution; 1 if no body had to wait for another.
+  /// Number of rounds of the last resolution; 1 if no body had to wait for the outcome of another.
   std::uint64_t rounds() const { return rounds_; }
   /// Upper bound on the distance that the origin of any body, driven or pushed, moved in the last resolution,
   /// m.
   double longest() const { return longest_; }
-  /// All pushes of the last resolution, in any order. A row may have several; is_last() is true for exactly
-  /// one of them.
+  /// All pushes of the last resolution, in any order. A pushed row may have several entries; is_last() is
+  /// true for exactly one of them.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }
   /// Whether a push, an element of pushes(), is the last push of its row, so that its position is final.
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
 
  private:
   class Resolver;
-  /// An outcome and the round that found it, in one word that is read and written atomically.
+  /// An outcome and the round of resolution that found it, in one word that is read and written atomically.
   class Resolution {
    public:
     Resolution() = default;  ///< of round 0; real rounds begin with 1

@@ -97,7 +97,8 @@ Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInf
     return controller.choose(devices, claimed);
   } else {
     static_assert(
-        !requires { &C::choose; }, "choose takes (std::span<const DeviceInfo>, std::vector<bool>& claimed)");
+        !requires { &C::choose; },
+        "choose() must take (std::span<const DeviceInfo>, std::vector<bool>& claimed)");
     std::vector<std::size_t> chosen;
     if constexpr (requires { C::k_uses; }) {
       for (const std::string_view kind : C::k_uses) {
@@ -147,11 +148,12 @@ std::vector<StateField> listed_fields() {
   Memory example{};
   auto fields = example.troupe_fields();
   constexpr std::size_t count = std::tuple_size_v<decltype(fields)>;
-  static_assert(std::is_aggregate_v<Memory>, "a memory has no constructors: give its members initial values");
+  static_assert(std::is_aggregate_v<Memory>,
+                "the memory struct must have no constructors: give its members initial values");
   static_assert(std::is_empty_v<Memory> || detail::member_count<Memory>() == count,
-                "TROUPE_FIELDS must list every member of the memory");
+                "TROUPE_FIELDS must list every member of the memory struct");
   static_assert(detail::lists_distinct_members<Memory>(),
-                "TROUPE_FIELDS must list every member of the memory once");
+                "TROUPE_FIELDS must list every member of the memory struct once");
   std::vector<StateField> out;
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     [[maybe_unused]] const auto add = [&](auto& member, std::size_t i) {
@@ -176,10 +178,11 @@ std::vector<StateField> listed_fields() {
 /// `describe` function or list its members with TROUPE_FIELDS.
 template <class Memory>
 std::vector<StateField> memory_fields() {
-  static_assert(std::is_trivially_copyable_v<Memory>, "a memory is saved and hashed as bytes");
+  static_assert(std::is_trivially_copyable_v<Memory>,
+                "the memory struct must be trivially copyable, because it is saved and hashed as bytes");
   if constexpr (detail::Described<Memory>) {
     static_assert(detail::described_members<Memory>().is_state(),
-                  "state is made of numbers, bools and arrays of them");
+                  "the members of a memory or state struct must be numbers, bools or arrays of these");
     return state_fields(described<Memory>());
   } else {
     return detail::listed_fields<Memory>();
@@ -199,9 +202,9 @@ std::vector<StateField> memory_fields() {
 ///     static constexpr bool switches = true;      // default: false; true: it switches devices on and off
 ///     static C make(const Params&);               // default: C{params}; without Params: C make()
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
-///         // chooses devices as ControllerKind::prepare does; default: uses all devices and claims none
+///         // returns Prepared::devices, see ControllerKind::prepare; default: uses all devices, claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
-///         // instead of choose: the kinds of the devices that it uses, in order
+///         // instead of choose: the kinds of the devices that it uses, in this order
 ///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
 ///         // ControllerKind::bind_world
 ///     static constexpr std::array<std::string_view, N> brings;

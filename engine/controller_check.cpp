@@ -15,11 +15,11 @@
 namespace troupe::engine {
 namespace {
 
-// Bytes with which storage is filled before a controller writes to it. start_twice() uses both.
+// Bytes with which storage is filled before a controller writes to the storage. start_twice() uses both.
 constexpr std::byte k_junk{0xa5};
 constexpr std::byte k_other_junk{0x5a};
-// Rows per batch of the repetitions. It does not divide the number of rows per batch in a step, so that the
-// batches consist of other robots than in the step.
+// Rows per batch of the repetitions. The number is no divisor of the number of rows per batch in a step, so
+// that the batches consist of other robots than in the step.
 constexpr std::size_t k_batch = 61;
 
 /// Overwrites with junk the part of the stack in which the next call places its local variables.
@@ -37,9 +37,9 @@ std::string controller_name(const BodyType::Controller& controller, std::size_t 
   return fmt::format("{}/{}", controller.kind->name, number);
 }
 
-/// Merges a finding into a list that has at most one finding for each field of each controller. The finding
-/// in the list has the repetition that found the difference first, the lowest id of a body in which it
-/// occurred, and the number of decisions that differ.
+/// Merges a finding into a list that has at most one finding for each field of each controller. The merged
+/// finding names the repetition that found a difference first, the lowest id of a body with this difference,
+/// and the number of decisions that differ.
 void add(const ControllerFinding& finding, std::vector<ControllerFinding>& findings) {
   const auto known = std::ranges::find_if(findings, [&](const ControllerFinding& other) {
     return other.controller == finding.controller && other.field == finding.field;
@@ -78,7 +78,7 @@ std::string finding_text(const World& world, const ControllerFinding& finding) {
     switch (finding.repeat) {
       case ControllerFinding::Repeat::start:
         return "when its memory is initialised in storage that held other bytes";
-      case ControllerFinding::Repeat::again: return "when decided again";
+      case ControllerFinding::Repeat::again: return "when the decision is repeated";
       case ControllerFinding::Repeat::afresh: break;
     }
     return "when a newly constructed controller decides";
@@ -264,7 +264,7 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   return findings;
 }
 
-/// Repeats the stored decisions of `watched` with a controller, from the stored inputs. The outputs are in
+/// Repeats the stored decisions of `watched` with a controller, from the stored inputs. Writes the outputs to
 /// commands_ and written_.
 void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& watched) {
   const Decisions& taken = watched.taken;

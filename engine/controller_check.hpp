@@ -13,8 +13,8 @@
 
 namespace troupe::engine {
 
-/// A result of ControllerCheck: a field that a controller set to different values although its inputs were
-/// identical.
+/// A result of ControllerCheck: a field of a memory or command that a controller set to different values
+/// although its inputs were identical.
 struct ControllerFinding {
   /// The repetition that found the difference.
   enum class Repeat : std::uint8_t {
@@ -33,26 +33,27 @@ struct ControllerFinding {
   std::size_t decisions = 1;      ///< number of decisions that differ in this field
 };
 /// The message of a finding: `controller "wander/0": memory avoid_updates of "r3" (id 4) is 0x0000000b (11)
-/// when decided again, not 0x0000000a (10); 12 decisions differ`.
+/// when the decision is repeated, not 0x0000000a (10); 12 decisions differ`.
 std::string finding_text(const World& world, const ControllerFinding& finding);
 
 /// Finds controllers whose decisions depend on anything other than their inputs. Each decision is made three
 /// times from the same percepts, memory and command: once by the step of the world, and twice by repeat().
 ///
 ///     ControllerCheck check(world, registry);
-///     world.step();                                                  // the first decisions take effect
-///     std::thread other([&] { findings = check.repeat(); });         // two repetitions, without effect
-///     other.join();                                                  // before the next step
+///     world.step();                                           // the decisions of this step take effect
+///     std::thread other([&] { findings = check.repeat(); });  // repeats them twice, without effect
+///     other.join();                                           // before the next step
 ///
 /// order    The repetitions process the rows in reverse order, in batches of another size, and on the thread
 ///          that calls repeat().
-/// storage  Readings, memories and commands are copied, because a robot may be dead when its decision is
-///          repeated. Memories and commands are copied field by field to other addresses, into storage filled
-///          with junk. The second repetition uses a newly made controller, on a stack filled with junk, with
-///          the parameters of that tick (SettingSpec).
+/// storage  Readings, memories and commands are copied at the decision, because the robot may be dead when
+///          its decision is repeated. Memories and commands are copied field by field to other addresses,
+///          into storage filled with junk. The second repetition uses a newly made controller, on a stack
+///          filled with junk, with the parameters of that tick (SettingSpec).
 /// catches  Dependence on rand(), statics, thread locals, clocks that advance between two decisions, members
 ///          that change or were left unset, addresses, padding, and the other robots of the batch.
-/// misses   Dependence on things that are constant within one process: environment, files, the processor.
+/// misses   Dependence on things that are constant within one process: environment variables, files, the
+///          processor.
 /// cost     While a check exists, each decision costs a copy of the robot's readings and memory, and two more
 ///          decisions. Without a check there is no cost.
 ///
@@ -71,8 +72,8 @@ class ControllerCheck {
   /// Calls ControllerKind::start twice for each controller of each type. Returns one finding for each field
   /// of the memory that it leaves unset, or sets to different values in the two calls.
   std::vector<Finding> start_twice() const;
-  /// Repeats each decision of the last step twice; call it before the next step. Returns one finding for each
-  /// field of each controller that differs. If a controller throws an exception, throws a StepError.
+  /// Repeats each decision of the last step twice. Call this before the next step. Returns one finding for
+  /// each field of each controller that differs. If a controller throws an exception, throws a StepError.
   std::vector<Finding> repeat();
   /// Number of decisions of the last step that repeat() has not yet repeated.
   std::size_t pending() const;
@@ -101,7 +102,8 @@ class ControllerCheck {
       return device ? batch.device_commands[*device] : batch.memories;
     }
   };
-  /// What is stored about one controller of one type: the tables that it writes to, and its decisions.
+  /// What is stored about one controller of one type: the tables that the controller writes to, and its
+  /// decisions.
   struct Watched {
     std::vector<Written> written;
     Decisions taken;

@@ -138,7 +138,7 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
     contradicts(name, "contradicts the number of columns of its type");
   if (required && field.optional) contradicts(name, "makes an optional member required");
   if (required && field.type == FieldType::record)
-    contradicts(name, "makes a block required that has defaults");
+    contradicts(name, "makes a record required, but records have defaults");
   Value fallback = fallback_of(field, object);
   if (field.optional && fallback.given()) contradicts(name, "gives a default to an optional member");
   if (!required) field.fallback = std::move(fallback);

@@ -139,8 +139,8 @@ inline constexpr Fact required{Fact::Kind::required};
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
 /// Interventions cannot change the member while the world runs: Field::fixed.
 inline constexpr Fact fixed{Fact::Kind::fixed};
-/// The member records where the other members come from (a file and a line). It is stored, but two structs
-/// that differ only in it are equal.
+/// The member records where the other members come from (a file and a line). It is stored, but comparisons
+/// ignore it.
 inline constexpr Fact provenance{Fact::Kind::provenance};
 /// For members of state: the member adds nothing to the hash while it is zero (StateField::sparse). For
 /// members of other structs: a stored record may lack the field, which then gets its default.
@@ -180,6 +180,7 @@ struct MemberType {
 
 namespace detail {
 
+/// Converts to any type. member_count() uses it in place of an initialiser of each member.
 struct Anything {
   template <class T>
   operator T() const;
@@ -197,7 +198,7 @@ constexpr bool takes(std::index_sequence<I...>) {
   return Takes<T, I...>;
 }
 
-/// Returns the number of members of an aggregate T, found as the largest number of initialisers that T takes.
+/// Returns the number of members of an aggregate T. It is the largest number of initialisers that T accepts.
 template <class T, std::size_t N = 0>
 constexpr std::size_t member_count() {
   if constexpr (takes<T>(std::make_index_sequence<N + 1>{}))
@@ -223,8 +224,8 @@ constexpr void describe_members(Description<T>& d) {
     describe(d);
 }
 
-/// A text that is different for each member, so that constant expressions can tell members apart. (They
-/// cannot compare addresses of variables when gcc instruments null pointers.)
+/// A text that is different for each member, so that constant expressions can tell members apart. (Constant
+/// expressions cannot compare addresses of variables when gcc instruments null pointers.)
 template <auto k_member>
 constexpr std::string_view tag() {
   return __PRETTY_FUNCTION__;
@@ -500,8 +501,8 @@ class Description {
       detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
                         {Fact(facts)...});
   }
-  /// Describes a member that is itself a described struct. The fields of that struct become fields of T, at
-  /// this position. Kinds use this to extend the parameters of another kind.
+  /// Describes a member that is itself a described struct. The fields of that struct become fields of T
+  /// itself, at this position in the table. Kinds use this to extend the parameters of another kind.
   template <auto k_member>
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -580,7 +581,7 @@ TROUPE_OF_TYPE const FieldTable& described() {
   return table;
 }
 
-/// Describes a pose; pose_fields() returns the same fields.
+/// Describes a pose. pose_fields() returns the resulting table.
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
   using enum Unit;

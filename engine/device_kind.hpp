@@ -36,7 +36,7 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 /// and their argument `data` contains a C. C may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
-///     struct State { ...; describe };             // its percepts, one struct per row
+///     struct State { ...; describe };             // its state (percepts), one struct per row
 ///     struct Command { ...; describe };           // its commands from controllers, one struct per row
 ///         // State and Command may list their members with TROUPE_FIELDS instead of describe
 ///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
@@ -85,7 +85,8 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
   kind.prepare = [](const Record& record, const Pose& pose_body_device) {
     DeviceKind::Prepared prepared = detail::prepare_device<C>(record, pose_body_device);
     if (std::any_cast<C>(&prepared.data) == nullptr)
-      throw std::logic_error("prepare() must return data of the type whose hooks the kind has");
+      throw std::logic_error(
+          "prepare() must return a DeviceKind::Prepared whose `data` holds the device class itself");
     if constexpr (requires { typename C::State; }) {
       if (prepared.percepts.empty()) {
         prepared.percepts = memory_fields<typename C::State>();

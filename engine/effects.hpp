@@ -10,8 +10,9 @@
 
 namespace troupe::engine {
 
-// The verbs (Effect::verb) of births and deaths. Any device may emit them, and the engine itself applies them
-// after all other effects of the tick: first all deaths, then all births, each in the order of the effects.
+// The verbs (Effect::verb) of births and deaths. Any device may emit them. The engine itself applies them
+// after all other effects of the tick: first all deaths, then all births, each in the order of
+// Effects::sorted().
 /// Birth of the next body of Effect::reserve. The payload is its pose: x, y, z (m), heading (rad), world
 /// frame.
 inline constexpr std::uint32_t k_birth = ~0u;

@@ -10,7 +10,8 @@ std::span<const EventKind> event_kinds() {
   using enum EventType;
   static constexpr std::array<EventKind, 10> kinds{{
       {stall_ends, "stall_ends", "after blocked motions, the robot moved or had no command to move"},
-      {held_ends, "held_ends", "after it was held at the bounds, the robot moved or had no command to move"},
+      {held_ends, "held_ends",
+       "after motions that were out of bounds, the robot moved or had no command to move"},
       {stall_begins, "stall_begins", "the motion of the robot was blocked: something was in its way"},
       {held_begins, "held_begins",
        "the motion of the robot would have left the bounds of the world, so it stayed in place"},
@@ -19,7 +20,7 @@ std::span<const EventKind> event_kinds() {
       {birth, "birth", "a body of a reserve was born at this pose"},
       {death, "death", "the body died at this pose"},
       {fails, "fails", "the robot stopped completely: it was disabled, or a drop_out fault occurred"},
-      {recovers, "recovers", "the robot works again"},
+      {recovers, "recovers", "the robot works again after an event `fails`"},
   }};
   return kinds;
 }

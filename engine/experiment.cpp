@@ -38,7 +38,8 @@ std::string_view without_number(std::string_view name) {
 /// population "r2", and also of population "r".
 bool is_of_population(const Names& names, Name name, std::string_view population) {
   const std::string& word = names.words()[name.word];
-  if (word == population) return name.number != Name::k_no_number;  // most names need no text
+  if (word == population)
+    return name.number != Name::k_no_number;  // most names need not be converted to text
   if (!word.starts_with(population) && !population.starts_with(word)) return false;
   const std::string text = names.text(name);
   return text.size() > population.size() && text.starts_with(population) &&
@@ -67,9 +68,9 @@ bool same_fields(const std::vector<StateField>& a, const std::vector<StateField>
   });
 }
 
-/// Whether a setting may replace the data of a device, `b`, by the data `a` of the same device with other
-/// parameters: the readings and the commands have the same layout, the effects and the joints have the same
-/// limits, and the beams and transducers have the same directions and positions.
+/// Whether a setting may replace the data `b` of a device by the data `a` of the same device with other
+/// parameters. It may if the readings and commands have the same layout, the effects and joints have the same
+/// limits, the beams have the same directions, and the transducers have the same positions.
 bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
   return same_fields(a.percepts, b.percepts) && a.percept_bytes == b.percept_bytes &&
          same_fields(a.commands, b.commands) && a.command_bytes == b.command_bytes &&
@@ -242,7 +243,7 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
   }
   Record& params = spec.controllers[setting.index].params;
   params = changed(params, setting);
-  std::vector<bool> claimed(type.devices.size(), false);  // by an earlier controller
+  std::vector<bool> claimed(type.devices.size(), false);  // devices that earlier controllers claim
   for (std::size_t c = 0; c <= setting.index; ++c) {
     const ControllerSpec& controller = spec.controllers[c];
     Result<ControllerKind::Prepared> prepared = prepare_controller(
@@ -505,7 +506,8 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   require_whole();
   Experiment& e = experiment_;
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;
-  // After all interventions of this tick, as in a world that is resumed from a checkpoint of this tick.
+  // The setting is inserted after all interventions of this tick, as in a world that is resumed from a
+  // checkpoint of this tick.
   const auto after =
       std::ranges::upper_bound(e.interventions, state_.now.tick, {}, &Experiment::Intervention::tick);
   const auto place = static_cast<std::size_t>(after - e.interventions.begin());
@@ -519,7 +521,8 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
     const Result<> built = build_setting(spec ? *spec->setting : setting, registry, types, compiled[i]);
     if (!built && spec)
       return Error{
-          fmt::format("the change at {:g} s would not be possible: {}", spec->time_s, built.error().text)};
+          fmt::format("with these values, the intervention \"set\" at {:g} s would be impossible: {}",
+                      spec->time_s, built.error().text)};
     if (!built) return built.error();
   }
   swap_settings_back(e.next);
@@ -535,7 +538,7 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
     e.interventions[i].data = std::move(compiled[i].data);
     e.interventions[i].device = std::move(compiled[i].device);
   }
-  // Interventions of this tick that are still due are applied before it, by the next step.
+  // Interventions of this tick that are still due come before the setting: the next step applies both.
   if (place == e.next) ++e.next;
   for (std::size_t i = 0; i < e.next; ++i)
     if (is_setting(e.interventions[i])) swap_setting(e.interventions[i]);
@@ -544,7 +547,7 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   return {};
 }
 
-/// Undoes what set() has changed.
+/// Undoes the changes of all calls of set().
 void World::forget_settings() {
   Experiment& e = experiment_;
   if (e.made == 0) return;
@@ -595,8 +598,8 @@ void World::apply_fault_event(const Experiment::FaultEvent& event) {
     now.dead |= impairment.dead;
     if (impairment.speed != 1) {
       now.speed = speed_scale(event.row) * impairment.speed;
-      Velocity& v = state_.as<Velocity>(
-          WorldState::k_velocity)[event.row.index()];  // acceleration limits start from it
+      // The velocity is scaled too, because the drive's acceleration limits refer to it.
+      Velocity& v = state_.as<Velocity>(WorldState::k_velocity)[event.row.index()];
       v = {v.x * impairment.speed, v.y * impairment.speed, v.turn * impairment.speed};
     }
     if (impairment.drops_out) now.out |= Condition::k_dropped_out;

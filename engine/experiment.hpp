@@ -24,8 +24,8 @@ struct Experiment {
     std::uint64_t tick = 0;    ///< it is applied at the end of this tick
     std::size_t spec = 0;      ///< index into ExperimentSpec::at
     std::uint32_t stream = 0;  ///< stream of its random numbers
-    std::vector<Row> whom;     ///< rows of the whole group, in order of ids; empty for `add` and `set`
-    std::size_t reserve = 0;   ///< for `add`: index into WorldSpec::reserves
+    std::vector<Row> whom;     ///< all rows of the group, in order of ids; empty for `add` and `set`
+    std::size_t reserve = 0;   ///< for `add`: the reserve of the bodies, an index into WorldSpec::reserves
     /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. When the
     /// intervention is applied, they are swapped with the data of the old parameters.
     std::any data;
@@ -34,7 +34,8 @@ struct Experiment {
   std::vector<Intervention> interventions;  ///< sorted by tick; within a tick in the order of the file
   std::size_t next = 0;                     ///< index of the next intervention to be applied
   std::size_t made = 0;  ///< number of settings that World::set() added at the end of ExperimentSpec::at
-  /// The interventions of the world file alone, none of which is applied; empty while `made` is 0.
+  /// While `made` is not 0: the interventions of the world file, none of them applied. World::reset() and
+  /// World::restart() restore these. While `made` is 0: empty.
   std::vector<Intervention> declared;
 
   /// One impairment of a FaultSpec, for the bodies of one type.
@@ -59,7 +60,7 @@ struct Experiment {
   std::vector<FaultEvent> fault_events;
 
   std::uint64_t due = k_never;  ///< tick of the next intervention or fault event
-  /// A body that may be in a random choice. The bodies with the lowest keys are chosen.
+  /// A body from which a random selection chooses. The bodies with the lowest keys are chosen.
   struct Candidate {
     std::uint64_t key = 0;  ///< random number; equal keys are ordered by id
     BodyId body;            ///< id of the body

@@ -39,8 +39,8 @@ struct StopSpec {
 /// The text of a condition: `coverage >= 0.9`, `stalls:leaders > 10`.
 std::string text_of(const StopSpec& condition);
 
-/// A group of bodies: a population (NAME0, NAME1, ...), the bodies of a type, or one body. If `count` or
-/// `share` is set, the group is a random choice among these bodies.
+/// A group of bodies: a population (NAME0, NAME1, ...), all bodies of a type, or one body. If `count` or
+/// `share` is set, the group is a random selection of these bodies.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
@@ -50,8 +50,8 @@ struct GroupSpec {
   };
   By by = By::population;             ///< what `name` refers to
   std::string name;                   ///< name of the population, type or body
-  std::optional<std::int64_t> count;  ///< number of bodies to choose; all if there are fewer
-  std::optional<double> share;        ///< fraction of the bodies to choose, 0 to 1, rounded to a whole number
+  std::optional<std::int64_t> count;  ///< number of bodies to select; all if there are fewer
+  std::optional<double> share;  ///< fraction of the bodies to select, 0 to 1; the number of bodies is rounded
 };
 
 /// New values for some parameters of the drive, of a device or of a controller of a type.
@@ -65,7 +65,7 @@ struct SettingSpec {
   TypeId type;              ///< the type; the change affects all its bodies
   Of of = Of::drive;        ///< the owner of the parameters
   std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec
-  Record params;            ///< in the order of the kind's field table; parameters that stay have no value
+  Record params;  ///< one per field of the kind's table; without a value: the parameter does not change
 };
 
 /// Returns a copy of `params` in which the values that the setting gives replace the old ones.
@@ -115,8 +115,8 @@ struct ExperimentSpec {
   std::vector<InterventionSpec> at;  ///< interventions, in any order of time
   std::vector<FaultSpec> faults;     ///< faults of bodies that are present at tick 0
 
-  /// Whether there are no stop conditions, interventions and faults. The run then ends only at its end time,
-  /// or when its program ends it.
+  /// Whether there are no stop conditions, interventions and faults. A run of the world then ends only at its
+  /// end time, or when the program ends it.
   bool empty() const { return stop_when.empty() && at.empty() && faults.empty(); }
 };
 

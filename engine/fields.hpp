@@ -13,7 +13,7 @@ namespace troupe::engine {
 
 struct Value;
 
-/// The values of a parameter block: one for each field of its FieldTable, in the order of the fields.
+/// The values of a parameter block: one value for each field of its FieldTable, in the order of the fields.
 using Record = std::vector<Value>;
 
 /// The value of a parameter, in SI units.
@@ -96,8 +96,8 @@ enum class FieldType {
 struct FieldTable;
 struct MemberType;
 
-/// The description of a parameter of a kind. Parsing, validation, error messages, `troupe describe` and the
-/// reference page are derived from it.
+/// The description of a parameter of a kind, or of a member of a described struct. Parsing, validation, error
+/// messages, `troupe describe` and the reference page are derived from it.
 struct Field {
   std::string_view name;               ///< lower case with underscores; keys in files append the unit
   FieldType type = FieldType::number;  ///< type of the value
@@ -112,17 +112,17 @@ struct Field {
   std::vector<std::string_view> choices;  ///< for type text: the allowed values; empty: any text
   /// For types record and records: the table of a block. It must outlive this object.
   const FieldTable* record = nullptr;
-  /// True: the number must be greater than `min` (sizes, periods).
+  /// True: the number must be greater than `min`, not equal to it (for example a size or a period).
   bool above_min = false;
   /// For type integer: the value is a number of readings of a sensor. The sum of these fields is limited, so
   /// that the memory of a device is checked before it is allocated.
   bool counts_readings = false;
-  /// The field may be missing, and then has no value: it is not required and has no default.
+  /// True: the field may be missing in a file, and then has no value. It is not required and has no default.
   bool optional = false;
   /// True: interventions cannot change the parameter while the world runs.
   bool fixed = false;
-  /// The field records where the other fields come from (a file and a line). It is stored, but records that
-  /// differ only in it are equal.
+  /// True: the field records where the other fields come from (a file and a line). It is stored, but
+  /// comparisons of records ignore it.
   bool provenance = false;
   bool sparse = false;      ///< for state: StateField::sparse; otherwise: a stored record may lack the field
   bool appearance = false;  ///< for state: StateField::appearance
@@ -136,7 +136,7 @@ struct Field {
   bool required() const { return !fallback.given() && !optional && type != FieldType::record; }
 };
 
-/// The parameters of one kind. Field names are unique.
+/// The parameters of one kind, or the members of one described struct. Field names are unique.
 struct FieldTable {
   std::vector<Field> fields;  ///< the fields; a Record has its values in the same order
 

@@ -49,7 +49,7 @@ struct FrameTransducer {
 struct FrameRanger {
   std::uint32_t type = 0;                    ///< index into FrameScene::types
   std::size_t readings = 0;                  ///< number of readings of all transducers
-  std::vector<FrameTransducer> transducers;  ///< its fans of beams; each reading belongs to one of them
+  std::vector<FrameTransducer> transducers;  ///< the fans of its beams; each reading belongs to one of them
 };
 
 /// The data that are constant during a run.
@@ -123,7 +123,7 @@ struct FrameTrail {
 struct Frame {
   double time_s = 0;              ///< world time
   std::uint64_t tick = 0;         ///< number of completed ticks
-  std::vector<FrameBody> mobile;  ///< bodies in the world that are not static, in order of ids
+  std::vector<FrameBody> mobile;  ///< the bodies that are in the world and not static, in order of ids
   std::vector<FrameType> types;   ///< one per body whose joints are not at rest: its present shapes
 
   // The following are empty unless the viewer requests them.
@@ -138,9 +138,11 @@ struct Frame {
   double covered_m = 0;              ///< edge of the squares of `covered`, m
   std::vector<std::string> names;    ///< names of bodies, one per body of `mobile`
   std::vector<double> charges;  ///< one per body of `mobile`: charge of its power pack, 0 to 1; NaN: none
-  std::vector<double> values;   ///< one per body of `mobile`: value that selects its colour; NaN: none
-  std::string value_name;       ///< name of `values` with unit: "velocity.x (m/s)"
-  double times_real_time = 0;   ///< speed of the run relative to real time, displayed; 0: not displayed
+  /// One per body of `mobile`: value of a field of the state that selects the body's colour; NaN: none.
+  std::vector<double> values;
+  std::string value_name;  ///< name of `values` with unit: "velocity.x (m/s)"
+  /// Speed of the run relative to real time, which the viewer displays; 0: not displayed.
+  double times_real_time = 0;
 };
 
 }  // namespace troupe::engine

@@ -10,16 +10,16 @@ namespace troupe::engine {
 
 class World;
 
-/// Describes the exception that is being handled: `threw: TEXT` with the text of a std::exception, otherwise
-/// that the exception is of another type. Call this only within a catch block.
+/// Returns a text about the exception that is being handled: `threw: TEXT`, where TEXT is what() of a
+/// std::exception, or `threw an exception that is no std::exception`. Call this only within a catch block.
 std::string thrown_text();
 
 /// Throws a StepError in place of the exception that is being handled. Its text names the tick, the kind
-/// whose function threw, and a robot: that of a DecisionError, and otherwise that of the first row. A
-/// StepError is rethrown unchanged, because it already names its robot.
+/// whose function threw, and a robot: the robot of a DecisionError, and for other exceptions the robot of the
+/// first row. A StepError is rethrown unchanged, because its text already names a robot.
 ///
 /// rows: the rows for which the function of the kind was called; may be empty
-/// what: the controller, device or drive whose kind has the function
+/// what: the controller, device or drive whose function was called
 ///@{
 [[noreturn]] void throw_step_error(const World& world, std::span<const Row> rows,
                                    const BodyType::Controller& what);

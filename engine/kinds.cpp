@@ -19,7 +19,7 @@ const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
 
 std::vector<StateField> command_fields() {
   return {
-      {"x", Element::f64, 1, "m/s", "forward, commanded", offsetof(Command, x)},
+      {"x", Element::f64, 1, "m/s", "commanded value, forward", offsetof(Command, x)},
       {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
       {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
       {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (m/s^2, rad/s^2), 2: a goal (m, rad)",

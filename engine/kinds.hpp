@@ -38,30 +38,31 @@ struct Registry;
 struct TypeSpec;
 struct WorldSpec;
 
-/// A *kind* is a table of functions (hooks) that implements one sort of sensor, drive or controller. The
-/// engine itself implements none: it only calls the hooks. When the world is built, the hook `prepare`
-/// converts the parameters to data of a type that the kind chooses. The other hooks receive these data, and
-/// robots in batches of rows. Several threads call them at once, so they may write only to their arguments.
-/// If a hook throws an exception, the step ends with a StepError.
+/// A *kind* is a table of functions (hooks) that implements one sort of sensor, other device, drive or
+/// controller. The engine itself implements none of them: it only calls the hooks. When the world is built,
+/// the hook `prepare` converts the parameters to data of a type that the kind chooses. The other hooks
+/// receive these data, and a batch of robots as a list of rows. Several threads call the hooks at once, so a
+/// hook may write only to its arguments. If a hook throws an exception, the step ends with a StepError.
 ///
 /// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
 /// its type. The state of a sensor is also called its percepts or readings.
 
-/// A model kind: a kind of model in Stage world files. It is part of the registry so that all loaders use the
-/// same defaults.
+/// A model type of Stage world files, such as `position` or `ranger`, with its defaults. The registry
+/// contains these, so that all loaders use the same defaults.
 struct ModelKind {
   std::string_view name;                ///< name in Stage files: "position"
   std::string_view text;                ///< one sentence for `troupe describe`
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< default size x, y, z, m
   Color color{1, 0, 0, 1};              ///< default colour
-  bool has_default_body = true;         ///< false: a model without blocks has no body
+  /// True: a model without blocks or a bitmap is a box; false: it has no solids.
+  bool has_default_body = true;
   std::string_view device;  ///< device kind of each model of this kind; empty: the model is no device
   FieldTable params;        ///< parameters of that device, or of the model itself
 };
 
-/// The argument of the hooks of a device: rows of one body type whose device senses or acts in a tick, with
-/// their data. The argument `i` of the functions is an index into `rows`. engine/sensing_view.hpp has the
-/// functions of `view`.
+/// The argument of the hooks of a device: the rows of one body type whose device senses or acts in a tick,
+/// with the data of these rows. The argument `i` of the functions is an index into `rows`.
+/// engine/sensing_view.hpp has the functions of `view`.
 struct DeviceBatch {
   const SensingView& view;     ///< the world: constants, and where all bodies are
   const std::any& data;        ///< result of DeviceKind::prepare
@@ -76,7 +77,7 @@ struct DeviceBatch {
 
   BodyId body(std::size_t i) const;       ///< id of the row's body
   std::size_t slot(std::size_t i) const;  ///< index of the row in `state` and `commands`
-  /// The random numbers of a row in this tick.
+  /// The random numbers of a row in this tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const;
   /// The random numbers of a row in this tick, from an independent stream with this name. A kind that wraps
   /// another kind uses such a stream, so that its draws do not change those of the wrapped kind.
@@ -97,18 +98,20 @@ struct DeviceBatch {
   /// Whether a device of the row's body runs in the ticks in which it is due: senses() and is_on() are true,
   /// it works, and it has power.
   bool runs(std::size_t i, std::size_t its_device) const;
-  /// State of another device of the same bodies, by slot. A hook may read the slots of `rows` alone.
+  /// State of another device of the same bodies, by slot. A hook may read only the slots of `rows`.
   const StateTable& percepts(std::size_t its_device) const;
   /// Present pose of joint n relative to its rest pose, m and rad. Here and below, n counts the joints that
   /// the device moves (DeviceKind::joints), from 0.
   const Pose& joint(std::size_t i, std::size_t n) const;
   /// Sets the goal of a joint for this tick: a pose relative to its rest pose, m and rad. Only the hook `act`
-  /// may call this. The joints of one device move together or not at all. The same holds for joints of
-  /// different bodies of one tree (bodies that carry one another) that move in the same round of resolution.
+  /// may call this. The joints of one device move together or not at all: if the motion of one of them is
+  /// blocked, none moves. Bodies that carry one another form a tree. Joints of different bodies of a tree
+  /// that are tested in the same round of conflict resolution (Links::resolve_joints()) also move together or
+  /// not at all.
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
   /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
-  /// Whether the joint reached its goal in this tick. Only the hook `joints_moved` may call this.
+  /// Whether joint n reached its goal in this tick. Only the hook `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
   /// Emits an effect, which DeviceKind::apply applies after all bodies have moved. Throws std::length_error
   /// if there are more effects than Prepared::most_effects allows.
@@ -131,15 +134,16 @@ struct DeviceBatch {
   }
 };
 
-/// The argument of the hook `sense`. It also has the velocities, commands and device states of all bodies:
-/// those that the last tick committed. Classes may declare `sense(const DeviceBatch&)` if they read none.
+/// The argument of the hook `sense`. In addition to the data of a DeviceBatch, it has the velocities,
+/// commands and device states of all bodies at the end of the last tick. A class that reads none of these may
+/// declare `sense(const DeviceBatch&)`.
 struct SenseBatch : DeviceBatch {
-  const CommittedView& committed;  ///< the same world as `view`, with these data
+  const CommittedView& committed;  ///< the same world as `view`, with these additional data
 };
 
 /// A fan of beams of a ranging sensor that start at one place.
 struct Transducer {
-  std::size_t first = 0;        ///< index of its first reading among those of the sensor
+  std::size_t first = 0;        ///< index of its first reading among the readings of the sensor
   std::size_t samples = 1;      ///< number of its readings
   Pose pose_sensor_transducer;  ///< origin of the beams and heading of their middle; sensor frame
   double range_max = 0;         ///< length of the beams, m
@@ -191,7 +195,8 @@ enum class FrameLayer : std::uint8_t {
 
 /// The bodies that an effect of a device may change.
 enum class ApplyScope : std::uint8_t {
-  trees,       ///< the source, the target, and bodies that move together with them; the target was in reach
+  trees,       ///< the body of the device, the target, and bodies that move together with them; the target is
+               ///< within reach
   any_target,  ///< the same bodies, but the target may be anywhere in the world
   anything,    ///< any body
 };
@@ -222,11 +227,11 @@ struct DeviceKind {
     Solid solid;              ///< device frame
     std::int32_t joint = -1;  ///< index of the device's joint that moves the solid; -1: none
   };
-  /// What `sense` and `act` read of other bodies besides their places (SensingView). Each name is one of the
-  /// k_..._of_others above, `KIND` for the states of devices of a kind, `KIND/command` for the commands to
-  /// such devices, or the name of a field for the states of all devices that begin with this field. If
-  /// several ranks compute a world, these data are sent to all of them. Tests enforce this:
-  /// World::hide_beyond_reach().
+  /// The data that `sense` and `act` read of other bodies, in addition to the places of these bodies
+  /// (SensingView). Each name is one of the k_..._of_others above, `KIND` for the states of devices of a
+  /// kind, `KIND/command` for the commands to such devices, or the name of a field for the states of all
+  /// devices that begin with this field. If several ranks compute a world, these data are sent to all of
+  /// them. Tests enforce this: World::hide_beyond_reach().
   std::vector<std::string_view> reads;
   /// The bodies that `apply` may change. Tests enforce this: World::hide_beyond_reach().
   ApplyScope scope = ApplyScope::anything;
@@ -239,10 +244,10 @@ struct DeviceKind {
     std::size_t percept_bytes = 0;  ///< size of the struct of a row (memory_fields); 0: rows are no structs
     std::vector<StateField> commands;  ///< commands from controllers: fields of a struct (memory_fields)
     std::size_t command_bytes = 0;     ///< size of the command struct; 0: the device takes no commands
-    /// Radius of a disc around the body's origin, m. `sense` and `act` must not read the data of a body whose
-    /// enclosing circle is outside the disc, except for bodies that move together with the device's own body
-    /// (SensingView::same_tree()). For bodies with joints, the engine adds BodyType::joint_reach to the
-    /// radius. Tests enforce this: World::hide_beyond_reach().
+    /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must not
+    /// read the data of a body whose enclosing circle is outside the disc, except for bodies that move
+    /// together with the device's own body (SensingView::same_tree()). For bodies with joints, the engine
+    /// adds BodyType::joint_reach to the radius. Tests enforce this: World::hide_beyond_reach().
     double reach_m = 0;
     /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
     /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
@@ -275,8 +280,8 @@ struct DeviceKind {
   /// Called once after `bind_part`: completes `data` from the world. The error says why the world does not
   /// suit the device. Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
-  /// Called after `bind_part` and `bind_world`: returns the reach, m, which replaces Prepared::reach_m. For
-  /// kinds whose reach depends on the part or the world. Null: Prepared::reach_m stays.
+  /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. It is
+  /// for kinds whose reach depends on the part or the world. Null: the reach is Prepared::reach_m.
   double (*reach_m)(const std::any& data) = nullptr;
   /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes of the row are 0
   /// before the call. Null: they stay 0.
@@ -291,22 +296,23 @@ struct DeviceKind {
   /// can then read with DeviceBatch::moved_joint() whether its joints reached their goals. Null: not needed.
   void (*joints_moved)(const DeviceBatch& batch) = nullptr;
   /// Called after the bodies have moved: applies one effect of this kind. Effects are applied one by one, in
-  /// the order of (source, device, sequence); each sees the results of those before it. Null: the device has
-  /// no effects.
+  /// the order of (Effect::source, device, sequence). Each call sees the results of the effects applied
+  /// before. Null: the device has no effects.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
   /// Called after all other effects of the tick: receives the result of a birth that the device requested.
   /// Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
-  /// For power supplies: whether the supply of a row is empty. The devices that it serves then stop. A supply
-  /// serves the devices of its part and of the parts mounted on that part, except parts with a supply of
-  /// their own. A supply of the root part also serves the drive. Null: the device is not a power supply.
+  /// For power supplies: returns whether the supply of a row is empty. If it is, the devices that it serves
+  /// stop. A supply serves the devices of its part and of the parts mounted on that part, except parts with a
+  /// supply of their own. A supply of the root part also serves the drive. Null: the device is not a power
+  /// supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
-  /// The energy account of a row. Null: the device stores no energy.
+  /// Returns the energy account of a row. Null: the device stores no energy.
   Energy (*energy)(const StateTable& state, std::size_t slot) = nullptr;
-  /// The flags of a row. Null: the device holds no flags.
+  /// Returns the flags that the device of a row holds. Null: the device holds no flags.
   HeldFlags (*flags)(const StateTable& state, std::size_t slot) = nullptr;
 
   /// True: the device sets the colour of its part. Its state must then begin with that colour: three f32,
@@ -326,7 +332,7 @@ struct DeviceKind {
 enum class ControlMode : std::uint8_t {
   velocity,      ///< speeds, m/s and rad/s; for drives of kind `car`, `turn` is the steering angle, rad
   acceleration,  ///< m/s^2 and rad/s^2; for drives of kind `car`, `turn` is the steering angle, rad
-  position,      ///< a goal pose in the frame of the estimated pose, m and rad
+  position,      ///< a goal pose, in the frame of the robot's estimated pose, m and rad
 };
 inline constexpr std::size_t k_control_modes = 3;  ///< values of ControlMode
 
@@ -357,7 +363,7 @@ struct DriveBatch {
   std::span<const Command> commands;  ///< one per robot
   /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities of the last tick.
   std::span<Velocity> velocities;
-  std::span<const Pose> estimates;  ///< estimated poses; empty if all commands are speeds
+  std::span<const Pose> estimates;  ///< estimated poses of the robots; empty if all commands are speeds
   double elapsed_s = 0;             ///< time since these drives ran last
 };
 
@@ -430,7 +436,8 @@ struct Actions {
   /// Command structs of the chosen devices, in the order of Percept::devices; null for devices that take no
   /// commands.
   std::span<std::byte* const> devices;
-  /// Bits of the chosen devices in Command::off, in the order of Percept::devices.
+  /// The bit of each chosen device in Command::off, in the order of Percept::devices. switch_device() uses
+  /// them.
   std::span<const std::uint32_t> switches;
 
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
@@ -454,8 +461,8 @@ struct Actions {
   void accelerate(double forward, double left, double turn) {
     command = {forward, left, turn, ControlMode::acceleration};
   }
-  /// Commands a goal pose in the frame of Percept::estimate, m and rad. The robot stays there until the
-  /// command is replaced.
+  /// Commands a goal pose in the frame of Percept::estimate, m and rad. The robot drives to that pose and
+  /// stays there until the command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
   /// The command to a chosen device. The kind of the device must take commands of the struct DeviceCommand.
@@ -481,7 +488,7 @@ struct DecideBatch {
   std::span<Command> commands;           ///< drive command of each row of the world
   Estimates estimates;                   ///< estimated poses
 
-  /// The rows of a table of the type, which are indexed by slot.
+  /// The rows of one state table of the type. Their index is the slot of a robot.
   struct Rows {
     std::byte* first = nullptr;  ///< slot 0; null: there is no such table
     std::size_t row_bytes = 0;   ///< stride from one slot to the next
@@ -497,7 +504,8 @@ struct DecideBatch {
   /// Commands to the drive device (DeviceKind::drives) of the controller's part. Without rows if there is no
   /// such device: the controller then commands the body's drive through `commands`.
   Rows drive_commands = {};
-  /// State of that drive device, which begins with its estimated pose; null if there is no such device.
+  /// State of the drive device that `drive_commands` belongs to. It begins with the estimated pose of that
+  /// drive. Null if there is no such device.
   const StateTable* drive_state = nullptr;
 
   std::size_t size() const { return rows.size(); }  ///< number of robots in the batch
@@ -531,15 +539,15 @@ struct DecideBatch {
   }
 };
 
-/// An exception with the robot that it concerns. ControllerKind::decide may throw this, so that the error
-/// message names the robot. For any other exception the message names the first robot of the batch, and the
-/// size of the batch.
+/// An exception of a controller, with the robot for which the controller was called. ControllerKind::decide
+/// may throw this, so that the error message names the robot. For any other exception the message names the
+/// first robot of the batch, and the size of the batch.
 struct DecisionError {
   Row row;                    ///< row of the robot
   std::exception_ptr thrown;  ///< the controller's exception
 };
 
-/// A device of a type, as presented to a controller that chooses its inputs.
+/// A device of a type, as ControllerKind::prepare receives it to choose the inputs of a controller.
 struct DeviceInfo {
   std::string_view name;                 ///< name of the device (DeviceSpec::name)
   std::string_view kind;                 ///< kind of the device (DeviceKind::name)
@@ -554,11 +562,11 @@ struct ControllerKind {
   std::string_view text;    ///< one sentence for `troupe describe`
   FieldTable params;        ///< its parameters
   bool needs_drive = true;  ///< false: bodies without a drive may have it too
-  bool switches = false;    ///< it switches its devices: Actions::switch_device
+  bool switches = false;    ///< whether it may call Actions::switch_device()
   /// True: all robots of a type that decide in a tick are in one batch, in the order of their ids, and
   /// `decide` is called on the thread that steps the world, after all other controllers; if several ranks
-  /// compute the world, on rank 0. The result may then depend on all robots of the batch. For controllers in
-  /// other languages, whose calls are slow.
+  /// compute the world, on rank 0. The result may then depend on all robots of the batch. Controllers in
+  /// other languages use this, because each of their calls is slow.
   bool is_collective = false;
   /// Fields of the memory struct of each robot. The engine owns its bytes.
   std::vector<StateField> memory;
@@ -571,9 +579,9 @@ struct ControllerKind {
   /// A controller compiled from its parameters.
   struct Prepared {
     std::any data;  ///< the argument `data` of `decide`
-    /// Indices of the devices that the controller uses. It runs in the ticks in which the first of them runs.
-    /// Without devices it runs when the body's drive runs, and without a drive at the period
-    /// ControllerSpec::period_s.
+    /// The devices that the controller uses: indices into the argument `devices` of `prepare`. The controller
+    /// decides in the ticks in which the first of these devices runs. Without devices it decides when the
+    /// body's drive runs, and without a drive once per ControllerSpec::period_s.
     std::vector<std::size_t> devices;
   };
   /// Compiles the parameters and chooses among `devices` those that the controller uses. claimed[d] is true
@@ -581,8 +589,9 @@ struct ControllerKind {
   /// entries. The error says what the type lacks.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed);
-  /// Called once after `prepare`: completes the data from the world, the type and the controller's part, for
-  /// example from the pose of a model or from the floor plan. The error says what is wrong. Null: not needed.
+  /// Called once after `prepare`: completes the data of the controller from the world, the type and the part
+  /// of the controller, for example from the pose of a model or from the floor plan. `part` is an index into
+  /// TypeSpec::parts. The error says what is wrong. Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world, const TypeSpec& type,
                          std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries although its file does not list them.
@@ -612,9 +621,9 @@ struct Registry {
   std::vector<Preset> presets;  ///< their names differ from those of the controllers
 
   /// A callback that finds controllers of plug-ins (troupe/plugins.hpp), which are not in the lists above.
-  /// `unknown` is the error message for a name that no plug-in has; the returned error is this message,
-  /// extended by details. The kinds live as long as the registry and its copies. Empty: there are no
-  /// plug-ins.
+  /// `unknown` is the error message for a name that no plug-in has. The callback returns this message as its
+  /// error, with the folders that were searched or other details added. The kinds live as long as the
+  /// registry and its copies. Empty: there are no plug-ins.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
   /// Callbacks that find sensors and other devices, and measures, of plug-ins; otherwise like
@@ -624,7 +633,7 @@ struct Registry {
   std::function<Result<const MeasureKind*>(std::string_view name, std::string unknown)> plugged_measures;
   ///@}
 
-  /// The kind of this name in the lists above, or for devices and controllers also of a plug-in; null if
+  /// The kind with this name in the lists above, or for devices and controllers also in a plug-in; null if
   /// there is none. The pointer is valid as long as the lists are not changed.
   ///@{
   const ModelKind* model(std::string_view name) const;
@@ -650,9 +659,9 @@ struct Registry {
   const FaultKind* fault(std::string_view name) const;
   ///@}
 
-  /// The devices that only sense: DeviceKind::is_sensor().
+  /// The device kinds of the list `devices` that only sense (DeviceKind::is_sensor()).
   std::vector<DeviceKind> sensors() const;
-  std::vector<DeviceKind> other_devices() const;  ///< the devices for which is_sensor() is false
+  std::vector<DeviceKind> other_devices() const;  ///< the device kinds of that list that do not only sense
 };
 
 }  // namespace troupe::engine

@@ -16,8 +16,8 @@ constexpr double k_slack = 1e-9;
 constexpr double k_stride_m =
     4;  // length of the pieces in which the surroundings of a long line are searched
 
-/// Divides the line into pieces and calls search(box) with a box about each, until a call returns true.
-/// Returns whether one did.
+/// Divides the line into pieces and calls search(box) with a box around each piece, until a call returns
+/// true. Returns whether a call returned true.
 template <class Search>
 bool any_piece(const SpatialLine& line, Search&& search) {
   const auto strides = std::max(1.0, std::ceil(sqrt(line.length2) / k_stride_m));
@@ -27,9 +27,9 @@ bool any_piece(const SpatialLine& line, Search&& search) {
 }
 
 /// Calls visit(position on the line from 0 to 1, first end of the edge) for each edge of the chain that the
-/// line crosses at a height within z. Stops when a call returns true, and returns whether one did. A vertex
-/// on the line counts as being on the left side. So if the outline crosses the line at a vertex, exactly one
-/// of the two edges counts as crossed.
+/// line crosses at a height within z. Stops when a call returns true, and returns whether a call did so. A
+/// vertex on the line counts as being on the left side. Therefore, if the outline crosses the line at a
+/// vertex, exactly one of the two edges counts as crossed.
 template <class Visit>
 bool any_crossing(const SpatialLine& line, std::span<const Vec2> chain, bool closed, const ZInterval& z,
                   Visit&& visit) {
@@ -100,8 +100,8 @@ void LineCrossings::find_bodies(double longest, std::span<const BodyCircle> cand
   }
 }
 
-/// Calls visit(piece of a static outline), at least once for each piece that the line may cross. Stops when a
-/// call returns true, and returns whether one did.
+/// Calls visit(piece) at least once for each piece of an outline of the static scene that the line may cross.
+/// Stops when a call returns true, and returns whether a call did so.
 template <class Visit>
 bool LineCrossings::any_wall(const SpatialLine& line, Visit&& visit) const {
   if (are_walls_gathered_) {

@@ -10,11 +10,10 @@
 
 namespace troupe::engine {
 
-/// A straight line in space between two points. Lines of sight (engine/sight.hpp) stay at one height; these
-/// may rise.
+/// A straight line in space between two points. Unlike the rays of engine/sight.hpp, it may rise or fall.
 struct SpatialLine {
   Vec2 from = Vec2::Zero();  ///< first point, world frame, m
-  Vec2 way = Vec2::Zero();   ///< from the first point to the second, m
+  Vec2 way = Vec2::Zero();   ///< vector from the first point to the second, world frame, m
   double z_from = 0;         ///< height of the first point, m
   double z_way = 0;          ///< height of the second point above the first, m
   double length2 = 0;        ///< squared length of `way`, m^2
@@ -29,28 +28,30 @@ struct SpatialLine {
   Box piece(double first, double last) const;
 };
 
-/// Finds the walls and bodies that straight lines from one point cross: the outlines that rangers see. Not
-/// thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
+/// Finds the walls (outlines of the static scene) and bodies that straight lines from one point cross. Only
+/// outlines that rangers see count. Not thread-safe. Keep one object per thread and reuse it: its arrays keep
+/// their memory.
 class LineCrossings {
  public:
-  /// If no line is longer than this, m, all lines from a point share one search. Otherwise the surroundings
-  /// of each line are searched, piece by piece.
+  /// If no line is longer than this, m, one search around the origin serves all lines. Otherwise the
+  /// surroundings of each line are searched, piece by piece.
   static constexpr double k_together_m = 12;
 
-  LineCrossings();  ///< an object that stands nowhere: call stand() first
+  LineCrossings();  ///< an object without an origin: call stand() first
   /// Sets the origin of the lines (world frame, m). The world must not change until the last query.
   void stand(const SensingView& view, const Vec2& origin);
-  /// Collects the walls that lines of at most this length (m) may cross. Returns false if there are none.
+  /// Collects the walls that lines of at most the length `longest` (m) may cross. Returns false if there are
+  /// none.
   bool find_walls(double longest);
-  /// Collects the bodies that lines of at most this length (m) may cross. `candidates` must contain the
-  /// circles of all bodies within this distance of the origin.
+  /// Collects the bodies that lines of at most the length `longest` (m) may cross. `candidates` must contain
+  /// the enclosing circles of all bodies that reach within this distance of the origin.
   void find_bodies(double longest, std::span<const partition::BodyCircle> candidates);
 
   /// Whether the line crosses a wall. Call find_walls() before. One end of the line must be the origin.
   bool crosses_wall(const SpatialLine& line) const;
   /// Number of walls that the line crosses. Two crossings of a static solid, where the line enters and leaves
-  /// it, count as one wall. So does a single crossing, which occurs if an end of the line is inside the
-  /// solid. Call find_walls() before. One end of the line must be the origin.
+  /// the solid, count as one wall. A single crossing, which occurs if an end of the line is inside the solid,
+  /// also counts as one wall. Call find_walls() before. One end of the line must be the origin.
   int count_walls(const SpatialLine& line);
   /// Whether the line crosses a body other than those of the rows a and b and the bodies that move together
   /// with these (SensingView::same_tree()). Call find_bodies() before. One end of the line must be the
@@ -74,8 +75,8 @@ class LineCrossings {
   Vec2 origin_ = Vec2::Zero();
   partition::NearCircles walls_;               // pieces of outlines near the origin
   std::vector<partition::BodyCircle> bodies_;  // bodies near the origin
-  bool are_walls_gathered_ = false;            // whether walls_ has all walls that lines may cross
-  bool are_bodies_gathered_ = false;           // whether bodies_ has all bodies that lines may cross
+  bool are_walls_gathered_ = false;            // whether walls_ contains all walls that lines may cross
+  bool are_bodies_gathered_ = false;           // whether bodies_ contains all bodies that lines may cross
   std::vector<Crossing> crossings_;
 };
 

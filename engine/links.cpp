@@ -27,8 +27,8 @@ bool is_finite(const Pose& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
-/// Capacity to reserve for the obstacle shape of a body and of the bodies that it carries. Bodies that are
-/// carried by these in turn are not counted.
+/// Capacity to reserve for the obstacle shape of a body together with the bodies that it carries directly.
+/// Bodies that these carry in turn are not counted.
 struct Room {
   std::size_t pieces = 0;
   std::size_t corners = 0;  ///< of the piece with the most corners
@@ -48,9 +48,9 @@ const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
   return most;
 }
 
-/// Maps the points that a joint moves from their positions with all joints at rest to their positions with
-/// this joint displaced by `q` (m, rad), in the frame of the body. `parent` is the same map of the parent
-/// joint, or the identity if the joint has no parent.
+/// Returns the map of the points that a joint moves, in the frame of the body: from their positions with all
+/// joints at rest to their positions with this joint displaced by `q` (m, rad). `parent` is this map for the
+/// parent joint, or the identity if the joint has no parent.
 Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q) {
   if (q == Pose{}) return parent;
   return compose(compose(compose(parent, joint.at_rest), Mount(q)), joint.to_body);
@@ -92,7 +92,8 @@ void Links::build() {
 
   // Reserves memory now, so that no memory is allocated when a body is gripped, unless that body carries
   // another one.
-  constexpr std::size_t k_most_pieces = 64;  // larger shapes allocate when they are needed
+  // Larger shapes allocate their memory when they are first computed.
+  constexpr std::size_t k_most_pieces = 64;
   const BodyType* cargo = most_intricate_cargo(state_.types);
   for (std::size_t c = 0; c < composites_.size(); ++c) {
     const BodyType& t = state_.type(Row(composites_[c]));
@@ -308,8 +309,8 @@ void Links::for_roots(Work&& work) {
   });
 }
 
-/// A round moves the joints of one device
-/// per body; parent joints move in earlier rounds than their children. The moving pieces of a tree must be
+/// Resolution has several rounds. A round tests the motions of the joints of one device per body; parent
+/// joints move in earlier rounds than their children. In each round, the moving pieces of a tree must be
 /// free of the static scene. They must also be free of every other tree at its present pose, both with the
 /// joints of that tree where they are now and with these joints at their goals. The order in which two trees
 /// are tested therefore does not matter, and they do not come to overlap, whether one of them moves or both.
@@ -341,7 +342,7 @@ void Links::resolve_joints(double longest_motion) {
 
 /// Computes Joint::then for the joints of a body and of all bodies that it carries, at a fraction t (0
 /// to 1) of their motions of this round. Returns an upper bound on how far the complete motions (t = 1) move
-/// any point, m. The bound is 0 if no joint moves in this round. `radius` must be an upper bound on the
+/// any point, m. The result is 0 if no joint moves in this round. `radius` must be an upper bound on the
 /// distance of any point from the root, m.
 double Links::aim_joints(const TreeBody& body, std::size_t round, double t, double radius) {
   const BodyType& type = state_.type(body.row);

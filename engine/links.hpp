@@ -15,8 +15,8 @@
 namespace troupe::engine {
 
 /// The joints of bodies, and the *trees* of bodies that carry one another. The root of a tree is its body
-/// that is not carried. This part of World writes the components `joint/...` and `carrier`. The lists are
-/// empty if no type of the world has joints or can pick up bodies.
+/// that is not carried. This part of World writes the components `joint/...` and `carrier`. The lists of this
+/// class are empty if no type of the world has joints or can pick up bodies.
 ///
 /// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
 /// resolution, the shape of a root is that of its whole tree, in the root's frame, and the shape of a carried
@@ -39,7 +39,8 @@ class Links {
 
   /// Allocates the lists, once, after the rows of the state were made.
   void build();
-  /// Computes all data that are derived from the tables, except the shapes of trees: see reshape().
+  /// Computes all data that are derived from the state tables, except the shapes of trees, which reshape()
+  /// computes.
   void derive();
   /// Overwrites all derived data with junk, for the amnesia test.
   void forget();
@@ -50,7 +51,7 @@ class Links {
   /// Whether any body type in the world has joints or can pick up bodies.
   bool any() const { return !composites_.empty(); }
   std::span<const std::uint32_t> composites() const { return composites_; }  ///< rows of composite bodies
-  /// Row of lowest id among the bodies that a row carries directly; k_none: none.
+  /// Row of the body with the lowest id among the bodies that the row's body carries directly; k_none: none.
   std::uint32_t first_cargo(Row row) const { return first_cargo_[row.index()]; }
 
   /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts.
@@ -74,11 +75,12 @@ class Links {
   };
   /// The calls of ask() for these rows in this tick, as long as no joint has moved; one per joint.
   std::vector<AskedGoal> asked_goals(RowRange rows) const;
-  Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }  ///< state of its motion
-  /// Carries out the motions that were asked for, or blocks them. longest_motion: bound on the distance that
-  /// any body has moved since the spatial index was built, m.
+  /// State of the joint's motion.
+  Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }
+  /// Tests the joint motions that ask() requested, and carries out those that nothing blocks. longest_motion:
+  /// upper bound on the distance that any body has moved since the spatial index was built, m.
   void resolve_joints(double longest_motion);
-  /// Whether a joint had a goal in this tick. Clears the answer.
+  /// Whether any joint had a goal in this tick. Until the next call of ask(), further calls return false.
   bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
   void clear_goals(Row row);  ///< sets the joints of a row to Goal::none
   void carry();               ///< moves carried bodies with their carriers
@@ -86,7 +88,8 @@ class Links {
  private:
   /// A joint of one body.
   struct Joint {
-    /// Maps a point of the body, with the joint at rest, to its position at the goal, or at a tested pose.
+    /// Maps a point of the body from its position with the joint at rest to its position with the joint at
+    /// its goal, or at the pose that is being tested; body frame.
     Mount then;
     Pose goal;                ///< goal in this tick, relative to rest
     Goal state = Goal::none;  ///< state of the motion in this tick
@@ -123,15 +126,16 @@ class Links {
   std::vector<std::uint32_t> composites_;    // rows of composite bodies
   std::vector<std::uint32_t> composite_of_;  // one per row: its index in the lists below; k_none: none
   // One entry per composite body.
-  std::vector<ShapeBuffer> shapes_;      // shape of the tree of which the body is the root, in its frame
+  std::vector<ShapeBuffer> shapes_;      // shape of the tree whose root is the body, in the body's frame
   std::vector<ShapeBuffer> moved_;       // pieces of the tree that move in this round, at their goals
   std::vector<ShapeBuffer> on_the_way_;  // the same pieces, at the pose that is tested now
   std::vector<std::uint32_t> samples_;   // number of poses to test in this round; 0: no motion
   std::vector<std::uint8_t> refused_;    // 1 if the motion of this round is blocked
 
   // One per row; empty if there are no composites.
-  std::vector<std::uint32_t> first_cargo_;  // row of lowest id among those it carries directly; k_none: none
-  std::vector<std::uint32_t> next_cargo_;   // row of the next higher id on the same carrier; k_none: none
+  // Row of the lowest id among the bodies that it carries directly; k_none: none.
+  std::vector<std::uint32_t> first_cargo_;
+  std::vector<std::uint32_t> next_cargo_;  // row of the next higher id on the same carrier; k_none: none
 };
 
 }  // namespace troupe::engine

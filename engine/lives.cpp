@@ -67,7 +67,7 @@ bool World::lives_hold(std::uint64_t tick) const {
     if (by.valid() && presence(by) != Presence::there) return false;
   }
   for (const ReserveSpec& reserve :
-       state_.spec.reserves)  // bodies of a reserve are born in the order of their ids
+       state_.spec.reserves)  // the bodies of a reserve are born in the order of their ids
     for (std::uint32_t i = 1; i < reserve.count; ++i) {
       const Row before = state_.rows[reserve.first.index() + i - 1];
       const Row row = state_.rows[reserve.first.index() + i];
@@ -172,8 +172,8 @@ void World::resolve_lives(std::span<const Effect> effects) {
   bool is_indexed = false;
   for (const Effect& effect : effects) {
     if (effect.verb != k_birth || !is_there(row(effect.source))) continue;
-    if (!is_indexed)
-      state_.index.rebuild(state_.transforms, state_.radii, parallel_);  // it has the poses before this tick
+    // Until it is rebuilt, the index has the poses before this tick.
+    if (!is_indexed) state_.index.rebuild(state_.transforms, state_.radii, parallel_);
     is_indexed = true;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     const auto [x, y, z, heading] = effect.payload;
@@ -203,7 +203,8 @@ void World::remove(Row row) {
   restore_fp_environment();  // a library may have changed it, see World::step()
   if (!state_.life_table)
     throw std::logic_error(
-        "bodies of this world cannot be removed: the world needs \"mortal\": true or a reserve");
+        "bodies of this world cannot be removed: the world needs \"mortal\": true, a reserve, or an "
+        "intervention \"remove\"");
   if (!is_there(row)) return;
   touch();
   die(row);

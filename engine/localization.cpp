@@ -5,8 +5,8 @@
 namespace troupe::engine {
 namespace {
 
-// Default ranges of the relative odometry errors, as in Stage. An error is uniformly distributed around 0, up
-// to half of the range to either side.
+// Default ranges of the relative odometry errors, as in Stage. An error is uniformly distributed around 0,
+// and at most half of the range in size.
 constexpr double k_way_error = 0.03;
 constexpr double k_turn_error = 0.05;
 

@@ -19,9 +19,10 @@ namespace troupe::engine {
 ///
 /// gps   The estimate is the true pose. It is given in the frame `origin` if that is set, else in the world
 ///       frame.
-/// odom  Wheel odometry with an error. Each tick adds the robot's true motion times 1 + error, along the
-///       estimated heading. Neither a blocked motion nor a pose that a program sets changes the estimate. The
-///       estimate is given in the frame `origin` if that is set, else in the frame of the robot's first pose.
+/// odom  Wheel odometry with an error. In each tick, the robot's true motion times 1 + error is added to the
+///       estimate, along the estimated heading. Neither a blocked motion nor a pose that a program sets
+///       changes the estimate. The estimate is given in the frame `origin` if that is set, else in the frame
+///       of the robot's first pose.
 struct Localization {
   /// The source of the estimate.
   enum class Kind : std::uint8_t {
@@ -35,12 +36,14 @@ struct Localization {
     double turn = 0;  ///< error of the turn
   };
 
-  Kind kind = Kind::gps;       ///< source of the estimate
-  std::optional<Pose> origin;  ///< frame of the estimate, as a pose in the world frame
-  std::optional<Error> error;  ///< error of every robot; not set: each robot has its own random error
+  Kind kind = Kind::gps;  ///< source of the estimate
+  /// Frame of the estimate, given as a pose in the world frame; not set: see `gps` and `odom` above.
+  std::optional<Pose> origin;
+  /// Error of all robots of the type; not set: each robot has a random error of its own.
+  std::optional<Error> error;
   /// True: odometry adds the motion of a tick along the estimated heading after the turn of that tick, as in
-  /// Stage. False: it adds the motion along the heading before the turn, as the robot really moves. Only then
-  /// does odometry with error 0 give the true pose.
+  /// Stage. False: it adds the motion along the heading before the turn, as the robot really moves. Only with
+  /// false does odometry with error 0 give the true pose.
   bool along_new_heading = false;
 
   /// The error of one robot's odometry: `error` if that is set. Otherwise it is random, a function of the
@@ -104,8 +107,8 @@ struct Odometry {
   double heading = 0;  ///< estimated heading, rad
 
   /// Adds the true motion of one tick, changed by `error`, to the estimate: x forward and y to the left, m,
-  /// and turn, rad. `how` gives the heading along which the motion is added. The formula is in
-  /// docs/driving.md.
+  /// and turn, rad. `how` says along which heading the motion is added (Localization::along_new_heading). The
+  /// formula is in docs/driving.md.
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 

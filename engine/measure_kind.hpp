@@ -21,31 +21,32 @@ class World;
 class Measure {
  public:
   virtual ~Measure() = default;
-  /// Updates the memory with the present state. Called for every tick in order, starting with the state at
-  /// which measuring begins.
+  /// Updates the memory with the present state. It is called once for every tick, in order. The first call is
+  /// for the state with which measuring begins.
   virtual void see(World& world) { static_cast<void>(world); }
-  /// The value for the present state, for which see() was called before, in the unit of its kind. NaN if the
-  /// measure has no value in this state.
+  /// The value for the present state, in the unit MeasureKind::unit. see() must have been called for this
+  /// state before. NaN if the measure has no value in this state.
   virtual double value(World& world) = 0;
   /// The memory as bytes. A checkpoint saves these bytes, and a resumed run overwrites them. Their number
   /// must never change.
   virtual std::span<std::byte> memory() { return {}; }
 };
 
-/// A kind of measure. It can be taken of all robots, of some of them, or of one.
+/// A kind of measure. A measure can be computed for all robots, for some of them, or for one.
 struct MeasureKind {
   std::string_view name;        ///< name of the measure and of its column
   Unit unit = Unit::none;       ///< SI unit, the suffix of the column's name
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
   std::string_view formula;     ///< the definition as a formula, with n robots i at positions x_i
-  /// Name of the measure that this one is another name of; empty: none. Such a measure is left out where all
-  /// measures without parameters are computed.
+  /// If `name` is only another name of a measure, the name of that measure; otherwise empty. Measures of this
+  /// sort are left out where all measures without parameters are computed.
   std::string_view same_as;
-  /// Whether another language computes it: then nothing is known about the bits of its values.
+  /// Whether code in another language, such as Python, computes the measure. Its values then need not have
+  /// the same bits in every run.
   bool is_foreign = false;
   FieldTable params;  ///< fields of its parameters
-  /// Whether the measure is among those that are computed if none are chosen.
+  /// Whether the measure is one of those that are computed if the user chooses none.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
   /// Makes a measure of the given robots, which are in order of ids; the list may be empty. Throws
   /// std::length_error if the parameters need too much memory, and std::invalid_argument if they name

@@ -41,8 +41,9 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     }
     std::string column = column_name(spec, *kind);
     if (std::ranges::find(columns_, column) != columns_.end()) {
-      diagnostics.error(spec.where,
-                        fmt::format("two measures have the column \"{}\": give one of them a name", column));
+      diagnostics.error(
+          spec.where,
+          fmt::format("two measures have the column \"{}\": give one of them another \"name\"", column));
       continue;
     }
     try {

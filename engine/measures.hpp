@@ -21,7 +21,7 @@ namespace troupe::engine {
 class MeasureSet {
  public:
   /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of the
-  /// specs in the file: unknown kinds or robots, two columns with one name, and parameters that name
+  /// specs in the file: unknown kinds or robots, two columns with the same name, and parameters that name
   /// something unknown or need too much memory. World and registry must outlive the set.
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
              Diagnostics& diagnostics);
@@ -58,15 +58,15 @@ class MeasureSet {
   std::uint64_t seen_ = 0;                          // tick of the last see()
 };
 
-/// Returns the robots that `of` names, in order of ids: the robots of the type `of`, and the robot of that
-/// name or alias or, if there is none, the robots whose name is `of` followed by digits, as those of a
-/// population are. Returns all robots if `of` is empty, and none if no type, population or robot has that
-/// name.
+/// Returns the robots that the name `of` stands for, in order of ids. These are all robots of a type with
+/// this name and, in addition, the robot with this name or alias. If there is no such robot, they are also
+/// the robots of the population with this name: those whose name is `of` followed by digits. Returns all
+/// robots if `of` is empty, and no robots if there is no type, population or robot with this name.
 std::vector<Row> robots_of(const World& world, std::string_view of);
 /// Names of all types and populations of robots, sorted.
 std::vector<std::string> names_of_robots(const World& world);
 
-/// Returns for how many of these rows the body is in the world.
+/// Returns the number of those rows whose bodies are in the world, not unborn or dead.
 std::size_t count_there(const World& world, std::span<const Row> rows);
 
 /// Returns term(0) + ... + term(count - 1), computed on the worker threads of the world and rounded once: the

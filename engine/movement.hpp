@@ -25,9 +25,9 @@ class Movement {
   void build();
   /// Computes the odometry error of each robot from the seed (Localization::error_of()).
   void draw_odometry_errors();
-  /// Discards what is known of a row's motion. Call this when the row gets another pose.
+  /// Discards the motion and the free circle of a row. Call this when the row's body gets another pose.
   void rest(Row row);
-  /// Counts the stalled bodies again. Call this when rows were written from outside.
+  /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
   void count_stalls();
   /// Overwrites all data that are neither constant nor state with junk, for the amnesia test. The caller then
   /// derives them again: rest() and count_stalls().
@@ -39,12 +39,13 @@ class Movement {
   void propose();
   /// Resolves the conflicts of all proposed motions. composites: rows of bodies whose shape can change.
   void resolve(std::span<const std::uint32_t> composites);
-  /// Writes the new poses, of pushed bodies too, and all data that are derived from them, except the index.
+  /// Writes the new poses, including those of pushed bodies, and all data that are derived from poses, except
+  /// the spatial index.
   void commit();
 
-  std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< rounds of the last resolution
+  std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolution
   double longest() const { return conflicts_.longest(); }       ///< Conflicts::longest()
-  std::size_t stalled() const { return stalled_; }              ///< rows that were blocked or out of bounds
+  std::size_t stalled() const { return stalled_; }  ///< number of rows that were blocked or out of bounds
   std::size_t out_of_bounds() const { return out_of_bounds_; }  ///< rows that were out of bounds
 
  private:

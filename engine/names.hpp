@@ -22,9 +22,9 @@ struct Name {
   friend bool operator==(Name, Name) = default;
 };
 
-/// The table of the words that names consist of. All names of a population share one word, so the texts of a
-/// million names take no memory. (A string per body was rejected: it took 32 bytes per body, and most of the
-/// loading time of a large population.)
+/// The table of the words from which names are made. All names of a population share one word, so the texts
+/// of a million names take no memory. (A string per body was rejected: it took 32 bytes per body, and most of
+/// the loading time of a large population.)
 class Names {
  public:
   /// A table that contains only the empty word, so that Name() is the empty text.
@@ -63,7 +63,8 @@ class NameMap {
   std::size_t size() const { return size_; }  ///< number of names
   /// Allocates memory for a number of names.
   void reserve(std::size_t names);
-  /// Gives the name to `body` unless another body has it. Returns the body that has the name after the call.
+  /// Gives the name to `body`, unless another body has it already. Returns the body that has the name after
+  /// the call.
   BodyId add(Name name, BodyId body);
   /// Gives the name to `body`, even if another body has it.
   void set(Name name, BodyId body);

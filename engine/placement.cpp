@@ -12,7 +12,8 @@ namespace troupe::engine {
 namespace {
 
 constexpr unsigned k_tile_bits = 2;  // a tile's 16 cells fill a cache line
-constexpr int k_finest = -10;  // exponent of the smallest cells, 2^-10 m, which narrower bodies use as well
+// Exponent of the smallest cells, 2^-10 m. Bodies that are narrower also use these cells.
+constexpr int k_finest = -10;
 
 /// Whether the enclosing circles of two bodies overlap; if not, the bodies cannot overlap. The margin covers
 /// the rounding of the distance, so that skipping such bodies never changes an answer.
@@ -94,9 +95,10 @@ double floor_cell(const PlacementRule& rule, const partition::ObstacleShape& sha
   return rule.cell_m > 0 ? rule.cell_m : std::max(shape.radius / 2, k_least_m);
 }
 
-/// The part of a region in which a body can move around, as a grid of square cells. On its cells, a disc that
-/// encloses the body is free of the static scene, and neighbouring cells connect them all. It contains the
-/// point PlacementRule::from, or is the largest such part if the rule has no such point.
+/// The connected part of a region in which a body can move around, as a set of square grid cells. A cell
+/// belongs to it only if a disc that encloses the body, placed at the cell, is free of the static scene. It
+/// is the part that contains the point PlacementRule::from or, if the rule has no such point, the largest
+/// part.
 class Floor {
  public:
   Floor(const PlacementRule& rule, const partition::ObstacleShape& shape, const partition::StaticScene& scene,
@@ -320,7 +322,8 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
   if (rule.kind == PlacementRule::Kind::free_floor && count > 0) floor.emplace(rule, shape, scene, parallel);
   std::optional<Spaced> spaced;
   if (rule.kind == PlacementRule::Kind::poisson_disc) spaced.emplace(rule.distance_m);
-  const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;  // draws may lie outside the region
+  // Normally distributed positions may lie outside the region.
+  const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;
   const auto is_open = [&](const Pose& pose) {
     const Vec2 at = pose.position();
     return (!bounds || bounds->contains(at)) && (!may_leave || rule.region.contains(at)) &&
@@ -378,7 +381,7 @@ std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShap
     const auto body = static_cast<std::uint32_t>(poses.size());
     if (i == ahead.size()) {
       // Without random numbers, the pose of a cell does not depend on its body, so cells can be tested in
-      // advance. At least one cell per remaining body will be needed.
+      // advance. At least one cell is needed for each remaining body.
       const std::uint64_t left = std::min<std::uint64_t>(candidates.cells() - cell, count - poses.size());
       test_ahead(candidates.draws() ? 1 : std::min<std::uint64_t>(left, k_most_ahead), [&](std::size_t k) {
         const Pose pose = candidates.pose(cell + k, body, trial);

@@ -74,22 +74,25 @@ struct PlacementRule {
     uniform,       ///< uniformly distributed in the region
     gaussian,      ///< normally distributed around `mean`
     poisson_disc,  ///< in the region, at least `distance_m` from all other bodies of the population
-    free_floor,    ///< on the floor that a disc as wide as the body can reach from `from`
+    free_floor,    ///< on the floor that a disc as wide as the body can reach from the point `from`
   };
-  Kind kind = Kind::grid;    ///< kind of this rule
-  Box region;                ///< box that must contain the bodies' origins, m
-  Ring polygon;              ///< polygon that must contain the bodies' origins, m; empty: not restricted
-  Box spill;                 ///< grid: second box, filled when all cells of `region` are used, m
-  double pitch_m = 1;        ///< grid: edge of the cells
-  double jitter_m = 0;       ///< grid: x and y are each displaced by a random distance of at most this
-  Vec2 mean{0, 0};           ///< gaussian: mean position, m
-  Vec2 deviation{1, 1};      ///< gaussian: standard deviations along x and y, m
-  double distance_m = 1;     ///< poisson_disc: smallest distance between origins
-  std::optional<Vec2> from;  ///< free_floor: start of the search, m; not set: the largest connected floor
-  double cell_m = 0;         ///< free_floor: step of the search; 0: half the body's radius
+  Kind kind = Kind::grid;  ///< kind of this rule
+  Box region;              ///< box that must contain the bodies' origins, m
+  Ring polygon;            ///< polygon that must contain the bodies' origins, m; empty: not restricted
+  Box spill;               ///< grid: second box, filled when all cells of `region` are used, m
+  double pitch_m = 1;      ///< grid: edge of the cells, m
+  /// grid: x and y are each displaced by a random distance, at most this, to either side, m
+  double jitter_m = 0;
+  Vec2 mean{0, 0};        ///< gaussian: mean position, m
+  Vec2 deviation{1, 1};   ///< gaussian: standard deviations along x and y, m
+  double distance_m = 1;  ///< poisson_disc: smallest distance between the origins of two bodies, m
+  /// free_floor: a point of the floor, m; not set: the largest connected floor is used
+  std::optional<Vec2> from;
+  double cell_m = 0;  ///< free_floor: step of the search along x and y, m; 0: half the body's radius
   std::optional<double> heading;  ///< heading of all bodies, rad; not set: uniformly random
   double z = 0;                   ///< height of the bodies' origins, m
-  std::uint32_t trials = 1000;    ///< largest number of draws for each body
+  /// Largest number of random positions that are tried for each body; not used by `grid`.
+  std::uint32_t trials = 1000;
 };
 
 /// Number of cells of a grid rule; a double, because it may exceed every integer.
@@ -101,12 +104,12 @@ double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& sh
 
 /// Returns poses (world frame) for bodies 0, 1, ... of a population, computed one after another. At each pose
 /// the origin of the body is within `bounds` (if given), and the body overlaps neither the static scene nor
-/// the crowd. The body is then added to the crowd. The function stops at the first body without a free pose:
-/// the result is then shorter than `count`. The pose of body k depends neither on `count` nor on the cells of
-/// the spatial index: its random numbers follow from (seed, population, k, trial), where `population` is the
-/// name of the population. The time is linear in `count` plus the number of skipped grid cells. For
-/// free_floor, the reachable floor is computed within the region of the rule, in steps along x and y, with
-/// only the static scene as obstacles. grid_cells() and floor_cells() must be below 2^32.
+/// the crowd. The body is then added to the crowd. The function stops at the first body for which it finds no
+/// free pose: the result is then shorter than `count`. The pose of body k depends neither on `count` nor on
+/// the cells of the spatial index: its random numbers follow from (seed, population, k, trial), where
+/// `population` is the name of the population. The time is linear in `count` plus the number of skipped grid
+/// cells. For free_floor, the reachable floor is computed within the region of the rule, in steps along x and
+/// y, with only the static scene as obstacles. grid_cells() and floor_cells() must be below 2^32.
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);

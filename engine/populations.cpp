@@ -11,8 +11,10 @@
 namespace troupe::engine {
 namespace {
 
-constexpr double k_max_cells = 100000000;       // limit for all grid rules together: each cell may be tested
-constexpr double k_max_floor_cells = 25000000;  // limit for one free_floor rule: each cell is tested
+// Limit on the cells of all grid rules together: each cell may be tested.
+constexpr double k_max_cells = 100000000;
+// Limit on the cells of one free_floor rule: each cell is tested.
+constexpr double k_max_floor_cells = 25000000;
 constexpr double k_scene_cell_m = 0.5;
 
 template <class IsFixed>

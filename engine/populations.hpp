@@ -32,8 +32,8 @@ struct PopulationSpec {
 /// Whether bodies of the type never move: they have no drive, and cannot be gripped or pushed.
 bool is_static(const TypeSpec& type);
 
-/// The obstacles that place() avoids: a static scene made of the solids of static bodies, and a crowd of
-/// other bodies.
+/// The obstacles that place() avoids: a static scene made of the solids of static bodies, and a crowd, the
+/// list of the other bodies that were placed so far.
 class Occupancy {
  public:
   /// Makes the static scene from the first `fixed` bodies of the spec. The crowd is empty. This object keeps
@@ -68,14 +68,13 @@ struct PlaceOptions {
 /// PopulationSpec::where or where_place. The world is then incomplete.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
            const PlaceOptions& options, Diagnostics& diagnostics);
-/// Appends populations to a world, as above. The obstacles are all bodies that are in the world of the spec
-/// at tick 0.
+/// Like the function above. The obstacles are all bodies of the spec that are in the world at tick 0.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
-/// Sets the poses and random colours of bodies that place() has appended to those that another seed gives.
-/// Bodies of a reserve have no pose yet: only their random colours change. A population without enough room
-/// is an error, reported at PopulationSpec::where_place. Thread-safe.
+/// Places bodies that place() has appended again, with another seed: changes their poses and their random
+/// colours. Bodies of a reserve have no pose yet: only their random colours change. A population without
+/// enough room is an error, reported at PopulationSpec::where_place. Thread-safe.
 ///
 /// bodies      the bodies of these populations and their reserves, in the order of place()
 /// bounds      the bounds of the world (WorldSpec::bounds)

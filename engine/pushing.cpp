@@ -39,7 +39,7 @@ class Few {
 
 }  // namespace
 
-/// A body that a pusher pushes, and the positions of its origin, m, world frame.
+/// A body that a pusher pushes, and positions of the origin of the pushed body, m, world frame.
 struct Conflicts::Resolver::Pushed {
   std::uint32_t row;
   Vec2 before;  // position before the pusher's motion
@@ -47,8 +47,8 @@ struct Conflicts::Resolver::Pushed {
   Vec2 now;     // position at the present sample
 };
 
-/// Place of a body when it is the turn of `mover`. All bodies of higher priority that may affect the mover
-/// are resolved before that.
+/// Place of a body at the time when it is the turn of the mover. All bodies of higher priority that may
+/// affect the mover are resolved before its turn.
 struct Conflicts::Resolver::Place {
   Transform at;
   double z;
@@ -152,7 +152,7 @@ std::span<const Conflicts::Push> Conflicts::Resolver::pushes_before(const Mover&
   return {conflicts_.pushes_.data() + of.first, of.count};
 }
 
-/// Number of the row's last push, counted from 1; 0: none.
+/// The last push of the row: its index in Conflicts::pushes_, plus 1; 0: the row was not pushed.
 std::uint32_t Conflicts::Resolver::last_push(std::uint32_t row) const {
   return atomic(conflicts_.pushed_last_[row]).load(std::memory_order_acquire);
 }
@@ -193,8 +193,8 @@ bool Conflicts::Resolver::push(Mover& mover) {
         !meet(mover.row, mover.here(), row, PlacedShape(*crowd_.shapes[row], now.at, now.z));
     (gives_way ? others : bodies).add(row);
   };
-  // A body that was already pushed in this tick is found through the row that pushed it last: the index
-  // contains its old position, which may be far away.
+  // A body that was already pushed in this tick is found through the row that pushed it last, because the
+  // index contains only the body's old position, which may be far away.
   index_.for_each_near(Box::around(from, reach + value_of(largest_zone_)), [&](const BodyCircle& circle) {
     const std::uint32_t row = circle.row;
     if (row == mover.row || crowd_.shapes[row]->empty()) return;
@@ -240,7 +240,7 @@ bool Conflicts::Resolver::push(Mover& mover) {
   return true;
 }
 
-/// Shifts the bodies that overlap the mover at this pose, then in a further pass those that overlap the
+/// Shifts the bodies that overlap the mover at this pose, then in a further pass the bodies that overlap the
 /// shifted bodies, and so on until no bodies overlap. The first `count` entries of `set` are the bodies that
 /// the mover has pushed so far; both are updated. Returns false if more than `limit` bodies would have to be
 /// pushed, or if bodies still overlap after the last allowed pass.
@@ -248,7 +248,7 @@ bool Conflicts::Resolver::make_way(std::uint32_t row, const PlacedShape& mover,
                                    std::span<const std::uint32_t> pushable, std::size_t limit,
                                    std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
   /// Shifts the bodies that row `by` at the place `at` overlaps, except the first `after` entries of `set`:
-  /// these were met before `by`, or are `by`. Sets `shifted` if it shifts any.
+  /// these were met before `by`, or are `by` itself. Sets `shifted` if it shifts any.
   const auto shift = [&](std::uint32_t by, const PlacedShape& at, std::size_t after, bool& shifted) {
     for (const std::uint32_t other : pushable) {
       if (other == by) continue;

@@ -4,7 +4,9 @@
 
 namespace troupe::engine {
 
-/// What a rank has done for its own rows in a tick. The times are 0 if the ranks have no clock.
+/// The work that a rank (one of the threads or processes that compute a world together, engine/replica.hpp)
+/// has done in a tick for the rows that it owns. The times are 0 if the transport between the ranks has no
+/// clock (partition/transport.hpp).
 struct RankWork {
   std::uint64_t rows = 0;  ///< number of rows that it owned
   double sense_s = 0;      ///< time of the phase sense, s

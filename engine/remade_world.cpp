@@ -22,7 +22,7 @@ void copy_fields(const StateTable& from, StateTable& to) {
 }  // namespace
 
 std::unique_ptr<World> remade_world(World& world, const Registry& registry, const WorldOptions& options) {
-  Diagnostics overlaps;  // not shown: `world` has already reported them
+  Diagnostics overlaps;  // warnings about overlaps, not shown because `world` has already reported them
   auto other = std::make_unique<World>(world.spec(), registry, options, overlaps);
   for (const BodyId body : world.subscribed()) other->subscribe(body);
   const auto fill = [&world](std::span<StateTable> tables) {

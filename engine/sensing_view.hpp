@@ -18,7 +18,7 @@
 
 namespace troupe::engine {
 
-/// The number of the present tick, and numbers of rows that are counted so that loops can skip work.
+/// The number of the present tick, and counts of certain rows, so that loops can skip work when a count is 0.
 struct TickCounts {
   std::uint64_t tick = 0;    ///< number of completed ticks; within a step, the number of the tick
   std::size_t absent = 0;    ///< rows whose bodies are unborn or dead
@@ -27,11 +27,11 @@ struct TickCounts {
 };
 
 /// The data of a world that devices may read: the constants, and the *public columns* of the rows. All other
-/// data of a row (readings, memories, odometry) are private: only the devices and controllers of its own body
-/// read them, and the engine. The table of a device's state is public if another kind reads it, as light
-/// sensors read the state of lights.
+/// data of a row (readings, memories, odometry) are private: only the engine, and the devices and controllers
+/// of the row's own body, read them. The state table of a device is public if another kind reads it
+/// (DeviceKind::reads), as light sensors read the state of lights.
 ///
-/// The spans have one element per row unless stated otherwise, and stay valid as long as the world.
+/// The spans have one element per row unless stated otherwise, and stay valid as long as the world exists.
 struct PublicColumns {
   // Constants.
   const WorldSpec* spec = nullptr;                    ///< the spec of the world
@@ -54,26 +54,29 @@ struct PublicColumns {
   std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
   std::span<const double> radii;                 ///< bounding radius about the origin, m
   std::span<const Mount> joint_mounts;           ///< displacements of the joints of all rows from rest
-  std::span<const std::uint32_t> roots;          ///< row of the tree's root; empty: no body can carry another
-  std::span<const Carried> carriers;             ///< component `carrier`; empty: no body can carry another
-  std::span<const Life> lives;                   ///< component `life`; empty: no births and deaths
+  /// Row of the body at the root of the row's tree of carried bodies; empty: no body can carry another.
+  std::span<const std::uint32_t> roots;
+  std::span<const Carried> carriers;  ///< component `carrier`; empty: no body can carry another
+  std::span<const Life> lives;        ///< component `life`; empty: no births and deaths
 
   // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
-  std::span<const Velocity> velocities;      ///< velocities of the drives, body frame
-  std::span<const Command> commands;         ///< commands to the drives
-  std::span<const Condition> conditions;     ///< component `condition`; empty: no faults
-  std::span<const StateTable> tables;        ///< all state tables: states of devices, commands to devices
-  std::span<const std::uint8_t> subscribed;  ///< 1 if all sensors of the body run
+  std::span<const Velocity> velocities;   ///< velocities of the drives, body frame
+  std::span<const Command> commands;      ///< commands to the drives
+  std::span<const Condition> conditions;  ///< component `condition`; empty: no faults
+  std::span<const StateTable> tables;     ///< all state tables: states of devices, commands to devices
+  /// 1 if World::subscribe() was called for the body: all its sensors run.
+  std::span<const std::uint8_t> subscribed;
 
   const TickCounts* now = nullptr;  ///< the tick, and counts of rows
 };
 
 /// What a device reads of the world in the phases `sense` and `actuate`: the constants, and where all bodies
-/// were at the end of the last tick. The functions only read memory: they make no virtual calls and allocate
+/// were at the end of the last tick. The functions only read memory. They make no virtual calls and allocate
 /// nothing.
 ///
-/// The velocities, commands and device states of other bodies are not here, because these change during
-/// `actuate`. In `sense`, CommittedView has them. Those of the device's own body are members of DeviceBatch.
+/// This class does not give access to the velocities, commands and device states of other bodies, because
+/// these change during `actuate`. In `sense`, CommittedView gives access to them. For the device's own body,
+/// DeviceBatch has functions that return them.
 class SensingView {
  public:
   SensingView() = default;  ///< a view of nothing, which must not be read
@@ -134,7 +137,7 @@ class SensingView {
   }
   /// Upper bound on the distance of any point of the row's body from its origin, with its joints where they
   /// are now, m. For a body that carries others and is not carried itself, it includes the obstacle shapes of
-  /// its cargo. Negative if the body is not in the world.
+  /// the carried bodies. Negative if the body is not in the world.
   double radius(Row row) const { return columns_.radii[row.index()]; }
   /// Frame for the parts and devices on a joint of a body. Composed with the pose that a part has in the body
   /// frame while the joint is at rest, it gives the present pose of the part in the world frame. It is the
@@ -144,8 +147,8 @@ class SensingView {
     const Mount body(transform(row), pose.z, pose.heading);
     return joint == k_rigid ? body : compose(body, joint_mount(row, joint));
   }
-  /// Height by which a joint of the row's body has raised the parts on it above their rest position, m; 0 for
-  /// k_rigid.
+  /// Height by which a joint of the row's body has raised the parts on the joint above their rest position,
+  /// m; 0 for k_rigid.
   double lift(Row row, std::int32_t joint) const {
     return joint == k_rigid ? 0.0 : joint_mount(row, joint).z;
   }
@@ -161,7 +164,7 @@ class SensingView {
   }
 
  protected:
-  friend struct DeviceBatch;  // gives a device the columns below, but of its own body alone
+  friend struct DeviceBatch;  // gives a device the columns below, but only those of its own body
 
   const Mount& joint_mount(Row row, std::int32_t joint) const {
     return columns_.joint_mounts[columns_.joint_begins[row.index()] + static_cast<std::size_t>(joint)];
@@ -196,10 +199,10 @@ class SensingView {
   PublicColumns columns_;
 };
 
-/// A SensingView that also reads the velocities, commands and device states of all bodies. Devices have it in
-/// the phase `sense` (SenseBatch), when these are the data that the last tick committed, and functions that
-/// run between two phases have it (World::view()). A device must not read the state of devices that sense
-/// themselves, because it is being written.
+/// A SensingView that also gives access to the velocities, commands and device states of all bodies. Devices
+/// receive it in the phase `sense` (SenseBatch), when these data are those of the end of the last tick.
+/// Functions that run between two phases get it from World::view(). In the phase `sense`, a device must not
+/// read the state of sensors, because other threads are writing it.
 class CommittedView : public SensingView {
  public:
   using SensingView::SensingView;

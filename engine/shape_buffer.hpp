@@ -8,18 +8,19 @@
 
 namespace troupe::engine {
 
-/// An obstacle shape that is rebuilt often, from convex pieces. It keeps its memory. It allocates only if a
-/// shape has more pieces, or a piece has more corners, than all shapes before, and than reserve() provided.
+/// An obstacle shape that is rebuilt often, from convex pieces. The buffer keeps its memory. It allocates
+/// only if a shape has more pieces, or a piece more corners, than reserve() provided for and than any earlier
+/// shape had.
 class ShapeBuffer {
  public:
-  /// The shape that finish() completed; valid until begin().
+  /// The shape that finish() completed; valid until the next call of begin().
   const partition::ObstacleShape& shape() const { return shape_; }
 
   /// Allocates memory for a number of pieces of up to `corners` corners.
   void reserve(std::size_t pieces, std::size_t corners);
   void begin();  ///< removes all pieces, keeps their memory
-  /// Adds a piece of a body, which is given in the body's frame. `mount` is the body's frame relative to the
-  /// frame of the shape.
+  /// Adds a convex piece of a body. The piece is given in the body's frame; `mount` is the body's frame
+  /// relative to the frame of the shape.
   void add(const ConvexPrism& piece, const Mount& mount);
   /// Completes the shape. `thinnest` is the smallest width of any piece, m.
   void finish(double thinnest);

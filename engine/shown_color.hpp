@@ -11,7 +11,7 @@ namespace troupe::engine {
 
 /// Name of the field in which a device sets the colour of its part (DeviceKind::shows_color). This colour
 /// replaces that of the world file for blob finders, cameras, pictures and sensors of the ground's colour.
-/// Recordings find the field by this name.
+/// Code that reads recordings finds the field by this name.
 inline constexpr std::string_view k_shown_color = "shown_color";
 
 /// The first device that sets the colour of a part; null if there is none.

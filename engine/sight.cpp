@@ -8,8 +8,8 @@
 namespace troupe::engine {
 namespace {
 
-/// Margin for tests that exclude surfaces early, m: far above the rounding of doubles within the 100 km of a
-/// view.
+/// Margin for tests that exclude surfaces early, m: far above the rounding errors of doubles within 100 km of
+/// the origin.
 constexpr double k_slack = 1e-9;
 
 /// Finds the nearest surface that a ray hits among the outlines that are passed to meet().

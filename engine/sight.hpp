@@ -9,8 +9,8 @@
 
 namespace troupe::engine {
 
-/// An outline of any body, or a piece of one, in the world frame, m. It has an edge from each vertex to the
-/// next, and one from the last to the first if it is closed.
+/// An outline of any body, or a section of such an outline, in the world frame, m. It has an edge from each
+/// vertex to the next and, if it is closed, an edge from the last vertex to the first.
 struct OutlineChain {
   std::span<const Vec2> vertices;  ///< vertices along the outline; valid until the next step
   bool closed = false;             ///< true: a whole closed outline; false: a section of one
@@ -39,8 +39,8 @@ inline OutlineChain fixed_chain(const partition::StaticScene& scene, const parti
           outlines.solid(piece), piece, solid.ranger_return};
 }
 
-/// Calls visit(chain) for each piece of an outline of the static scene whose enclosing circle may touch the
-/// box (world frame, m), if wanted(circle) is true. A piece may be visited more than once.
+/// Calls visit(chain) for the outline pieces of the static scene whose enclosing circles may touch the box
+/// (world frame, m) and for which wanted(circle) is true. A piece may be visited more than once.
 template <class Wanted, class Visit>
 void for_each_fixed_chain(const SensingView& view, const Box& box, Wanted&& wanted, Visit&& visit) {
   const partition::StaticScene& scene = view.scene();
@@ -65,9 +65,9 @@ void for_each_chain_of(const SensingView& view, Row row, Visit&& visit) {
                          outline.part, outline.solid, outline.first, outline.ranger_return});
 }
 
-/// Calls visit(chain) for each outline of the bodies with rows whose enclosing circle may touch the box
-/// (world frame, m), if wanted(circle) is true. Skips the row `own` and the bodies that move together with it
-/// (SensingView::same_tree()). If `own` is not valid(), no row is skipped.
+/// Calls visit(chain) for each outline of the bodies with rows, if the enclosing circle of the body may touch
+/// the box (world frame, m) and wanted(circle) is true. Skips the row `own` and the bodies that move together
+/// with it (SensingView::same_tree()). If `own` is not valid(), no row is skipped.
 template <class Wanted, class Visit>
 void for_each_body_chain(const SensingView& view, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
   view.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
@@ -100,7 +100,7 @@ Color color_of(const CommittedView& view, const RayHit& hit);
 /// Finds the first surface along a ray, in double precision.
 /// hits    A ray hits outlines whose closed z interval contains its height. It hits them from inside and from
 ///         outside the body. A ray that starts on an outline hits it at range 0.
-/// ties    If two surfaces are at the same range, the one with the lower (body, part) is returned.
+/// ties    If two surfaces are at the same range, the one with the lower (body id, part index) is returned.
 /// cost    The function walks along the ray through the grid and ends at the first surface. Sensors that cast
 ///         several rays from one point use VisibilityQuery (engine/visibility_query.hpp). Rangers, which cast
 ///         many beams at once, use the functions of partition/ranging.hpp.

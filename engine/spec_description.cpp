@@ -175,8 +175,8 @@ constexpr void describe(Description<WatchSpec>& d) {
   d.member<&WatchSpec::paused>("paused");
 }
 
-// An experiment is stored as in a JSON world, but with the file positions of whole entries only: errors
-// inside an entry were reported when the world was made.
+// An experiment is stored as in a JSON world file. File positions are stored only for whole entries, because
+// errors inside an entry were reported when the world was made.
 
 constexpr void describe(Description<StopSpec>& d) {
   d.member<&StopSpec::measure>("measure");
@@ -228,8 +228,8 @@ constexpr void describe(Description<ExperimentSpec>& d) {
   d.member<&ExperimentSpec::faults>("faults");
 }
 
-/// Both members are marked as provenance, which comparisons of worlds ignore. Comparisons compare the texts
-/// of names instead, because the same name may have another word number in another world.
+/// Both members are marked as provenance, so that comparisons of worlds ignore them. Comparisons use the
+/// texts of the names instead, because the same name may have another word index in another world.
 constexpr void describe(Description<Name>& d) {
   d.member<&Name::word>("word", facts::provenance);
   d.member<&Name::number>("number", facts::provenance);

@@ -98,9 +98,9 @@ ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
   return found;
 }
 
-/// Adds the difference `other` to the difference `into` in another table of the same component, which has one
-/// table per type. The result shows the value of the body with the lower id. `entities` becomes 0 if it is 0
-/// in one of the two.
+/// Adds the difference `other` to `into`. The two are differences in two tables of one component, which has
+/// one table per body type. The result shows the value of the body with the lower id. Its member `entities`
+/// is 0 if that of `into` or `other` is 0.
 void merge(ComponentDifference& into, const ComponentDifference& other) {
   if (into.entities == 0 || other.entities == 0) {
     into.entities = 0;
@@ -111,8 +111,8 @@ void merge(ComponentDifference& into, const ComponentDifference& other) {
   into.entities = entities;
 }
 
-/// Position of a hash group in the order in which a tick computes the groups. Differences are sorted by it,
-/// because the first one is nearest to the cause.
+/// Position of a hash group in the order in which a tick computes the groups. Differences are sorted by this
+/// position, because the first difference is nearest to the cause.
 int phase_order(HashGroup group) {
   switch (group) {
     case HashGroup::sensor: return 0;

@@ -16,8 +16,8 @@ struct StateValue {
   Element element = Element::f64;  ///< type of the value
   std::uint64_t bits = 0;          ///< bits of the value, in the low bytes; the other bits are 0
 };
-/// The bits of a value, and the value itself, as text: `0x3fe0000000000000 (0.5)`. Values with different bits
-/// have different texts.
+/// Text of a value: its bits, and the value in parentheses, such as `0x3fe0000000000000 (0.5)`. Values with
+/// different bits have different texts.
 std::string value_text(const StateValue& value);
 
 /// Name of one column of a field: `turn`, or `ranges[4]` if the field has several columns.
@@ -38,8 +38,8 @@ void compare_rows(std::span<const StateField> fields, const std::byte* first, co
 struct ComponentDifference {
   std::string component;              ///< name of the component (StateTable::component())
   HashGroup group = HashGroup::pose;  ///< hash group of the component
-  /// Number of bodies whose rows differ. 0: the worlds have different lists of bodies or fields in the
-  /// component.
+  /// Number of bodies whose rows differ. If it is 0, the component has different bodies or different fields
+  /// in the two worlds, and the following members have no meaning.
   std::size_t entities = 0;
   BodyId body;        ///< lowest id of a body whose row differs
   std::string field;  ///< name of the first column that differs in the row of that body: field_text()
@@ -49,8 +49,8 @@ struct ComponentDifference {
 
 /// Returns the components that differ between two worlds made from one file, in the order in which a tick
 /// computes them: sensors, memories, commands and velocities, poses. Empty if the states are equal.
-/// Components with equal hashes are taken as equal; only the others are compared value by value. Rows are
-/// matched by the ids of their bodies, so their order may differ.
+/// Components with equal hashes are taken as equal. Only components with different hashes are compared value
+/// by value. Rows are matched by the ids of their bodies, so their order may differ.
 std::vector<ComponentDifference> state_differences(World& first, World& second);
 
 /// The message for a difference, in which `world` gives the names of bodies:

@@ -42,7 +42,7 @@ constexpr Element element_of() {
     return Element::u32;
   else {
     static_assert(std::is_same_v<T, std::uint8_t> || std::is_same_v<T, bool>,
-                  "state is made of float64, float32, integers and bool; no pointers, no nested types");
+                  "state fields must be double, float, a 32-bit or 64-bit integer, std::uint8_t or bool");
     return Element::u8;
   }
 }
@@ -78,9 +78,9 @@ enum class HashGroup : std::uint8_t {
 inline constexpr std::size_t k_hash_groups = 4;     ///< number of hash groups
 std::string_view hash_group_name(HashGroup group);  ///< name of its column in a hash log
 
-/// The state of one component ("pose", "ranger/0", ...): a table with one row per body. Allocation, hashing
-/// and all code that reads state generically use the list of its fields. Therefore no part of the state can
-/// be missing from the determinism tests.
+/// The state of one component ("pose", "ranger/0", ...): a table with one row for each body that has the
+/// component. Allocation, hashing, and all code that stores or compares states use the list of the fields of
+/// the table. Therefore no part of the state can be missing from the determinism tests.
 ///
 /// There are two layouts: `columns` keeps each field contiguous, for loops that read one field of every
 /// robot; `rows` keeps each row contiguous, for sensor readings and controller memories.
@@ -98,9 +98,9 @@ class StateTable {
   StateTable(std::string component, HashGroup group, Layout layout, std::vector<StateField> fields,
              std::vector<BodyId> ids, std::size_t row_bytes = 0);
 
-  /// Name of the component: "pose", "ranger/0". Tables of several types may share it.
+  /// Name of the component: "pose", "ranger/0". Tables of different body types may have the same name.
   const std::string& component() const { return component_; }
-  HashGroup group() const { return group_; }                      ///< its column of the hash log
+  HashGroup group() const { return group_; }  ///< the group whose column of the hash log contains this table
   std::span<const StateField> fields() const { return fields_; }  ///< fields in declared order
   /// Number of rows, including those of unborn and dead bodies.
   std::size_t rows() const { return ids_.size(); }
@@ -159,7 +159,7 @@ class StateTable {
   /// Sets every byte to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
   void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }  ///< fill_row() with 0
-  void fill_row(std::size_t row, std::byte value);                  ///< sets every byte of a row's fields
+  void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
   /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);
 

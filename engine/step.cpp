@@ -50,7 +50,7 @@ void World::step() {
 }
 
 /// Each phase reads the state that the phase before it has written. Each task writes only its own rows.
-/// Drives run before controllers, so a command takes effect one tick after the readings that it is based on.
+/// Drives run before controllers, so a command takes effect one tick after the readings on which it is based.
 /// If several ranks compute the world, each of them senses, actuates and decides for its own rows.
 void World::make_tick() {
   begin(Phase::intervene);
@@ -89,8 +89,8 @@ void World::hide_beyond_reach(bool on) {
 }
 
 /// Calls work(rows) once. If hide_beyond_reach() is on, calls work once per row instead. During the call for
-/// a row, all bodies beyond the device's reach from that row are hidden, and of the other bodies all
-/// components that the kind does not declare to read.
+/// a row, the bodies beyond the device's reach are hidden. In the state of the remaining bodies, all
+/// components that the kind does not declare to read are hidden.
 template <class Work>
 void World::for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
                        Work&& work) {

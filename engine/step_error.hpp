@@ -7,9 +7,9 @@
 
 namespace troupe::engine {
 
-/// Thrown when a step cannot be completed, because the velocity of a robot or the goal of a joint is not a
-/// finite number, or because a function of a kind of sensor, drive, controller or other device threw an
-/// exception. The text names the tick and the robot.
+/// Thrown when a step cannot be completed: the velocity of a robot or the goal of a joint is not a finite
+/// number, or a function of a kind (of a sensor, other device, drive or controller) threw an exception. The
+/// text names the tick and the robot.
 class StepError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

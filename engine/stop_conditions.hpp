@@ -11,8 +11,8 @@
 
 namespace troupe::engine {
 
-/// Conditions on measures that end the run of a world. They never change the world. Not thread-safe; they are
-/// computed on the worker threads of the world.
+/// Conditions on measures that end the run of a world, such as `coverage >= 0.9`. They never change the
+/// world. Not thread-safe; the measures are computed on the worker threads of the world.
 class StopConditions {
  public:
   /// Measuring begins with the present state. The conditions are not evaluated yet. Reports the same errors
@@ -31,9 +31,10 @@ class StopConditions {
   /// Index of the first condition that was true at the last evaluation; std::nullopt if none was.
   std::optional<std::size_t> holding() const { return holding_; }
 
-  /// Name under which a checkpoint stores memory(). Different lists of conditions have different names.
+  /// Name under which a checkpoint stores the result of memory(). Different lists of conditions have
+  /// different names.
   std::string memory_name() const;
-  /// Saves and restores the memory of the measures, for a checkpoint: see MeasureSet.
+  /// memory() returns the memory of the measures, for a checkpoint. remember() restores it: see MeasureSet.
   ///@{
   std::vector<std::byte> memory() const { return measures_.memory(); }
   bool remember(std::span<const std::byte> memory) { return measures_.remember(memory); }

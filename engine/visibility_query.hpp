@@ -15,7 +15,7 @@ struct SightLine {
   double length = 0;               ///< length, m; outlines at this distance or farther are not hit
 };
 
-/// Casts many rays from one origin. The results equal those of engine::first_met() bit for bit. That function
+/// Casts many rays from one origin. The results equal those of engine::first_met() bit for bit. first_met()
 /// walks along each ray through the grid. This class instead looks up the bodies near the origin once for all
 /// rays, tests each ray against the enclosing circles of these bodies, and intersects the remaining
 /// candidates from near to far. Not thread-safe. Keep one object per thread and reuse it: its arrays keep
@@ -29,15 +29,15 @@ class VisibilityQuery {
   /// own, z: as in SightRay; they hold for all rays
   void stand(const SensingView& view, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
-  /// Rows of the bodies whose enclosing circles reach into the disc with the radius `reach` about the origin,
-  /// each once. Some circles may be slightly outside it. The row `own` and the bodies that move together with
-  /// it (SensingView::same_tree()) are excluded.
+  /// Rows of the bodies whose enclosing circles reach into the disc with the radius `reach` (see stand())
+  /// about the origin. Each row is listed once. Some of the circles may be slightly outside the disc. The row
+  /// `own` and the bodies that move together with it (SensingView::same_tree()) are excluded.
   std::span<const std::uint32_t> bodies() const { return {near_.circles().row.data(), bodies_}; }
 
   /// Calls visit(chain) for the outlines of the bodies and of the static scene whose enclosing circles reach
-  /// into the disc, if wanted(x, y, radius) is true for the circle: its centre relative to the origin and its
-  /// radius, m. Unlike rays, it visits outlines at any height. A piece of the static scene may be visited
-  /// several times.
+  /// into that disc, if wanted(x, y, radius) is true for the circle. x and y are the centre of the circle
+  /// relative to the origin, in the directions of the world frame, m. Outlines at any height are visited,
+  /// whatever the argument `z` of stand() is. A piece of the static scene may be visited several times.
   template <class Wanted, class Visit>
   void for_each_chain(Wanted&& wanted, Visit&& visit) {
     if (reach_ > fixed_reach_) find_fixed(reach_);

@@ -9,10 +9,10 @@ namespace troupe::engine {
 inline constexpr double k_most_rate = 1e9;                      ///< limit of WatchSpec::rate
 inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< limit of WatchSpec::clock_ticks
 
-/// How fast a run advances, and whether and how often it reports its time, as the world file gives them. No
-/// member affects the results.
+/// Settings of the world file for watching a run: how fast the run advances, and whether and how often the
+/// program prints the world time. No member affects the results.
 struct WatchSpec {
-  bool clock = false;               ///< whether the time is reported during the run
+  bool clock = false;               ///< whether the world time is printed during the run
   std::uint64_t clock_ticks = 100;  ///< ticks between two reports of the time
   /// Speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible.
   double rate = 1;
@@ -21,9 +21,9 @@ struct WatchSpec {
 
   static constexpr void describe(Description<WatchSpec>& d) {
     using namespace facts;
-    d.member<&WatchSpec::clock>("clock", "report the time during the run");
+    d.member<&WatchSpec::clock>("clock", "print the world time during the run");
     d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks),
-                                      "ticks between two reports of the time");
+                                      "ticks from one printed time to the next");
     d.member<&WatchSpec::rate>(
         "rate", within(0, k_most_rate),
         "speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible");

@@ -20,8 +20,9 @@
 namespace troupe::engine {
 namespace {
 
-constexpr double k_most_beams = 10e6;  // limit for all types together: a beam takes some hundred bytes
-const Localization k_true_pose;        // used for bodies without a drive
+// Limit on the beams of all types together: a beam takes some hundred bytes.
+constexpr double k_most_beams = 10e6;
+const Localization k_true_pose;  // the localization of bodies without a drive
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
 
@@ -172,7 +173,7 @@ std::vector<BodyId> World::rows_by_place() const {
   for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
     const BodySpec& body = state_.spec.bodies[b];
     if (!state_.types[body.type.index()].runs()) continue;
-    if (!state_.spec.starts(BodyId(b))) {  // its place of birth is unknown
+    if (!state_.spec.starts(BodyId(b))) {  // the body is unborn, and its place of birth is unknown
       places.push_back({~std::uint64_t{0}, BodyId(b)});
       continue;
     }
@@ -247,11 +248,12 @@ void World::build_tables() {
                               {"z", Element::f64, 1, "m", "world frame"},
                               {"heading", Element::f64, 1, "rad", "counter-clockwise from +x"}},
       state_.bodies);
-  state_.tables.emplace_back("velocity", HashGroup::velocity, Layout::rows,
-                             std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, in this tick"},
-                                                     {"y", Element::f64, 1, "m/s", "left"},
-                                                     {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
-                             state_.bodies);
+  state_.tables.emplace_back(
+      "velocity", HashGroup::velocity, Layout::rows,
+      std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, as the drive computed it"},
+                              {"y", Element::f64, 1, "m/s", "left"},
+                              {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
+      state_.bodies);
   state_.tables.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), state_.bodies,
                              sizeof(Command));
   state_.tables.emplace_back(
@@ -265,12 +267,13 @@ void World::build_tables() {
     state_.carrier_table = state_.tables.size();
     state_.tables.emplace_back(
         "carrier", HashGroup::pose, Layout::rows,
-        sparse({{"carrier", Element::u32, 1, "", "id of the body that carries it + 1; 0: none"},
-                {"joint", Element::u32, 1, "", "joint of the carrier that holds it, from 1; 0: none"},
-                {"x", Element::f64, 1, "m", "frame of the carrier, moved by that joint"},
-                {"y", Element::f64, 1, "m", "same frame"},
-                {"z", Element::f64, 1, "m", "same frame"},
-                {"heading", Element::f64, 1, "rad", "same frame"}}),
+        sparse({{"carrier", Element::u32, 1, "", "id of the body that carries this body, plus 1; 0: none"},
+                {"joint", Element::u32, 1, "",
+                 "joint of the carrier that holds this body, counted from 1; 0: none"},
+                {"x", Element::f64, 1, "m", "in the frame of the carrier, displaced by that joint"},
+                {"y", Element::f64, 1, "m", "in the same frame"},
+                {"z", Element::f64, 1, "m", "in the same frame"},
+                {"heading", Element::f64, 1, "rad", "in the same frame"}}),
         state_.bodies);
   }
 
@@ -295,12 +298,12 @@ void World::build_tables() {
     }
     if (auto& drive = state_.types[t].drive; drive && drive->localization.kind == Localization::Kind::odom) {
       drive->odometry_table = state_.tables.size();
-      state_.tables.emplace_back(
-          "odometry", HashGroup::memory, Layout::rows,
-          std::vector<StateField>{{"x", Element::f64, 1, "m", "estimated position"},
-                                  {"y", Element::f64, 1, "m", ""},
-                                  {"heading", Element::f64, 1, "rad", "counter-clockwise"}},
-          bodies[t]);
+      state_.tables.emplace_back("odometry", HashGroup::memory, Layout::rows,
+                                 std::vector<StateField>{{"x", Element::f64, 1, "m", "estimated position"},
+                                                         {"y", Element::f64, 1, "m", "estimated position"},
+                                                         {"heading", Element::f64, 1, "rad",
+                                                          "estimated heading, counter-clockwise"}},
+                                 bodies[t]);
     }
     for (BodyType::Device& sensor : state_.types[t].devices) {
       sensor.table = state_.tables.size();
@@ -455,7 +458,7 @@ void World::redraw_ray_grid() {
 
 /// Reports bodies that overlap at tick 0. Thousands of bodies at one place are millions of pairs, and
 /// counting them all would take a minute. The search therefore ends once it has found more than
-/// k_most_counted pairs. The number found by then does not depend on the number of threads.
+/// k_most_counted pairs. The number of pairs found by then does not depend on the number of threads.
 void World::report_overlaps(Diagnostics& diagnostics) {
   constexpr std::size_t k_most_counted = 10'000;
   constexpr std::size_t k_most_listed = 100;
@@ -465,7 +468,7 @@ void World::report_overlaps(Diagnostics& diagnostics) {
     if (row.valid() && !state_.shapes[row.index()]->empty() &&
         state_.shapes[row.index()]->z.min + poses()[row.index()].z < 0)
       diagnostics.warning_once(state_.spec.bodies[body(row).index()].where,
-                               "a body extends below the floor (z = 0), which is not an obstacle");
+                               "a body extends below the floor (z = 0); the floor itself is not an obstacle");
 
   const std::size_t most = diagnostics.thorough() ? k_most_listed : 1;
   using Pair = std::pair<BodyId, BodyId>;
@@ -543,8 +546,9 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   }
   for (const auto& [first, second] : listed)
     diagnostics.warning(
-        where(first), fmt::format("\"{}\" {} \"{}\" at the start", state_.spec.name(first),
-                                  row(second).valid() ? "overlaps" : "stands in", state_.spec.name(second)));
+        where(first),
+        fmt::format("\"{}\" {} \"{}\" at the start", state_.spec.name(first),
+                    row(second).valid() ? "overlaps" : "overlaps the static body", state_.spec.name(second)));
   if (const std::size_t more = counted - listed.size(); more > 0)
     diagnostics.warning(where(listed.back().first), fmt::format("{} at the start", count_of(more, "more ")));
 }
@@ -573,8 +577,9 @@ void World::set_estimate(Row row, const Pose& pose) {
   const auto& drive = type(row).drive;
   if (!drive || !drive->odometry_table)
     throw std::logic_error(
-        fmt::format("\"{}\" has no odometry: its estimate is its true pose", state_.spec.name(body(row))));
-  if (!is_finite(pose)) throw std::invalid_argument("the values of a pose estimate must be finite");
+        fmt::format("\"{}\" has no odometry: its estimated pose is its true pose and cannot be set",
+                    state_.spec.name(body(row))));
+  if (!is_finite(pose)) throw std::invalid_argument("the numbers of an estimated pose must be finite");
   touch();
   state_.as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
                                                             wrap_angle(pose.heading) + 0.0};

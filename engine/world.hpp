@@ -42,7 +42,7 @@ struct FrameType;
 class Replica;
 struct ReplicaParts;
 
-/// Options that affect the speed of a run, but never its results.
+/// Options of a World that affect the speed of a run, but never its results.
 struct WorldOptions {
   /// Number of threads that compute a step. With 0 there is one thread per processor that the process may
   /// use.
@@ -51,13 +51,15 @@ struct WorldOptions {
   double tile_size_m = 0;
 };
 
-/// The hash of a state (docs/determinism.md), in total and per group of tables. All sums are modulo 2^64.
+/// The hashes of a state (docs/determinism.md): of all state tables together, and of each group of tables.
+/// All sums are modulo 2^64.
 struct Hashes {
   std::uint64_t state = 0;                            ///< sum of the hashes of all tables
   std::array<std::uint64_t, k_hash_groups> groups{};  ///< one per HashGroup: sum of the hashes of its tables
 };
 
-/// A running world: constants made from a WorldSpec, the state tables, and the tick.
+/// A running world. It consists of constants made from a WorldSpec, the state tables, and the number of the
+/// tick.
 ///
 /// S(k) is the state after k ticks. S(k+1) = step(S(k)) is a pure function of S(k), the spec and the seed.
 ///
@@ -65,10 +67,11 @@ struct Hashes {
 /// tables. Within the rows of its type, it has a *slot*, an index into the tables of that type.
 class World {
  public:
-  /// Builds the world in the state S(0). Throws InputError for errors that a loader of a file cannot find,
-  /// such as a controller whose robot lacks the sensor that it needs. If bodies overlap at tick 0, one
-  /// warning gives the number of overlapping pairs, counted up to 10,000. If `diagnostics` is thorough, each
-  /// of the first hundred pairs gets a warning of its own instead. The registry must outlive the world.
+  /// Builds the world in the state S(0). Throws InputError for errors that the loader of a world file cannot
+  /// find, such as a controller that needs a sensor which its robot does not have. If bodies overlap at tick
+  /// 0, one warning gives the number of overlapping pairs, counted up to 10,000. If `diagnostics` is
+  /// thorough, each of the first hundred pairs gets a warning of its own instead. The registry must outlive
+  /// the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
@@ -91,42 +94,43 @@ class World {
   /// construction. Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step
   /// that threw.
   void reset();
-  /// Goes to S(0) with another seed and other poses of the bodies. The results of the run then equal those of
-  /// a new world whose spec has this seed and these bodies; only the order of the rows may differ. Callbacks
-  /// and subscriptions stay. This is allowed after a step that threw.
+  /// Goes to S(0) with another seed and other poses of the bodies. The run then has the same results as a run
+  /// of a new world whose spec has this seed and these bodies. Only the order of the rows may differ.
+  /// Callbacks and subscriptions stay. This is allowed after a step that threw.
   ///
   /// bodies: one for each body of the spec, in the same order and with the same names and types. Poses and
   /// colours may differ. If a static body has another pose, the static scene is rebuilt.
-  /// registry: the registry that the world was made with
+  /// registry: the registry that was passed to the constructor
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
-  /// Counts of events since tick 0. They are not part of the state.
+  /// Counts of work since tick 0. They are not part of the state.
   struct Counters {
     std::uint64_t beams = 0;            ///< rays cast by all sensors
     std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution, see Conflicts::rounds()
   };
   Counters counters() const { return {beams_, conflict_rounds_}; }  ///< the present counts
-  /// A callback of restore() that writes a saved state into the tables. It must set every field of every row.
-  /// Before the call every byte of the tables is 0.
+  /// A callback that restore() calls to write a saved state into the tables. It must set every field of every
+  /// row. Before the call, restore() sets every byte of the tables to 0.
   using Fill = std::function<void(std::span<StateTable>)>;
-  /// Restores the state that was saved after `tick` ticks, with the counters of that moment. Calls `fill`,
-  /// checks the filled tables, and recomputes all data that are derived from them. Returns false, and leaves
-  /// the world at S(0), if the filled tables do not have the hash `state_hash` or contain values that no
-  /// state has, such as a NaN in a pose. If `fill` throws, the exception propagates and the world is also at
-  /// S(0).
+  /// Restores a saved state. Calls `fill`, checks the filled tables, and recomputes all data that are derived
+  /// from them. `tick`, `counters` and `state_hash` are the values of tick(), counters() and Hashes::state
+  /// when the state was saved. Returns false, and sets the world to S(0), if the filled tables do not have
+  /// the hash `state_hash`, or if they contain values that no state has, such as a NaN in a pose. If `fill`
+  /// throws, the exception propagates and the world is also at S(0).
   bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
-  /// Overwrites with junk all data that are neither constant, nor state, nor set by the program, and then
-  /// computes them again from the state. Tests call this and check that the run continues with the same bits
-  /// (the "amnesia" test, docs/determinism.md).
+  /// Overwrites all derived data (those that are neither constant, nor state, nor set by the program) with
+  /// junk, and then computes them again from the state. Tests call this and check that the run continues with
+  /// the same bits (the "amnesia" test, docs/determinism.md).
   void forget();
   /// Switches a test mode on or off that detects device kinds which read or change data that they do not
   /// declare. In this mode the hooks `sense` and `act` of a device are called for one row at a time. During
-  /// each call, the bodies whose circles are outside the reach (DeviceKind::Prepared::reach_m) are not in the
-  /// spatial index, and their poses, outlines and state are junk. Of the other bodies, the components that
-  /// the kind does not declare (DeviceKind::reads) are junk. If no kind reads more than it declares, the
-  /// hashes of the run stay the same (docs/determinism.md). A step throws a StepError if an effect changes
-  /// the state of a body outside DeviceKind::scope. The mode is slow: each call takes time proportional to
-  /// the number of rows. Throws std::invalid_argument unless the world has one thread and the exact ray
-  /// engine.
+  /// each call, the bodies whose enclosing circles are outside the reach of the device
+  /// (DeviceKind::Prepared::reach_m) are not in the spatial index, and their poses, outlines and state are
+  /// junk. In the state of the remaining bodies, except the device's own body, the components that the kind
+  /// does not declare to read (DeviceKind::reads) are junk. If no kind reads more than it declares, the
+  /// hashes of the run stay the same (docs/determinism.md). A step throws a StepError if an effect of a
+  /// device changes the state of a body that its kind does not declare to change (DeviceKind::scope). The
+  /// mode is slow: each call takes time proportional to the number of rows. Throws std::invalid_argument
+  /// unless the world has one thread and the exact ray engine.
   void hide_beyond_reach(bool on);
   std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
   double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
@@ -135,36 +139,41 @@ class World {
   /// Sets the callback that step() calls at the beginning of each phase, with that phase, and at the end of
   /// the tick, with std::nullopt.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
-  /// Sets the callback that each step calls after it has applied the interventions and faults of the world's
-  /// file, before the tick begins. The callback may change the world in all ways that are allowed between two
-  /// steps. Its exceptions propagate from step(). Replaces the previous callback. Call this between steps.
+  /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
+  /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways
+  /// that are allowed between two steps. The exceptions of the callback propagate from step(). It replaces
+  /// the previous callback. Call before_tick() between steps.
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
-  /// A callback that step() calls in place of a controller, once per batch of robots. It must itself call
-  /// controller.kind->decide(controller.data, batch). Several threads call it at once, so it must be
-  /// thread-safe. ControllerCheck uses this.
+  /// A callback that step() calls in place of a controller, once per batch of robots. The callback must
+  /// itself call controller.kind->decide(controller.data, batch). Several threads call it at once, so it must
+  /// be thread-safe. ControllerCheck installs such a callback.
   using OnDecide =
       std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
-  /// Replaces the OnDecide callback; an empty one restores the direct call. Call this between steps.
+  /// Replaces the OnDecide callback. With an empty callback, step() calls the controllers itself again. Call
+  /// this between steps.
   void on_decide(OnDecide callback) { on_decide_ = std::move(callback); }
 
-  /// What devices may read of the world (engine/sensing_view.hpp), as it is now. Functions that devices share
-  /// with other code, such as first_met(), take a view. It is valid as long as the world.
+  /// The data that devices may read of the world (engine/sensing_view.hpp), at present. Functions that
+  /// devices share with other code, such as first_met(), take this view as an argument. It is valid as long
+  /// as the world exists.
   const CommittedView& view() const { return state_.view; }
 
-  // ---- ranks: engine/ranks.cpp. A world may be one of several replicas of the same world, each on its own
-  // rank (engine/replica.hpp). The functions below then keep the replicas equal.
-  /// Called by the constructor of Replica, and with null by its destructor. Returns the data that it
-  /// exchanges.
+  // ---- ranks: engine/ranks.cpp. Several ranks (threads or processes) may compute one world together. Each
+  // rank then has a World of its own, called a replica (engine/replica.hpp), and the functions below keep the
+  // replicas equal.
+  /// Connects this world to a replica; null disconnects it. Called by the constructor and the destructor of
+  /// Replica. Returns references to the data of this world that the replica exchanges with other ranks.
   ReplicaParts join(Replica* replica);
-  /// Fetches the rows of tables that only other ranks compute (Sharing::kept), so that the tables of rank 0
+  /// On rank 0: fetches the table rows that only other ranks compute (Sharing::kept), so that the tables here
   /// are complete. Functions that read whole tables call this first. It does nothing on other ranks, during a
-  /// tick, if the tables are complete, and if the world has no Replica. If several threads read the world at
-  /// once, call this before, on the thread that calls step().
+  /// tick, if the tables are complete, and if the world has no Replica. If several threads are to read the
+  /// world at once, call this beforehand on the thread that calls step().
   void gather() const {
     if (replica_ != nullptr) gather_rows();
   }
-  /// Called by Replica: replaces the state by that of rank 0, which a program has changed. Like restore(),
-  /// but checks nothing. is_in_tick: the interventions of the present tick have been applied already.
+  /// Called by Replica on ranks other than 0, after a program has changed the state on rank 0: replaces the
+  /// state by that of rank 0. Works like restore(), but checks nothing. is_in_tick: whether the interventions
+  /// of the present tick have already been applied.
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
 
   // ---- constants and indices
@@ -183,7 +192,7 @@ class World {
   /// The worker threads of step(). Measures may use them between steps.
   partition::Parallel& parallel() { return parallel_; }
   /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed. Rows are
-  /// ordered by the place of their bodies at tick 0, so that neighbours in space are close in memory.
+  /// ordered by the positions of their bodies at tick 0, so that neighbours in space are close in memory.
   std::size_t rows() const { return state_.bodies.size(); }
   /// Number of robots (rows whose type has a drive) that are in the world at tick 0.
   std::size_t robots_at_start() const { return robots_at_start_; }
@@ -195,8 +204,9 @@ class World {
   const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
   std::size_t slot(Row row) const { return state_.view.slot(row); }
-  /// Returns the body that has a name or an alias. If several bodies have the name, returns the one with the
-  /// highest id; aliases then do not count. If there is none, the result is not valid(). Thread-safe.
+  /// Returns the body with this name or alias. A body with this name comes before a body with this alias; of
+  /// several bodies with this name, the one with the highest id is returned. If there is none, the result is
+  /// not valid(). Thread-safe.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -238,11 +248,11 @@ class World {
   }
   Mount mount(Row row, std::int32_t joint) const {
     return state_.view.mount(row, joint);
-  }                                                                 ///< SensingView::mount()
-  double radius(Row row) const { return state_.view.radius(row); }  ///< SensingView::radius()
+  }                                                                 ///< see SensingView::mount()
+  double radius(Row row) const { return state_.view.radius(row); }  ///< see SensingView::radius()
   double lift(Row row, std::int32_t joint) const {
     return state_.view.lift(row, joint);
-  }  ///< SensingView::lift()
+  }  ///< see SensingView::lift()
   /// Present pose of a joint relative to its rest pose, m and rad.
   const Pose& joint_state(Row row, std::size_t joint) const { return state_.joint_state(row, joint); }
   /// The body that carries the row's body; std::nullopt if it is not carried.
@@ -252,10 +262,10 @@ class World {
   /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
   /// body carries both.
   bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
-  /// Attaches the body `cargo` to a carrier. From now on it keeps its present pose relative to the carrier,
-  /// or relative to `joint` of the carrier unless that is k_rigid. Returns false and changes nothing if the
-  /// cargo is already carried, if it carries the carrier itself, or if the carrier cannot carry bodies. Only
-  /// DeviceKind::apply may call this.
+  /// Attaches the body `cargo` to the body `carrier`. From now on the cargo keeps its present pose relative
+  /// to the carrier or, unless `joint` is k_rigid, relative to this joint of the carrier. Returns false and
+  /// changes nothing if the cargo is already carried, if it carries the carrier, directly or through others,
+  /// or if the carrier cannot carry bodies. Only DeviceKind::apply may call this.
   bool attach(Row cargo, Row carrier, std::int32_t joint) { return links_.attach(cargo, carrier, joint); }
   /// Detaches a body from its carrier; its pose stays. Only DeviceKind::apply may call this.
   void release(Row cargo) { links_.release(cargo); }
@@ -285,9 +295,9 @@ class World {
     return state_.spec.reserves[reserve].count - next_born_[reserve];
   }
   /// Spawns the next body of a reserve at a pose (world frame, m and rad). If the pose is not free or the
-  /// reserve is used up, no body is born, and the result says which. A new body starts with the state that it
-  /// would have had at tick 0. Throws std::invalid_argument if the pose is not finite. Each call rebuilds the
-  /// spatial index of all bodies. Call this between steps.
+  /// reserve is used up, no body is born, and Birth::status says which of the two is the case. A new body
+  /// starts with the state that it would have had at tick 0. Throws std::invalid_argument if the pose is not
+  /// finite. Each call rebuilds the spatial index of all bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body from the world; bodies that it carries stay where they are. Does nothing if the body is
   /// not in the world. Throws std::logic_error if has_lives() is false. Each call rebuilds the spatial index
@@ -323,7 +333,7 @@ class World {
   /// device.
   std::size_t impaired_count() const { return state_.now.impaired; }
 
-  /// A row and a pose for its body.
+  /// An argument of set_poses(): a row, and a pose for its body.
   struct Placed {
     Row row;    ///< row of the body
     Pose pose;  ///< world frame, m and rad; the heading may have any finite value and is wrapped
@@ -336,8 +346,8 @@ class World {
   /// the spatial index of all bodies, so pass all poses in one call.
   void set_poses(std::span<const Placed> placed);
   /// The bodies that set_poses() placed between the last two steps, or in the phase `intervene` of the last
-  /// step, and all bodies that were carried at that time. Each has the pose that it had before the motions of
-  /// the last step. Measures of the distance travelled use this. It is not state.
+  /// step, and all bodies that were carried at that time. Placed::pose is the pose that the body had before
+  /// the motions of the last step. Measures of the distance travelled use this list. It is not state.
   std::span<const Placed> placed_before_step() const { return placed_before_; }
   /// Whether the row's body could be at a pose (world frame, m and rad): it would be within the world's
   /// bounds, and would overlap neither the static scene nor another body that is an obstacle. False if the
@@ -348,8 +358,8 @@ class World {
     gather();
     return state_.tables[sensor.table];
   }
-  /// Makes every sensor of this body run, including those that no controller reads. The body must have a row.
-  /// Call this before the first step.
+  /// Makes every sensor of this body run, including the sensors that no controller reads. The body must have
+  /// a row. Call this before the first step.
   void subscribe(BodyId body) {
     touch();
     state_.subscribed[row(body).index()] = 1;
@@ -429,8 +439,8 @@ class World {
   void build_lives();
   /// Fills the tables with the state at tick 0, and computes the derived data.
   void start();
-  /// Sets the state of a row to the state at the beginning of its body's life, with this pose (world frame).
-  /// All bytes of the row must be 0 before.
+  /// Gives a row the state that its body has at tick 0 or at its birth, with this pose (world frame). All
+  /// bytes of the row must be 0 before.
   void start(Row row, const Pose& pose);
   void start(Row row, const BodyType::Drive& drive);
   /// Computes all derived data: those that are neither constant, nor state, nor set by the program. It reads
@@ -466,8 +476,8 @@ class World {
 
   // engine/experiment.cpp
   void build_experiment(const Registry& registry, Diagnostics& diagnostics);
-  /// types: the specs of the types that earlier interventions change, with these changes, by TypeId. The
-  /// function adds the changes of this intervention.
+  /// Compiles an intervention. `types` has the specs of the types that earlier interventions change, with
+  /// these changes, by TypeId. The function adds the changes of this intervention.
   void build_intervention(Experiment::Intervention& intervention, const Registry& registry,
                           std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
   /// Compiles a setting of parameters into `intervention`. `types` is as for build_intervention(). The error
@@ -512,8 +522,8 @@ class World {
   FrameType look_of(std::size_t t, Row row) const;
   void begin(Phase phase);
   void gather_rows() const;
-  /// Called before a program changes the state: the other ranks receive the changed state before the next
-  /// tick. Does nothing during a tick.
+  /// Called when a program is about to change the state, so that the other ranks receive the changed state
+  /// before the next tick. Does nothing during a tick.
   void touch() {
     if (replica_ != nullptr) touch_rows();
   }

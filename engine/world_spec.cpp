@@ -69,16 +69,17 @@ void check_bodies(const WorldSpec& spec, const Report& report) {
   });
   if (bad != spec.bodies.end()) {
     const auto b = bad - spec.bodies.begin();
-    return report(bad->where, bad->type.value >= types
-                                  ? fmt::format("bodies[{}].type: the world has {} types, found index {}", b,
-                                                types, bad->type.value)
-                                  : fmt::format("bodies[{}].name: the world has {} words, found index {}", b,
-                                                words, bad->name.word));
+    return report(bad->where,
+                  bad->type.value >= types
+                      ? fmt::format("bodies[{}].type: the world has {} types, found index {}", b, types,
+                                    bad->type.value)
+                      : fmt::format("bodies[{}].name: the list of name words has {} entries, found index {}",
+                                    b, words, bad->name.word));
   }
   for (std::size_t a = 0; a < spec.aliases.size(); ++a) {
     if (spec.aliases[a].name.word >= words)
-      return report({}, fmt::format("aliases[{}].name: the world has {} words, found index {}", a, words,
-                                    spec.aliases[a].name.word));
+      return report({}, fmt::format("aliases[{}].name: the list of name words has {} entries, found index {}",
+                                    a, words, spec.aliases[a].name.word));
     if (spec.aliases[a].body.index() >= spec.bodies.size())
       return report({}, fmt::format("aliases[{}].body: the world has {} bodies, found index {}", a,
                                     spec.bodies.size(), spec.aliases[a].body.value));

@@ -32,7 +32,7 @@ struct Returns {
   bool obstacle = true;           ///< takes part in collisions
   float ranger = 1;               ///< intensity that a ranger reads; below 0: its rays pass through
   std::int32_t fiducial = 0;      ///< value that fiducial finders read; 0: they do not detect the model
-  std::int32_t fiducial_key = 0;  ///< only fiducial finders with this key detect the model
+  std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the model
   bool gripper = false;           ///< grippers detect it and can grip it
   bool pushable = false;          ///< robots can push the whole body: docs/pushing.md
   bool blob = true;  ///< true: blob finders report its colour; false: it only hides other models from them
@@ -52,8 +52,8 @@ struct JointSpec {
   Pose pose_body_joint;
 };
 
-/// The image that a part's solids are made from. Only code that writes world files needs it: the simulation
-/// uses the solids.
+/// The image that a part's solids are made from. Only code that writes world files needs this struct: the
+/// simulation uses the solids.
 struct ImageSpec {
   std::string file;               ///< path of the image; for a ROS map, of its YAML file
   bool keeps_margins = false;     ///< the whole image is scaled to the part's size, not only its solid area
@@ -64,10 +64,10 @@ struct ImageSpec {
 };
 
 /// The blocks that a part's solids are made from, as in Stage. All blocks together are scaled to fill the
-/// part's size, centred in x and y, and placed at `origin`. Only code that writes world files needs this: the
-/// simulation uses the solids.
+/// part's size, centred in x and y, and placed at `origin`. Only code that writes world files needs this
+/// struct: the simulation uses the solids.
 struct FittedBlocks {
-  std::vector<Solid> blocks;  ///< blocks before scaling, in a common frame and any unit of length
+  std::vector<Solid> blocks;  ///< blocks before scaling, all in one frame and in any unit of length
   Pose origin;                ///< pose of the centre of the scaled blocks, in the part's frame
 };
 
@@ -79,7 +79,7 @@ struct PartSpec {
   std::uint32_t parent = 0;             ///< index of its parent part; the root's is 0
   std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on
   Pose pose_body_part;                  ///< pose of the part's frame in the body frame
-  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m; GetGeom returns it in Stage
+  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m (what GetGeom() returns in Stage)
   std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
   Returns returns;                      ///< how it interacts with other bodies and with sensors
   bool floor_plan = false;              ///< whether its outline comes from an image
@@ -100,14 +100,15 @@ struct DeviceSpec {
   Record params;          ///< one value for each field of the kind's table
   Pose pose_body_device;  ///< frame in which the kind's parameters are given
   double period_s = 0;    ///< time from one run to the next, s; 0: it runs in every tick
-  bool active = true;     ///< true: it runs even if no controller or program reads it
+  bool active = true;     ///< true: it runs even if no controller and no program reads it
   Where where;            ///< position in the file, for messages
 };
 
 /// The drive of the bodies of a type.
 struct DriveSpec {
-  std::string kind;     ///< name of a kind of Registry::drives
-  Record params;        ///< one value for each field of the kind's table: FieldTable::defaults()
+  std::string kind;  ///< name of a kind of Registry::drives
+  /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
+  Record params;
   double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
   Where where;          ///< position in the file, for messages
 };
@@ -115,9 +116,11 @@ struct DriveSpec {
 /// A controller of the bodies of a type.
 struct ControllerSpec {
   std::string kind;  ///< name of a kind of Registry::controllers or of a plug-in
-  /// Index of its part. It uses devices of this part and of the parts mounted on this part.
+  /// Index of the part that the controller is on. It may use the devices of this part and of the parts
+  /// mounted on this part.
   std::uint32_t part = 0;
-  Record params;  ///< one value for each field of the kind's table: FieldTable::defaults()
+  /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
+  Record params;
   /// Time from one decision to the next, s; 0: every tick. Used only if the controller has neither a sensor
   /// nor a drive: otherwise it decides when its first sensor, or its drive, runs.
   double period_s = 0;
@@ -142,9 +145,9 @@ struct BodySpec {
   TypeId type;           ///< index into WorldSpec::types
   Pose pose_world_body;  ///< pose at tick 0, world frame
   Color color;           ///< colour of the parts that set none
-  /// Fiducial value of the body's root part. It replaces Returns::fiducial of the type's root part, so that
-  /// robots with different fiducial values can share a type. It has no effect if it is 0 or the value of the
-  /// type is 0.
+  /// Fiducial value of the body's root part. This value replaces Returns::fiducial of the type's root part,
+  /// so that robots with different fiducial values can share a type. It has no effect if it is 0, or if
+  /// Returns::fiducial is 0.
   std::int32_t fiducial = 0;
   Where where;  ///< position in the file, for messages
 };
@@ -203,7 +206,7 @@ struct WorldSpec {
   /// Parts that have a name independent of their body's name. The key is that name (in Stage: `name "/x"` in
   /// a child model).
   std::unordered_map<std::string, PartName> part_aliases;
-  /// Measures that a run takes, unless its options say otherwise.
+  /// Measures that a run takes, unless the options of the run choose others.
   std::vector<MeasureSpec> measures;
   double measure_every_s = 1;    ///< world time between two lines of measures, s
   WatchSpec watch;               ///< speed of a run, and how often the world time is reported
@@ -212,7 +215,7 @@ struct WorldSpec {
 
   /// Name of a body, as text.
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
-  /// Whether a body is in the world at tick 0: it belongs to no reserve.
+  /// Whether a body is in the world at tick 0: true if it belongs to no reserve.
   bool starts(BodyId body) const {
     for (const ReserveSpec& reserve : reserves)
       if (body.value - reserve.first.value < reserve.count) return false;
@@ -230,9 +233,9 @@ void add_ground(WorldSpec& spec);
 void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
 
 /// Appends a reserve of `count` bodies for each population of robots that has no reserve. The new bodies get
-/// the next numbers, and copy all other members except the pose from its first body. Here a population is the
-/// set of all robots (bodies with a drive) named NAME0, NAME1, .... It is skipped if its robots are of
-/// several types.
+/// the next numbers. All their other members, except the pose, are copies of those of the population's first
+/// body. Here a population is the set of all robots (bodies with a drive) named NAME0, NAME1, .... It is
+/// skipped if its robots are of several types.
 void add_spare(WorldSpec& spec, std::uint32_t count);
 
 /// Value that fiducial finders read from a part of a body, including BodySpec::fiducial; 0: they do not

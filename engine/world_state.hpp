@@ -29,8 +29,9 @@ struct RowRange {
   std::size_t end = 0;    ///< one past the last row
 };
 
-/// The state of a world, the constants that describe it, and the places of bodies, which are derived from it.
-/// World owns it. The parts of World (Links, ...) read and write it, each its own columns.
+/// The state of a world, the constants that describe the world, and the places of bodies, which are derived
+/// from the state. World owns this object. The parts of World (Links, Movement) read all of it, and each of
+/// them writes its own columns.
 ///
 /// Every vector has one element per row unless stated otherwise. Members that a comment calls public are also
 /// part of PublicColumns: devices of other bodies read them. All others are private to the engine.
@@ -44,13 +45,14 @@ struct WorldState {
   };
   /// Values of the component `stall`: what became of the last motion.
   enum Stall : std::uint8_t {
-    k_free,           ///< it was carried out, or there was none
-    k_blocked,        ///< another body was in the way
-    k_out_of_bounds,  ///< it would have ended outside the bounds of the world
+    k_free,           ///< the motion was carried out, or there was none
+    k_blocked,        ///< a body, or a wall of the static scene, was in the way
+    k_out_of_bounds,  ///< the motion would have ended outside the bounds of the world
   };
 
   // Constants: made from the spec when the world is built.
-  WorldSpec spec;  ///< what the world was made from; constant except for the settings that World::set() adds
+  WorldSpec spec;  ///< the spec that the world was made from; constant except for the settings that
+                   ///< World::set() adds
   /// Compiled types, by TypeId; constant except for parameters, which interventions change.
   std::vector<BodyType> types;
   partition::GridGeometry geometry;         ///< sizes of the cells and tiles of `index`
@@ -91,7 +93,7 @@ struct WorldState {
   partition::BodyIndex index;                    ///< spatial index of the bodies in the world
   std::unique_ptr<partition::RayGrid> ray_grid;  ///< cells of the grid ray engine; null: exact engine
 
-  CommittedView view;  ///< of this state; bind_view() updates it
+  CommittedView view;  ///< the view of this state that devices get; bind_view() updates it
 
   WorldState() = default;
   WorldState(const WorldState&) = delete;
@@ -103,7 +105,7 @@ struct WorldState {
   std::size_t row_count() const { return bodies.size(); }  ///< number of rows
   /// Type of the row's body.
   const BodyType& type(Row row) const { return types[row_types[row.index()]]; }
-  /// The rows of a table of Layout::rows as structs.
+  /// The rows of a table with the layout Layout::rows, as structs. `table` is an index into `tables`.
   ///@{
   template <class T>
   std::span<T> as(std::size_t table) {
@@ -147,7 +149,7 @@ struct WorldState {
     return tables[type(row).joints[joint].table].as<Pose>(slots[row.index()]);
   }
   ///@}
-  /// Mounts of the joints of a row: its part of `joint_mounts`.
+  /// Mounts of the joints of a row: the elements of `joint_mounts` that belong to the row.
   ///@{
   std::span<Mount> mounts(Row row) {
     return {joint_mounts.data() + joint_begins[row.index()], type(row).joints.size()};

@@ -34,7 +34,7 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using beast::error_code;
 
-constexpr std::size_t k_most_connections = 128;  // without a token; another connection replaces the oldest
+constexpr std::size_t k_most_connections = 128;  // without a token; a further connection replaces the oldest
 constexpr std::size_t k_most_clients = 16;       // connections with a token
 constexpr std::size_t k_most_header = 8192;      // bytes of a request
 constexpr std::size_t k_most_message = 65536;    // bytes of a text from a client
@@ -42,7 +42,7 @@ constexpr std::size_t k_most_waiting = 256;      // texts queued for a client
 constexpr int k_most_in_flight = 2;  // pictures that were sent to a client and that it has not drawn yet
 constexpr std::chrono::seconds k_handshake{5};  // time from the connection until the token must arrive
 constexpr std::chrono::seconds k_idle{
-    30};  // a client is disconnected after this time without any frame, also ping or pong
+    30};  // a client from which no frame, not even ping or pong, arrives for this time is disconnected
 
 /// Returns the Content-Security-Policy header of the page, which allows the page to connect only to its own
 /// server, or to the proxy in front of it. host: the Host header of the request, which must satisfy
@@ -54,8 +54,8 @@ std::string policy(std::string_view host, bool is_proxy) {
       host, is_proxy ? fmt::format(" wss://{}", host) : "");
 }
 
-/// Returns a Host header without its port, which may be any, because a client behind a tunnel uses the port
-/// of the tunnel. Empty if the port is not a number.
+/// Returns a Host header without its port. Any port is accepted, because a client behind a tunnel uses the
+/// port of the tunnel. Empty if the port is not a number.
 std::string_view without_port(std::string_view host) {
   const std::size_t colon = host.rfind(':');
   if (colon == host.npos || host.find(']', colon) != host.npos) return host;
@@ -189,14 +189,15 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     host_ = view_of(request[http::field::host]);
     if (!server_.is_allowed(host_, socket_.socket())) {
       server_.backend.refused("a request whose Host header is not this machine");
-      return respond(http::status::forbidden, "The Host header of this request is not this machine.\n");
+      return respond(http::status::forbidden,
+                     "The Host header of this request does not name this machine.\n");
     }
     if (websocket::is_upgrade(request)) {
       const std::string_view origin = view_of(request[http::field::origin]);
       if (!origin.empty() && origin != "http://" + host_ &&
           !(server_.is_proxy(host_) && origin == "https://" + host_)) {
         server_.backend.refused("a WebSocket opened by a page of another origin");
-        return respond(http::status::forbidden, "The Origin header of this request is another page.\n");
+        return respond(http::status::forbidden, "The Origin header of this request names another page.\n");
       }
       if (request.target() != "/live")
         return respond(http::status::not_found, "Unknown path: the WebSocket is at /live.\n");

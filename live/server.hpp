@@ -17,7 +17,8 @@ struct ViewFrames {
 };
 
 /// Receives the events of a ViewServer, which calls all functions on its own thread. client: number that
-/// identifies a connection. may_steer: whether its token grants full control or only read access.
+/// identifies a connection. may_steer: true if the token of the connection grants full control, false if it
+/// grants read access only.
 class ViewBackend {
  public:
   virtual ~ViewBackend() = default;
@@ -29,8 +30,8 @@ class ViewBackend {
   virtual void closed(std::uint64_t client) = 0;
   /// Returns the newest picture, encoded for this client; nothing if it was already sent to the client.
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
-  /// Called when the server has refused a request or a message. what: what it refused, such as "a binary
-  /// message".
+  /// Called when the server has refused a request or a message. what: a description of the request or
+  /// message, such as "a binary message".
   virtual void refused(const std::string& what) = 0;
 };
 
@@ -39,9 +40,9 @@ class ViewServer {
  public:
   struct Options {
     std::uint16_t port = 0;  ///< 0: any free port
-    /// IP address on which it listens. Empty: 127.0.0.1, and ::1 if the machine has it.
+    /// IP address on which the server listens. Empty: 127.0.0.1, and ::1 if the machine has it.
     std::string bind;
-    /// Names that the `Host` of a request may have, besides those of this machine: those of a proxy.
+    /// Names of proxies: the header `Host` of a request may contain one of them, or a name of this machine.
     std::vector<std::string> hosts;
     std::string page;        ///< HTML of the page
     std::string token;       ///< token for full control
@@ -58,7 +59,7 @@ class ViewServer {
   void start();
   /// Closes every connection; the backend is not called any more when this returns.
   void stop();
-  /// Host and port under which this machine reaches the server, as in an address: "127.0.0.1:34567".
+  /// Host and port under which programs on this machine reach the server, as in a URL: "127.0.0.1:34567".
   std::string authority() const;
   /// Sends a text to a client; does nothing if the client has disconnected. May be called on any thread. A
   /// client that does not read its texts is disconnected when too many of them are queued.

@@ -30,10 +30,10 @@ namespace fs = std::filesystem;
 using engine::Act;
 using Json = nlohmann::ordered_json;
 
-constexpr int k_wire = 1;  // version of the wire protocol
-constexpr std::chrono::milliseconds k_picture{33};
-constexpr std::chrono::milliseconds k_nap{50};  // longest wait, so that Ctrl-C takes effect soon
-constexpr std::chrono::seconds k_most_behind{1};
+constexpr int k_wire = 1;                           // version of the wire protocol
+constexpr std::chrono::milliseconds k_picture{33};  // least time between two pictures
+constexpr std::chrono::milliseconds k_nap{50};      // longest wait, so that Ctrl-C takes effect soon
+constexpr std::chrono::seconds k_most_behind{1};    // a run that is later than this does not catch up
 constexpr std::size_t k_spare = 3;  // one picture is being filled, one encoded, and one is the newest
 constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
 constexpr std::uint64_t k_most_steps = 1000000000;
@@ -176,7 +176,7 @@ void View::Impl::received(std::uint64_t client, bool may_steer, std::string_view
   const auto id = json.value("id", Json());
   const std::string said = id.is_number_unsigned() ? fmt::format(R"("id":{},)", id.get<std::uint64_t>()) : "";
   if (!may_steer && std::ranges::find(k_looking, what.get<std::string>()) == k_looking.end()) {
-    refused("an act of a read-only viewer");
+    refused("a command of a read-only viewer");
     return server_->send(client,
                          fmt::format(R"({{"type":"refused",{}"reason":"this address is read-only"}})", said));
   }
@@ -380,7 +380,7 @@ void View::Impl::obey(const Message& message) {
   }
 }
 
-/// Answers a request that only asks. Returns false if it is another request.
+/// Answers a request that changes nothing. Returns false if it is another request.
 bool View::Impl::obey_question(const Request& request, std::uint64_t client) {
   if (request.what() != "parameters") return false;
   try {
@@ -391,7 +391,7 @@ bool View::Impl::obey_question(const Request& request, std::uint64_t client) {
   return true;
 }
 
-/// Runs the world; pauses it after so many ticks, unless `ticks` is 0.
+/// Lets the world run, and pauses it after `ticks` ticks; 0: does not pause it.
 void View::Impl::play(std::uint64_t ticks) {
   if (!playing_) {
     due_ = measured_ = Clock::now();
@@ -413,12 +413,13 @@ bool View::Impl::obey_clock(const Request& request) {
         request.has("ticks")
             ? static_cast<std::uint64_t>(request.number("ticks", 1, static_cast<double>(k_most_steps)))
             : 1;
-    play(steps_ + ticks);  // after the ticks that an earlier request has left
+    play(steps_ + ticks);  // in addition to the ticks that remain of an earlier request
   } else if (request.what() == "until") {
     const double time_s = request.number("time_s", 0, engine::k_most_seconds);
     const std::uint64_t end = engine::ticks_until(time_s, simulation_.tick_s());
     if (end <= simulation_.tick())
-      throw ActRefused(fmt::format("the world is already at {:g} s", simulation_.time_s()));
+      throw ActRefused(
+          fmt::format("the world is already at {:g} s, so \"time_s\" must be later", simulation_.time_s()));
     play(end - simulation_.tick());
   } else if (request.what() == "rate") {
     const double rate = request.number("rate", 0, k_most_rate);
@@ -455,8 +456,8 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
     ColorValue color{.component = request.name("component"), .field = request.name("field"), .column = {}};
     if (request.has("column")) color.column = static_cast<std::uint32_t>(request.number("column", 0, 1e9));
     if (!has_value(world, color))
-      throw ActRefused(
-          fmt::format("there is no field \"{}\" of \"{}\" with such a column", color.field, color.component));
+      throw ActRefused(fmt::format("no field \"{}\" of the component \"{}\" with this column", color.field,
+                                   color.component));
     client.color = std::move(color);
   } else if (request.what() == "layers") {
     client.layers = request.names("layers", layers_of(world));
@@ -492,7 +493,7 @@ void View::Impl::do_jobs() {
     try {
       const std::string file = do_job(job);
       answer(job.client, job.id, file.empty() ? Json::object() : Json{{"file", file}});
-    } catch (const std::exception& error) {  // the run continues, whatever was not possible
+    } catch (const std::exception& error) {  // the run continues even if the job failed
       refuse(job.client, job.id, error.what());
     }
     is_changed_ = true;
@@ -510,11 +511,11 @@ std::string View::Impl::do_job(const Job& job) {
   return {};
 }
 
-/// Returns to tick 0, if a seed is given with the random numbers of this seed, and begins a new session.
+/// Returns to tick 0 and begins a new session. If `seed` is given, the new run uses this seed.
 void View::Impl::restart(std::optional<std::uint64_t> seed) {
   if (!is_running_) throw ActRefused("a program steps this run, and only the program can restart it");
   if (simulation_.resumed_at_tick())
-    throw ActRefused("a run that began at a checkpoint cannot be restarted: end it, and view it again");
+    throw ActRefused("a run that began at a checkpoint cannot be restarted: end it, and start it again");
   const std::uint64_t end = simulation_.tick();
   stop_recording();
   if (seed)
@@ -524,7 +525,7 @@ void View::Impl::restart(std::optional<std::uint64_t> seed) {
   begin_run(end);
 }
 
-/// Begins a new session, because the simulation has returned to tick 0. end: tick at which the run before
+/// Begins a new session, because the simulation has returned to tick 0. end: tick at which the previous run
 /// ended.
 void View::Impl::begin_run(std::uint64_t end) {
   session_->end(end);
@@ -557,14 +558,14 @@ void View::Impl::greet_again() {
 /// Returns the name of a file that does not exist: WORLD.WHAT.h5, else WORLD.WHAT-2.h5, and so on.
 fs::path View::Impl::new_file(std::string_view what) const {
   if (file_bytes_ >= k_most_file_bytes)
-    throw ActRefused("the files that viewers have requested have 10 GB: no further file is written");
+    throw ActRefused("the files that viewers requested have reached 10 GB: no further file is written");
   const std::string stem = fs::path(simulation_.effective_options().front().second).stem().string();
   for (int i = 1; i <= k_most_files; ++i) {
     fs::path file =
         folder_ / (i == 1 ? fmt::format("{}.{}.h5", stem, what) : fmt::format("{}.{}-{}.h5", stem, what, i));
     if (!fs::exists(file)) return file;
   }
-  throw ActRefused(fmt::format("the folder has {} files of this kind", k_most_files));
+  throw ActRefused(fmt::format("the folder already has {} files of this kind", k_most_files));
 }
 
 std::string View::Impl::save_checkpoint() {
@@ -602,8 +603,8 @@ void View::Impl::limit_recording() {
   stop_recording();
 }
 
-/// Applies an act of a viewer and adds it to the session. Throws ActRefused if it is impossible, or if
-/// another viewer holds the robot.
+/// Applies an act (a command that changes the world) of a viewer and adds the act to the session. Throws
+/// ActRefused if the act is impossible, or if another viewer holds the robot.
 void View::Impl::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
   if (const auto holder = holders_.find(act.whom);

@@ -29,21 +29,22 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 /// Or the program steps the simulation itself. Each step then waits while a user has paused the run, and
 /// applies what users have commanded. The simulation never waits for a browser.
 ///
-/// Uses Simulation::before_tick(), and the simulation must outlive the view. Not thread-safe, but it serves
-/// the page on a thread of its own.
+/// The view replaces the callback of Simulation::before_tick(). The simulation must outlive the view. Not
+/// thread-safe, but it serves the page on a thread of its own.
 class View {
  public:
   /// Options of a view. All have a default.
   struct Options {
     std::uint16_t port = 0;  ///< 0: any free port
-    /// IP address on which it listens; empty: 127.0.0.1, and ::1 if the machine has it. Other machines can
-    /// reach any other address. The connection is not encrypted.
+    /// IP address on which the server listens; empty: 127.0.0.1, and ::1 if the machine has it, which only
+    /// this machine can reach. With any other address, other machines can reach the page, and the connection
+    /// is not encrypted.
     std::string bind;
     std::vector<std::string> hosts;  ///< names of proxies through which browsers reach the page
     double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
     std::filesystem::path folder;    ///< folder for the session file, and for files that viewers request
-    /// Ends run(), and the waiting of a step while the run is paused, when it returns true. Called at least
-    /// every 50 ms, on the thread that steps. Null: never.
+    /// Returns true to end run(), and to end the wait of a step while the run is paused. Called at least
+    /// every 50 ms, on the thread that steps. Null: they never end in this way.
     std::function<bool()> is_over;
     /// Called with one line of text when a request is refused for the first time, and when a recording ends
     /// early. May be called on the thread of the server. Null: such texts are dropped.
@@ -60,7 +61,7 @@ class View {
 
   /// The address of the page for full control: `http://HOST:PORT/#TOKEN`.
   std::string address() const;
-  /// The address of the page for read-only access, which has another token.
+  /// The address of the page for read-only access, with another token.
   std::string look_address() const;
   /// Path of the session file. A restart begins a new file.
   std::filesystem::path session() const;

@@ -122,21 +122,21 @@ class View::Impl : private ViewBackend {
   std::map<std::string, std::uint64_t> holders_;  // held robot -> the client that holds it
   bool playing_ = false;
   bool has_begun_ = false;
-  bool is_running_ = false;      // run() steps the simulation, not the program
-  std::uint64_t next_tick_ = 0;  // tick before the next step, unless the program resets the simulation
+  bool is_running_ = false;      // true: run() steps the simulation; false: the program does
+  std::uint64_t next_tick_ = 0;  // tick of the next step, unless the program resets the simulation
   std::uint64_t steps_ = 0;      // ticks until the next pause; 0: no pause
   double rate_ = 1;
   std::string line_;  // line of the hash log for the tick at which the world is paused
   bool is_changed_ = true;
   Clock::time_point due_;        // when the next tick is due
   Clock::time_point published_;  // when the last picture was published
-  Clock::time_point measured_;
-  double measured_s_ = 0;  // world time at measured_
-  double reached_ = 0;     // current speed, times real time
+  Clock::time_point measured_;   // when the speed was last measured
+  double measured_s_ = 0;        // world time at measured_
+  double reached_ = 0;           // current speed, times real time
   std::uint64_t pictures_ = 0;
   std::uint64_t seed_ = 0;           // of this run
   std::uint64_t runs_ = 1;           // 1, and 1 more after each restart
-  std::vector<Job> jobs_;            // are done when the current tick has ended
+  std::vector<Job> jobs_;            // work to do when the current tick has ended
   std::filesystem::path recording_;  // file of the recording that a viewer started; empty: none
   std::uintmax_t file_bytes_ = 0;    // size of all finished files that viewers requested
 
@@ -144,15 +144,15 @@ class View::Impl : private ViewBackend {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<Message> messages_;
-  std::map<std::uint64_t, bool> arrived_;  // new clients and whether they may steer
-  std::vector<std::uint64_t> gone_;
-  std::vector<std::shared_ptr<Picture>> spare_;
+  std::map<std::uint64_t, bool> arrived_;        // new clients and whether they may steer
+  std::vector<std::uint64_t> gone_;              // clients that have disconnected
+  std::vector<std::shared_ptr<Picture>> spare_;  // all pictures; those without another owner can be filled
   std::shared_ptr<const Picture> newest_;
   std::string greeting_;  // JSON members of the first text to a client
 
   // Used only by the server's thread.
   std::map<std::uint64_t, SentPicture> sent_;
-  std::set<std::string> told_;
+  std::set<std::string> told_;  // refusals that have been reported, so that each is reported once
 
   std::shared_ptr<Impl*> self_;         // expires with this object, for the callback of on_tick()
   std::unique_ptr<ViewServer> server_;  // last, because its thread uses the members above

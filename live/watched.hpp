@@ -23,7 +23,7 @@ nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.
 struct ColorValue {
-  std::string component;                ///< as StateTable::component()
+  std::string component;                ///< name of a component, as StateTable::component() returns it
   std::string field;                    ///< name of a field of the component
   std::optional<std::uint32_t> column;  ///< column of the field; not set: the minimum of all columns
   /// The least and the largest value of any robot since the viewer chose this value.
@@ -36,8 +36,9 @@ nlohmann::ordered_json color_values(const engine::World& world);
 /// Whether the state has the value that `color` names.
 bool has_value(const engine::World& world, const ColorValue& color);
 /// Fills `shades` with one byte per robot of the page: 1 for the least value, 255 for the largest, and 0 for
-/// robots that do not have the value or are not in the world. Updates the range of `color`. places: for each
-/// body id the index of the robot on the page; indices from `robots` on are no robots of the page.
+/// robots that do not have the value or are not in the world. Updates `least` and `most` of `color`. places:
+/// for each body id the index of the robot on the page, or an index of at least `robots` if the page does not
+/// show the body.
 void take_shades(const engine::World& world, std::span<const std::uint32_t> places, std::size_t robots,
                  ColorValue& color, std::vector<std::uint8_t>& shades);
 

@@ -51,7 +51,7 @@ std::vector<engine::ModelKind> model_kinds() {
        .color = red,
        .device = "lightindicator"},
       {.name = "model",
-       .text = "a body without a sensor or a drive; all other models are bodies too",
+       .text = "a body without a sensor or a drive; models of the other kinds have its properties too",
        .size = base,
        .color = red},
       {.name = "position", .text = "a body with a drive", .size = base, .color = red},

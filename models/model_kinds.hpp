@@ -4,7 +4,8 @@
 
 namespace troupe::models {
 
-/// The kinds of models that a Stage world file may create, with their default sizes, colours and bodies.
+/// The kinds of models that a Stage world file may create, with their default sizes and colours, and whether
+/// a model of the kind without blocks has a box as its body.
 std::vector<engine::ModelKind> model_kinds();
 
 }  // namespace troupe::models

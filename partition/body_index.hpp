@@ -10,10 +10,10 @@
 
 namespace troupe::partition {
 
-/// A circle that encloses a body, metres, world frame: an entry of a spatial index. Its numbers are floats,
-/// so that four circles fill a cache line and kernels load them directly. Because of the rounding to float,
-/// the circle is slightly larger than the body's own circle, which is centred on the body's origin. The exact
-/// position of the body is found by its row.
+/// A circle that encloses a body, metres, world frame: an entry of a spatial index. Its coordinates and
+/// radius are floats, so that four circles fill a cache line and kernels load them directly. Because of the
+/// rounding to float, the circle is slightly larger than the body's own circle, which is centred on the
+/// body's origin. Users of a circle find the exact position of the body by its row.
 struct BodyCircle {
   float x;            ///< centre, east
   float y;            ///< centre, north
@@ -37,8 +37,8 @@ inline constexpr double k_not_there = -1;
 
 /// A spatial index of the mobile bodies: their circles in one array, sorted by grid cell, and within a cell
 /// by row. A parallel counting sort rebuilds it in each tick, first by tile (a square of cells, see
-/// GridGeometry), then by cell with one task per tile. Both sorts are stable, so that rows need not be
-/// compared and threads share no counter.
+/// GridGeometry), then by cell with one task per tile. Both sorts are stable: they keep the order of the rows
+/// without comparing them. Each task counts its own rows, so that threads share no counter.
 ///
 /// A body not wider than a cell is listed only in the cell of its origin, and queries are expanded by the
 /// largest radius of such bodies. A wider body, called a wide body below, is listed in every cell that it
@@ -61,8 +61,9 @@ class BodyIndex {
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
   /// Calls visit(span of circles) for runs: consecutive entries of the index, from neighbouring cells. The
-  /// runs contain every body whose circle may touch the box, and some that do not touch it. A wide body may
-  /// be visited several times, in one run or in several; every other body is visited once.
+  /// runs contain every body whose circle may touch the box (metres, world frame), and some that do not touch
+  /// it. A wide body may be visited several times, in one run or in several; every other body is visited
+  /// once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
@@ -101,12 +102,12 @@ class BodyIndex {
                             });
   }
 
-  /// All rows in the index, each once, sorted by the tile of their origin, then by block within the tile,
-  /// then by cell, then by row. If rows are processed in this order, the data of their neighbours are often
-  /// still in the caches.
+  /// All rows in the index, each once. They are sorted by the tile that contains the origin of the row's
+  /// body, then by block within the tile, then by cell, then by row. If rows are processed in this order, the
+  /// data of their neighbours are often still in the caches.
   std::span<const std::uint32_t> order() const { return order_; }
-  /// A number that identifies the cell of the row's origin: rows have equal numbers if they are in one cell.
-  /// Valid until the next rebuild().
+  /// A number that identifies the cell of the origin of the row's body: two rows have equal numbers if and
+  /// only if their origins are in one cell. Valid until the next rebuild().
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
   /// Number of known tiles: those that contain bodies, and some that recently did.
   std::size_t tiles() const { return directory_.size(); }
@@ -146,7 +147,7 @@ class BodyIndex {
   void for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const;
 
   GridGeometry geometry_;
-  TileDirectory directory_;
+  TileDirectory directory_;            // gives each tile in use a number, its slot
   std::span<const Transform> places_;  // owned by the caller
   std::span<const double> radii_;      // owned by the caller
   double small_radius_ = 0;            // largest radius of the bodies that are not wide

@@ -43,8 +43,8 @@ class BoxGrid {
   std::size_t columns_ = 0;
   std::size_t lines_ = 0;
   std::vector<std::uint32_t> begins_;  // per cell, and one past the end: index into boxes_
-  std::vector<std::uint32_t> boxes_;
-  std::vector<std::uint32_t> wide_;
+  std::vector<std::uint32_t> boxes_;   // indices of boxes, by cell
+  std::vector<std::uint32_t> wide_;    // indices of the boxes that cover many cells
 };
 
 }  // namespace troupe::partition

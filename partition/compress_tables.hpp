@@ -8,8 +8,9 @@ namespace troupe::partition {
 
 /// Makes a table with one permutation for each mask of kLanes lanes, in the order of the masks. The
 /// permutation moves the lanes that the mask selects to the front of a SIMD vector and keeps their order. If
-/// kBytes is 1, it lists the source of each lane; otherwise it lists the source of each of the kBytes bytes
-/// of each lane. The entries after those of the selected lanes are 0.
+/// kBytes is 1, a permutation is stored as one index per lane: the lane that moves there. Otherwise a lane
+/// has kBytes bytes, and a permutation is stored as one index per byte: the byte that moves there. The
+/// entries after those of the selected lanes are 0.
 template <std::size_t kLanes, std::size_t kBytes>
 constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table() {
   std::array<std::uint8_t, (kLanes * kBytes) << kLanes> table{};
@@ -22,10 +23,10 @@ constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table()
   return table;
 }
 
-/// The table of the sources of lanes, for vectors of eight lanes. It takes 2 KiB. Four bits per lane would
-/// halve the size but cost two more instructions.
+/// The permutations by lanes, for vectors of eight lanes. They take 2 KiB. Four bits per lane would halve the
+/// size but cost two more instructions per use.
 alignas(64) inline constexpr auto k_compress_lanes = compress_table<8, 1>();
-/// The table of the sources of bytes, for vectors of four lanes of four bytes.
+/// The permutations by bytes, for vectors of four lanes of four bytes.
 alignas(64) inline constexpr auto k_compress_bytes = compress_table<4, 4>();
 
 }  // namespace troupe::partition

@@ -19,13 +19,13 @@ struct FixedEdge {
 /// The outlines of the static scene, for rangers and other sensors. They are divided into pieces: short
 /// chains of edges, each with an enclosing circle. The circles are indexed by the grid cell of their centre.
 /// A ranger skips a piece if its beams cannot reach the circle of the piece, as it does for bodies. An edge
-/// longer than the width of a piece is a piece of its own with several circles. It is not cut, because that
-/// would change the bits of readings.
+/// longer than the width of a piece is a piece of its own with several circles. The edge is not cut, because
+/// cutting would change the bits of readings.
 class FixedOutlines {
  public:
   FixedOutlines() = default;
-  /// edges: the edges of each outline must follow one another. piece_m: largest width of a piece, except for
-  /// longer edges, and edge of the cells of the grid, metres; it affects the speed, never a reading.
+  /// edges: the edges of each outline must follow one another. piece_m: side of the cells of the grid, and
+  /// largest width of a piece that has several edges, metres; it affects the speed, never a reading.
   FixedOutlines(std::span<const FixedEdge> edges, double piece_m);
 
   /// The grid of the circles' centres.
@@ -70,7 +70,7 @@ class FixedOutlines {
   };
 
   GridGeometry geometry_;
-  TileDirectory directory_;
+  TileDirectory directory_;  // gives each tile in use a number, its slot
   double largest_radius_ = 0;
   std::vector<std::uint32_t> begins_;  // per slot and cell, and one past the end: index into circles_
   std::vector<BodyCircle> circles_;

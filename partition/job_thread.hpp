@@ -14,7 +14,7 @@ namespace troupe::partition {
 class JobThread {
  public:
   /// most_waiting: limit on the number of jobs that have not started, at least 1. It limits the memory,
-  /// because a job may hold a large copy of a tick.
+  /// because a job may hold a large copy of the state after a tick.
   explicit JobThread(std::size_t most_waiting);
   /// Drops the jobs that have not started and waits for the running job.
   ~JobThread();

@@ -15,7 +15,7 @@ struct Mailboxes::Impl {
   struct Letter {
     unsigned from = 0;
     std::uint64_t number = 0;  // among the letters from that rank to this one
-    unsigned delay = 0;        // how often the receiver still looks for it in vain
+    unsigned delay = 0;        // how many more times the receiver looks for it in vain (tests only)
     std::shared_ptr<const Message> message;
   };
 
@@ -23,7 +23,7 @@ struct Mailboxes::Impl {
     std::mutex mutex;
     std::condition_variable changed;
     std::vector<Letter> letters;
-    std::optional<std::string> closed;  // the reason
+    std::optional<std::string> closed;  // after close(): the reason
   };
 
   class Mail : public Transport {

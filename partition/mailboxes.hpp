@@ -10,8 +10,8 @@
 
 namespace troupe::partition {
 
-/// Transports between ranks that are threads of this process. Each rank has a mailbox to which the other
-/// ranks add messages.
+/// Transports between ranks (the members that compute one world together, see Transport) that are threads of
+/// this process. Each rank has a mailbox to which the other ranks add messages.
 class Mailboxes {
  public:
   /// seed: if it is given, messages arrive late and in a shuffled order that depends on it, as they may on a
@@ -24,8 +24,8 @@ class Mailboxes {
   Mailboxes& operator=(const Mailboxes&) = delete;
 
   Transport& of(unsigned rank);  ///< the transport of a rank; valid while this object lives
-  /// Makes every call of receive() that has no message throw RankError with this text, on all ranks. Called
-  /// if a rank fails. Only the first text counts. Thread-safe.
+  /// Makes every waiting and later call of receive() that finds no message throw RankError with this text, on
+  /// all ranks. Called if a rank fails. Only the first text counts. Thread-safe.
   void close(const std::string& reason);
 
  private:

@@ -33,14 +33,17 @@ Units units_of(const Message& message) {
 }
 
 const troupe_mpi& load(const std::filesystem::path& module) {
-  // Global, because the MPI library loads further libraries that look for its symbols.
+  // RTLD_GLOBAL, because the MPI library loads further libraries that look for its symbols.
   void* library = dlopen(module.c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (library == nullptr) throw std::runtime_error(dlerror());
   void* symbol = dlsym(library, "troupe_mpi_module");
-  if (symbol == nullptr) throw std::runtime_error(module.string() + ": it is no module of Troupe for MPI");
+  if (symbol == nullptr)
+    throw std::runtime_error(module.string() +
+                             ": not an MPI module of Troupe: it has no function troupe_mpi_module");
   const troupe_mpi& found = *reinterpret_cast<decltype(&troupe_mpi_module)>(symbol)();
   if (found.interface != TROUPE_MPI_INTERFACE)
-    throw std::runtime_error(module.string() + ": it was compiled for another version of Troupe");
+    throw std::runtime_error(module.string() +
+                             ": this MPI module was compiled for another version of Troupe");
   return found;
 }
 
@@ -57,7 +60,7 @@ struct MpiTransport::Impl {
   void check(bool works, const char* what) const {
     if (!works) throw RankError(std::string("MPI: ") + what + " failed");
   }
-  /// Forgets the messages that have left.
+  /// Frees the messages that have been sent.
   void progress() {
     for (auto each = sending.begin(); each != sending.end();) {
       const int done = mpi.is_done(each->transfer);
@@ -88,7 +91,7 @@ struct MpiTransport::Impl {
   double waited_s = 0;
   std::vector<std::string> hosts;
   std::list<Sending> sending;
-  // The last message as units: a message to all ranks is converted once.
+  // The last message, and the same message as units, so that a message to all ranks is converted only once.
   std::shared_ptr<const Message> last;
   std::shared_ptr<const Units> last_units;
 };
@@ -146,7 +149,7 @@ std::shared_ptr<const Message> MpiTransport::receive(unsigned from) {
   const auto* first = reinterpret_cast<const std::byte*>(units.data());
   std::memcpy(&bytes, first, sizeof bytes);
   if (bytes > units.size() * sizeof(Unit) - sizeof bytes)
-    throw std::logic_error("internal error: a message of MPI is shorter than it says");
+    throw std::logic_error("internal error: an MPI message is shorter than its stated length");
   first += sizeof bytes;
   return std::make_shared<const Message>(first, first + bytes);
 }

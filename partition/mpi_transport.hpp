@@ -16,22 +16,22 @@ class MpiTransport : public Transport {
   /// Loads the module and initialises MPI. Throws std::runtime_error if that is not possible. The text says
   /// why.
   explicit MpiTransport(const std::filesystem::path& module);
-  /// Does not finalise MPI, because a process that has failed must end without waiting for the others:
-  /// finish().
+  /// Does not finalise MPI, which only finish() does: a process that has failed must be able to end without
+  /// waiting for the others.
   ~MpiTransport() override;
 
   unsigned rank() const override;
   unsigned ranks() const override;
-  /// Waits for a message; other processes may use the processor meanwhile. Throws RankError after set_limit()
-  /// seconds, with the number of the rank and its host.
+  /// Waits for a message; other processes may use the processor meanwhile. After the time of set_limit(),
+  /// throws RankError with the number and the host of the rank that did not answer.
   std::shared_ptr<const Message> receive(unsigned from) override;
   double seconds() const override;
   double waited_s() const override;
 
   const std::string& library() const;  ///< name and version of the MPI library
-  /// Sets how long receive() waits, s. At first it waits for any time.
+  /// Sets how long receive() waits at most, s. Without a call, it waits without a limit.
   void set_limit(double seconds);
-  /// Sets the names of the hosts of all ranks, for errors.
+  /// Sets the names of the hosts of all ranks, indexed by rank, for the texts of errors.
   void set_hosts(std::vector<std::string> hosts);
   /// Waits until all messages have left and finalises MPI. All ranks must call it; no function may be called
   /// afterwards.

@@ -13,8 +13,8 @@ void NearCircles::add_pieces(const FixedOutlines& outlines, double within, std::
                         [&](std::span<const BodyCircle> run) { add(run, mark); });
 }
 
-/// Adds those circles of `run` that reach into the disc. The loop has no branch, because that would be
-/// unpredictable: it writes every circle and advances only past those that reach into the disc.
+/// Adds those circles of `run` that reach into the disc. The loop has no branch, because a branch would be
+/// unpredictable: the loop writes every circle and advances only past those that reach into the disc.
 void NearCircles::add(std::span<const BodyCircle> run, std::uint32_t mark) {
   const auto margin = static_cast<float>(1e-6 + 3e-6 * reach_);
   const auto reach = static_cast<float>(reach_) + margin;

@@ -40,9 +40,9 @@ struct CircleArrays {
 
 /// The candidates of a sensor: the circles of bodies, and of pieces of static outlines, that reach into the
 /// disc within which the sensor looks. Sensors that look in a few directions use this class: lines of sight,
-/// light sensors, cones, and the walls between radios. Rangers, of which a block of cells shares one search,
-/// use NearbyOutlines. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their
-/// memory.
+/// light sensors, cones, and the walls between radios. Rangers use NearbyOutlines instead, which shares one
+/// search among all rangers in a block of cells. Not thread-safe. Keep one object per thread and reuse it:
+/// its arrays keep their memory.
 class NearCircles {
  public:
   /// Begins an empty list. centre: of the disc, world frame, m. reach: its radius, m.
@@ -68,7 +68,8 @@ class NearCircles {
     });
   }
   /// Adds the pieces of outlines that reach into the disc and are at most `within` (m) away from its centre.
-  /// A piece may be added several times. The bits of `mark` are set in CircleArrays::row.
+  /// A piece may be added several times. The bits of `mark` are set in CircleArrays::row of each piece, to
+  /// tell pieces from bodies.
   void add_pieces(const FixedOutlines& outlines, double within, std::uint32_t mark);
   /// Removes all circles but the first `size`.
   void keep(std::size_t size) { size_ = size; }
@@ -76,8 +77,8 @@ class NearCircles {
   void make_room(std::size_t size) { circles_.make_room(size); }
 
   std::size_t size() const { return size_; }  ///< number of circles
-  /// The circles; their centres are relative to the centre of the disc. They are widened by more than the
-  /// rounding errors of their numbers.
+  /// The circles; their centres are relative to the centre of the disc. The circles are widened by more than
+  /// the rounding errors of their centres and radii.
   const CircleArrays& circles() const { return circles_; }
 
  private:

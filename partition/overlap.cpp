@@ -38,7 +38,7 @@ ObstacleShape inset(const ObstacleShape& shape, double depth) {
   std::vector<ConvexPrism> pieces = shape.pieces;
   for (ConvexPrism& piece : pieces) {
     const Ring ring = piece.outline;
-    const auto inward = [&ring](std::size_t edge) {  // of the edge to the next corner, counter-clockwise
+    const auto inward = [&ring](std::size_t edge) {  // unit normal of the edge from this corner to the next
       const Vec2 along = ring[(edge + 1) % ring.size()] - ring[edge];
       const double length = along.norm();
       return length > 0 ? Vec2(-along.y() / length, along.x() / length) : Vec2(0, 0);

@@ -36,9 +36,9 @@ inline constexpr double k_rounding_m = 1e-9;
 /// Makes a shape from the convex pieces of a body's obstacle solids.
 ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 
-/// Returns the shape with every edge of every piece moved inwards by `depth`, m: a shape that overlaps by at
-/// most `depth` no longer does. Corners of a piece that is narrower than that cross over: `depth` should be
-/// less than half of ObstacleShape::thinnest.
+/// Returns the shape with every edge of every piece moved inwards by `depth`, m. A body that penetrates the
+/// shape by at most `depth` does not overlap the result. Edges of a piece narrower than twice `depth` would
+/// cross over, so `depth` should be less than half of ObstacleShape::thinnest.
 ObstacleShape inset(const ObstacleShape& shape, double depth);
 
 /// True if the two shapes share area at a common height. Shapes that only touch do not overlap. The pieces

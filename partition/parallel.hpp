@@ -17,8 +17,8 @@ class Parallel {
   static constexpr unsigned k_most_threads = 1024;  ///< largest number of threads
 
   /// threads: number of threads; 0 means one per processor that the process may use
-  /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads. If this is more
-  /// than oneTBB allows by default, the constructor raises oneTBB's limit for the whole process.
+  /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads. If `threads` is
+  /// more than oneTBB allows by default, the constructor raises oneTBB's limit for the whole process.
   explicit Parallel(unsigned threads);
   ~Parallel();
   /// A moved-from object can only be destroyed or assigned to.

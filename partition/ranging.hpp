@@ -23,8 +23,8 @@ namespace troupe::partition {
 /// negative if the edge is behind the origin.
 ///
 /// e and a x b are computed in double before they are rounded. In exact arithmetic c_a - c_b, and the cross
-/// product of the rounded ends, would give the same. In floats they lose all digits for an edge that is short
-/// compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
+/// product of the rounded ends, would give the same. In floats these two expressions lose all digits for an
+/// edge that is short compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
 ///
 /// For three sorts of edges this formula would divide rounding errors by rounding errors: edges hit at a
 /// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny from the origin, and edges that pass
@@ -94,8 +94,8 @@ constexpr float k_cull_slack = 1e-6f;
 
 /// An edge is hit at a grazing angle if |d x e| is less than this number times |ex| + |ey|.
 constexpr float k_grazing = 1.0f / 256;
-/// An edge looks tiny if |A| is at most this number times m^2. The sign of A, which tells on which side of
-/// the edge's line the origin is, could then be wrong because of rounding.
+/// An edge looks tiny if |A| is at most this number times m^2 (A and m as above). The sign of A, which tells
+/// on which side of the edge's line the origin is, could then be wrong because of rounding.
 constexpr float k_tiny = 1.0f / (1 << 20);
 
 /// Converts the edge from a to b (world frame, metres) to coordinates relative to the reference point. Its
@@ -160,7 +160,8 @@ class EdgeBlock {
     out[1] = first.y();
     std::size_t done = 0;
     do {
-      // A copy of the exact number would cost an unpredictable branch. The next piece overwrites the excess.
+      // Copying the exact number of vertices would cost an unpredictable branch. The next piece overwrites
+      // the excess.
       const std::size_t left = edges - done;
       std::memcpy(out + 2 + 2 * done, rest[done].data(), 2 * k_piece * sizeof(double));
       pieces_[pieces_count_++] = {static_cast<std::uint32_t>(vertices_ + done),

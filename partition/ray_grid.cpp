@@ -539,7 +539,7 @@ bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const Grid
     if (drawn >> cell.bit() & 1) {
       if (const float most = met(marks_[region.marks[block] + rank(drawn, cell.bit())], ray); most >= 0) {
         // The range is the distance along the ray between the middles of the first and the last cell, minus a
-        // quarter of the distance of one step.
+        // quarter of the length of a step.
         const std::int64_t steps =
             line.across >= line.up ? i + std::abs(cell.x() - entry.x()) : j + std::abs(cell.y() - entry.y());
         const double step_m =

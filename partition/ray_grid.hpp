@@ -35,7 +35,7 @@ namespace troupe::partition {
 
 /// An outline of a mobile body.
 struct MovingOutline {
-  std::uint32_t body = 0;   ///< the body: index into `poses` of redraw(). Its own rays ignore the outline
+  std::uint32_t body = 0;   ///< index into `poses` of redraw(). Rays that this body casts ignore the outline
   std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()
   std::uint32_t count = 0;  ///< number of vertices, at least one
   ZInterval z;              ///< heights, body frame
@@ -62,7 +62,7 @@ class RayGrid {
  public:
   /// Draws the static scene. The mobile bodies are drawn only by redraw(). outlines: those of the mobile
   /// bodies, grouped by body; outlines without vertices or with a negative ranger_return are dropped.
-  /// vertices: of all outlines, as for redraw(). resolution_m: edge of a cell, metres. Throws
+  /// vertices: of all outlines, world frame, metres. resolution_m: edge of a cell, metres. Throws
   /// std::length_error if the cells would take more than k_most_bytes (the message suggests a resolution that
   /// fits), or if a solid is more than 2^29 cells from the origin.
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
@@ -176,7 +176,7 @@ class RayGrid {
                     std::int64_t i, std::int64_t j, GridHit& hit) const;
 
   GridGeometry cells_;
-  TileDirectory directory_;
+  TileDirectory directory_;          // gives each region in use a number, its slot
   std::vector<Slot> slots_;          // indexed by the slots of directory_
   std::vector<std::uint32_t> live_;  // slots that have a live region
   std::size_t fixed_regions_ = 0;

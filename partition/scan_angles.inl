@@ -21,8 +21,8 @@ using Floats = Vec<Full<float>>;
 constexpr float k_quarter = 1.57079633f;  // a quarter of a turn, rad
 
 /// The angle of the direction (x, y) in [-pi, pi], rad. It is accurate to 1e-4 rad, which is enough to
-/// discard beams with a margin. For (0, 0) the result is arbitrary. source  Abramowitz and Stegun, Handbook
-/// of mathematical functions, 4.4.47
+/// discard beams with a margin. For (0, 0) the result is arbitrary.
+/// source  Abramowitz and Stegun, Handbook of mathematical functions, 4.4.47
 HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
   const Floats across = Min(Abs(x), Abs(y));
   const Floats along = Max(Max(Abs(x), Abs(y)), Set(k_f, 1e-30f));

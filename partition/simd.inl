@@ -16,12 +16,13 @@ HWY_BEFORE_NAMESPACE();
 namespace troupe::partition::HWY_NAMESPACE {
 
 /// The operations that kernels may use: those that give the same bits on every target. MulAdd and its
-/// relatives are excluded because they round once on targets that have them and twice on others; the
-/// Approximate ones are excluded as well. A test checks that kernels use only this list.
+/// relatives are excluded because they round once on targets that have them and twice on others. Highway's
+/// Approximate operations are excluded because their results differ between targets. A test checks that
+/// kernels use only this list.
 namespace simd {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A whole vector of at most 512 bits, because arrays are padded for that; SVE vectors may have 2048.
+// A whole vector, but at most 512 bits, because arrays are padded for that; SVE vectors may have 2048 bits.
 template <class T>
 using Full = hn::CappedTag<T, 64 / sizeof(T)>;
 template <class T, std::size_t N>

@@ -50,8 +50,8 @@ std::vector<std::int64_t> each_of(std::int64_t targets) {
 }
 
 /// The set of targets that are compiled in and that this processor supports. hwy::SupportedTargets() also
-/// chooses the target on which kernels run, but before it removes the targets that may not be used. Therefore
-/// it is called only once, and the choice is then corrected.
+/// chooses the target on which kernels run, and does so before it removes the targets that may not be used.
+/// Therefore it is called only once, and the choice is then corrected.
 std::int64_t usable() {
   static const std::int64_t targets = [] {
     const std::int64_t found = hwy::SupportedTargets() & HWY_TARGETS;

@@ -153,7 +153,8 @@ void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell
   }
 }
 
-/// Visits the cells that a box (metres, world frame) touches, in runs, like the other for_each_run().
+/// Visits the cells that a box (metres, world frame) touches, in runs, as for_each_run() above does for a
+/// rectangle of cells.
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
   for_each_run(grid, directory, grid.cell(box.min), grid.cell(box.max), visit);

@@ -18,7 +18,7 @@ void for_each_cell(const GridGeometry& grid, const FixedEdge& edge, Visit&& visi
   for (std::int32_t y = low.y; y <= high.y; ++y) {
     Cell from = low;
     Cell to = high;
-    // Of this row of cells, only those are tested through which the edge passes, and one more on each side.
+    // In this row of cells, only those that the edge passes and one more on each side are tested.
     if (along.y() != 0) {
       const double t0 = std::clamp((y * grid.cell_m - edge.a.y()) / along.y(), 0.0, 1.0);
       const double t1 = std::clamp(((y + 1) * grid.cell_m - edge.a.y()) / along.y(), 0.0, 1.0);
@@ -65,8 +65,8 @@ EdgeGrid::EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometr
 }
 
 /// Classifies the cells of a solid's box as inside or outside the solid, or as unknown if an edge may cross
-/// the cell. If no edge crosses a cell, all its points are on the same side; so are those of two such cells
-/// next to each other, so that edges need to be counted only for the first cell of a sequence.
+/// the cell. A cell that no edge crosses is wholly inside or wholly outside. Two such cells next to each
+/// other are on the same side, so that edges need to be counted only for the first cell of a sequence.
 void StaticScene::cover_cells(const Solid& solid, Strips& strips) const {
   constexpr double k_most_cells = 1 << 20;
   const Cell low = cover_grid_.cell(strips.box.min);

@@ -28,8 +28,8 @@ struct FixedSolid {
 class EdgeGrid {
  public:
   EdgeGrid() = default;
-  /// Indexes the edges. The choice of the grid affects the speed and which edges a query visits in addition,
-  /// but not whether it visits an edge that crosses its box.
+  /// Indexes the edges. The grid determines the speed of a query, and which edges near its box a query also
+  /// visits. A query visits every edge that crosses its box, whatever the grid.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
   /// Calls visit(span of edges) for all edges of the cells that the box (metres, world frame) touches. An
@@ -48,7 +48,7 @@ class EdgeGrid {
 
  private:
   GridGeometry geometry_;
-  TileDirectory directory_;
+  TileDirectory directory_;            // gives each tile in use a number, its slot
   std::vector<std::uint32_t> begins_;  // per slot and cell, and one past the end: index into edges_
   std::vector<FixedEdge> edges_;       // in (tile, cell) order
 };

@@ -35,7 +35,7 @@ class Transport {
     traffic_.bytes += message->size();
     post(to, std::move(message));
   }
-  /// Starts to send a message to each other rank.
+  /// Starts to send a message to every other rank.
   void send_to_all(const std::shared_ptr<const Message>& message) {
     for (unsigned to = 0; to < ranks(); ++to)
       if (to != rank()) send(to, message);

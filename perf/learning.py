@@ -4,10 +4,10 @@ ticks per second of the world without an environment. One step is one tick.
 
     PYTHONPATH=build/release/lib/python3/dist-packages taskset -c 1 python3 perf/learning.py [COPIES...]
 
-The world without an environment is one Simulation with the same speeds. The batch is BatchEnv.step(), with actions,
-observations, rewards and ends; copies whose episodes have ended are reset within the step. Each figure is the median of five
-repetitions. The repetitions of the world and of the batches alternate, so that other load affects all of them
-equally.
+The world without an environment is one Simulation whose robots get the same speeds. A batch is measured with BatchEnv.step(),
+including actions, observations, rewards and ends; copies whose episodes have ended are reset within the step. Each figure is
+the median of five repetitions. The repetitions of the world and of the batches alternate, so that other load affects all of
+them equally.
 """
 
 import statistics
@@ -100,7 +100,7 @@ def main(*sizes):
         rate = statistics.median(rates)
         print(f"{size:5} copies: {rate:9,.0f} environment steps/s, {rate / base:.2f}")
     best = max(map(statistics.median, of_batch.values()))
-    print(f"best batch: {best / base:.2f} of the world's ticks")
+    print(f"best batch: {best / base:.2f} environment steps per tick of the world alone")
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What a viewer costs a running world (docs/live.md): the program on one processor, the viewer on another.
+"""Measures how much a viewer slows a running world (docs/live.md). The program runs on one processor, the viewer on another.
 
     live_view.py TROUPE
 
-Prints the pictures that a viewer of 2,000 robots receives in a second, and the speed of a world of 100,000 robots with a
-viewer, and with one that does not read, relative to its speed without a viewer.
+Prints how many pictures of 2,000 robots a viewer receives in a second. Then prints the speed of a world of 100,000 robots with
+a viewer, and with a viewer that does not read, relative to the speed without a viewer.
 """
 
 import os

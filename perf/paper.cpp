@@ -37,9 +37,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_footer = R"(
-A full run of five repetitions takes about an hour on two cores of 2023, a run with --quick a few seconds. It
-needs about 2 GB of memory. Run nothing else on the machine meanwhile: other load increases the difference
-between the columns min and max.
+A full run of five repetitions takes about an hour on a computer of 2023 with two cores, and about 2 GB of memory.
+A run with --quick takes a few seconds. Run nothing else on the machine meanwhile: other load increases the
+difference between the columns min and max.
 
 --list prints the names of the rows of all tables. For example, --only '^3/' measures only table 3, and --only 'loading'
 only the loading of worlds.

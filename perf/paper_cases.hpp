@@ -13,13 +13,13 @@ namespace troupe::perf {
 
 /// A world to simulate, with its settings and the time to simulate.
 struct Scene {
-  std::string name;  ///< such as "hospital/2000"; key of its recorded hash and of the paper's figure
+  std::string name;  ///< such as "hospital/2000"; key of its recorded hash and in paper_reference.json
   std::filesystem::path world;
   worldio::LoadOptions load;
   std::size_t robots = 0;
   double skip_s = 0;  ///< simulated time before the measurement starts, s
   double for_s = 60;  ///< simulated time whose wall time is measured, s
-  bool grid = false;  ///< use the paper's ray tracer (the grid engine) instead of the exact engine
+  bool grid = false;  ///< use the grid engine, the ray tracer of the paper on Stage (perf/paper.cpp)
 };
 
 /// One row of a table: a scene, and the way in which it is run.

@@ -13,7 +13,7 @@
 
 namespace troupe::perf {
 
-/// Measurements of a run (a row of a table). Values without another statement are of the last repetition.
+/// Measurements of a run (a row of a table). Members whose comments name no repetition are of the last one.
 struct Timing {
   Run run;
   std::size_t robots = 0;
@@ -50,8 +50,8 @@ struct CaseTiming {
 
 /// Measures a case `repeat` times. The repetitions of a scene with `skip_s` are consecutive pieces of one
 /// simulation; those of other scenes each start at tick 0. progress: called before each measurement with a
-/// text that names it. Throws InputError if a world cannot be loaded, and std::runtime_error if pictures
-/// cannot be drawn.
+/// text that names the measurement. Throws InputError if a world cannot be loaded, and std::runtime_error if
+/// pictures cannot be drawn.
 CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
                      const std::function<void(const std::string&)>& progress);
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the paper's figures 7 and 8 (times real time against population, both logarithmic) from the output of
-`perf_paper --out`, with the figures of other simulators from paper_reference.json, and the scaling with threads.
+"""Draws figures 7 and 8 of the paper on Stage (perf/paper.cpp; times real time against population, both logarithmic) from the
+output of `perf_paper --out`, with values of other simulators from paper_reference.json, and the scaling with threads.
 
     perf/plot_paper.py build/perf/paper.json [--images docs/images]
 

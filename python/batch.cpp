@@ -103,7 +103,7 @@ BatchPart part_of(const std::string& what, const py::handle& given) {
   const auto found = std::ranges::find(k_names, of);
   if (found == k_names.end())
     throw py::value_error(
-        fmt::format("{}: {}", what, unknown_name("part", of, {k_names.begin(), k_names.end()})));
+        fmt::format("{}: {}", what, unknown_name("kind of part", of, {k_names.begin(), k_names.end()})));
   part.of = static_cast<BatchPart::Of>(found - k_names.begin());
   return part;
 }
@@ -217,8 +217,11 @@ void bind_batch(py::module_& module) {
       .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
            "world: a Simulation, which is copied and not changed. spec: a dict that docs/learning.md "
            "describes.")
-      .def_property_readonly("copies", [](const BatchHolder& b) { return b->use().copies(); })
-      .def_property_readonly("threads", [](const BatchHolder& b) { return b->use().threads(); })
+      .def_property_readonly(
+          "copies", [](const BatchHolder& b) { return b->use().copies(); }, "Number of copies of the world.")
+      .def_property_readonly(
+          "threads", [](const BatchHolder& b) { return b->use().threads(); },
+          "Number of threads that step the copies.")
       .def(
           "robots", [](const BatchHolder& b, std::size_t team) { return b->use().robots(team); },
           py::arg("team") = 0, "Number of robots of a team per copy.")
@@ -235,7 +238,8 @@ void bind_batch(py::module_& module) {
                          found.bytes, b, false);
           },
           py::arg("name"), py::arg("team") = 0,
-          "An array of observations of a team, read-only: copies x robots x columns.")
+          "The array of this name of a team, with observations after the last step, read-only: copies x "
+          "robots x columns.")
       .def(
           "actions",
           [](const BatchHolder& b, std::size_t team) {
@@ -277,32 +281,40 @@ void bind_batch(py::module_& module) {
           },
           py::arg("team") = 0,
           "copies x robots, bool: whether the robot is in the world (born, and not dead).")
-      .def_property_readonly("truncated",
-                             [](const BatchHolder& b) {
-                               BatchEnv& batch = b->use();
-                               return shown(py::dtype::of<bool>(), {extent(batch.copies())},
-                                            batch.truncated(), b, false);
-                             })
-      .def("over",
-           [](const BatchHolder& b) {
-             BatchEnv& batch = b->use();
-             return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
-           })
-      .def_property_readonly("measure_columns",
-                             [](const BatchHolder& b) { return b->use().measure_columns(); })
-      .def_property_readonly("measures",
-                             [](const BatchHolder& b) {
-                               BatchEnv& batch = b->use();
-                               return shown(py::dtype::of<double>(),
-                                            {extent(batch.copies()), extent(batch.measure_columns().size())},
-                                            batch.measures(), b, false);
-                             })
-      .def_property_readonly("seeds",
-                             [](const BatchHolder& b) {
-                               BatchEnv& batch = b->use();
-                               return shown(py::dtype::of<std::uint64_t>(), {extent(batch.copies())},
-                                            batch.seeds(), b, false);
-                             })
+      .def_property_readonly(
+          "truncated",
+          [](const BatchHolder& b) {
+            BatchEnv& batch = b->use();
+            return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.truncated(), b, false);
+          },
+          "One bool per copy: whether the episode has reached its largest length, `seconds` of the spec.")
+      .def(
+          "over",
+          [](const BatchHolder& b) {
+            BatchEnv& batch = b->use();
+            return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
+          },
+          "One bool per copy: whether the copy is over, that is, truncated, or all its robots in teams are "
+          "finished.")
+      .def_property_readonly(
+          "measure_columns", [](const BatchHolder& b) { return b->use().measure_columns(); },
+          "Names of the columns of `measures`, with their units.")
+      .def_property_readonly(
+          "measures",
+          [](const BatchHolder& b) {
+            BatchEnv& batch = b->use();
+            return shown(py::dtype::of<double>(),
+                         {extent(batch.copies()), extent(batch.measure_columns().size())}, batch.measures(),
+                         b, false);
+          },
+          "The measures after the last step: copies x columns.")
+      .def_property_readonly(
+          "seeds",
+          [](const BatchHolder& b) {
+            BatchEnv& batch = b->use();
+            return shown(py::dtype::of<std::uint64_t>(), {extent(batch.copies())}, batch.seeds(), b, false);
+          },
+          "One seed per copy: that of its current episode.")
       .def(
           "reset",
           [](const BatchHolder& b, const Marks& which, const Seeds& seeds) {
@@ -311,8 +323,8 @@ void bind_batch(py::module_& module) {
           },
           py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
           "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed per "
-          "copy; without\na seed, or with None as seed, the copy begins its next episode with a seed derived "
-          "from its last one.")
+          "copy. A copy\nwithout a seed (None, or no list) begins its next episode, whose seed is derived "
+          "from the seed that was given last.")
       .def(
           "step",
           [](const BatchHolder& b, const Marks& begins) {
@@ -324,11 +336,11 @@ void bind_batch(py::module_& module) {
           "episode instead of\nmaking a step. None: all copies make a step.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
-          py::arg("copy") = 0)
+          py::arg("copy") = 0, "Number of completed ticks of a copy in its current episode.")
       .def(
           "state_hash",
           [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).state_hash(); },
-          py::arg("copy") = 0)
+          py::arg("copy") = 0, "Hash of the state of a copy.")
       .def(
           "picture",
           [](const BatchHolder& b, std::size_t copy, int width, int height) {

@@ -54,11 +54,11 @@ class Held {
  public:
   explicit Held(Simulation&& simulation) : simulation_(std::move(simulation)) {}
 
-  /// Returns the simulation, for a call that holds the interpreter's lock. Throws std::logic_error while
-  /// another thread steps it.
+  /// Returns the simulation. The caller must hold the interpreter's lock. Throws std::logic_error while
+  /// another thread steps the simulation.
   Simulation& use();
   /// Makes `ticks` ticks. Checks for signals regularly, so that Ctrl-C interrupts it between two ticks.
-  /// to_its_end: stops early if a stop condition ends the run.
+  /// to_its_end: whether to stop early if a stop condition of the world ends the run.
   void step(std::uint64_t ticks, bool to_its_end = false);
   /// Calls `task` without the interpreter's lock, as one long step that other threads must not interrupt.
   /// Raises KeyboardInterrupt afterwards if Ctrl-C was pressed.
@@ -104,7 +104,7 @@ struct HeldModel {
 
 /// A swarm owned by Python, which keeps its simulation alive.
 struct HeldSwarm {
-  Holder held;  ///< null for the argument of a measure, which is valid only during its call
+  Holder held;  ///< null for a swarm that is the argument of a measure and valid only during that call
   Swarm swarm;
 
   /// Returns the swarm. Throws as Held::use() does.

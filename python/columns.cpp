@@ -11,8 +11,8 @@
 namespace troupe::python {
 namespace {
 
-/// Returns texts of bytes as an array of one row per text, padded with zeros: one row for a `bytes`, and one
-/// per element for a list of them. Throws ValueError if one is longer than the field.
+/// Converts a `bytes`, or a list of several, to an array with one row per `bytes`, padded with zeros to the
+/// length of the field. Throws ValueError if a `bytes` is longer than the field.
 py::array padded(const engine::StateField& field, const py::handle& value) {
   const std::vector<py::bytes> texts = py::isinstance<py::bytes>(value)
                                            ? std::vector{py::reinterpret_borrow<py::bytes>(value)}
@@ -126,9 +126,9 @@ py::tuple messages_of(const py::object& type, const std::string& device, const p
   const py::ssize_t places = length.ndim() > 1 ? length.shape(1) : 1;
   const py::ssize_t room = (payload.ndim() > 1 ? payload.shape(1) : 1) / places;
   if (size == 0 || size > room)
-    throw py::value_error(
-        fmt::format("an element of {} bytes does not fit into the payload of \"{}\", which is {} bytes", size,
-                    device, room));
+    throw py::value_error(fmt::format(
+        "dtype: an element of {} bytes does not fit into the payload of \"{}\", which is {} bytes", size,
+        device, room));
   const py::object bytes = payload.attr("reshape")(robots, places, room);
   const py::object part = bytes[py::make_tuple(py::ellipsis(), py::slice(0, size, 1))];
   const py::object shape = py::make_tuple(robots, places).attr("__add__")(dtype.attr("shape"));

@@ -16,7 +16,8 @@ namespace troupe::python {
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Where = std::optional<py::array>;
 
-/// Throws ValueError: `name` has the shape of `given`, and for this number of robots `wanted` is expected.
+/// Throws ValueError for an argument of a wrong shape. name: of the argument; given: its value; robots: the
+/// number of robots; wanted: text that says what is expected instead, such as "one number, or one for each".
 [[noreturn]] void refuse(std::string_view name, const py::array& given, std::size_t robots,
                          std::string_view wanted);
 
@@ -47,14 +48,16 @@ std::span<std::byte> bytes_of(py::array& array);
 std::span<const std::byte> const_bytes_of(const py::array& array);
 
 /// Converts a value to an array robots x columns with the element type of a field of a command. Throws
-/// ValueError if the shape does not fit, or if a field of integers cannot represent a number.
+/// ValueError if the shape does not fit, or if the element type is an integer type that cannot represent a
+/// number.
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
 
 /// Returns the fields of the command that makes the radios named `device` send `message`: a `bytes`, or an
 /// array with one row per robot. `fields` are the fields of the command of these radios.
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots);
-/// The fields count, length and payload of the readings of radios as the result of Swarm.heard().
+/// Converts the fields count, length and payload of the readings of radios to the result of Swarm.heard(),
+/// with messages of the NumPy type `type`.
 py::tuple messages_of(const py::object& type, const std::string& device, const py::array& count,
                       const py::array& length, const py::array& payload);
 

@@ -62,16 +62,16 @@ class HeldView {
 void bind_live(py::module_& module, SimulationClass& simulation) {
   py::class_<HeldView>(module, "View",
                        "A running simulation in a browser (docs/live.md), made by Simulation.view(). Users "
-                       "can pause and change "
-                       "it there;\nwhat they do is written to a session file.")
+                       "can pause and change the\nsimulation there; their actions are written to a session "
+                       "file, with which the run can be repeated.")
       .def_property_readonly("address", &HeldView::address, "Address of the page for full control.")
       .def_property_readonly("read_only_address", &HeldView::look_address,
                              "Address of the page for read-only access.")
       .def_property_readonly("session", &HeldView::session, "Path of the session file.")
-      .def(
-          "run", &HeldView::run, py::arg("for_s") = py::none(),
-          "Waits for the first user, and then steps the simulation as users command, for so many seconds of "
-          "world time, or\nuntil a stop condition of the world holds. Ctrl-C ends it with KeyboardInterrupt.")
+      .def("run", &HeldView::run, py::arg("for_s") = py::none(),
+           "Waits for the first user, and then steps the simulation as users command, for `for_s` seconds of "
+           "world time, or until\na stop condition of the world holds; None: without a limit of time. Ctrl-C "
+           "ends it with KeyboardInterrupt.")
       .def("close", &HeldView::close, "Ends the session and disconnects all users.");
   simulation.def(
       "view",
@@ -88,11 +88,10 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       py::kw_only(), py::arg("port") = 0, py::arg("rate") = 1.0, py::arg("out") = fs::path(),
       py::arg("bind") = "", py::arg("hosts") = std::vector<std::string>(),
       "Shows the simulation in a browser and returns a View with the address of the page. Either View.run() "
-      "steps the\nsimulation, or the program does; its steps then wait while a user has paused the run. "
-      "`rate` "
-      "limits the speed, times\nreal time; 0 is no limit. The session file is created in the folder `out`. "
-      "Users can "
-      "remove and disable robots only\nin a world with \"mortal\": true.");
+      "steps the\nsimulation, or the program does; steps of the program wait while a user has paused the "
+      "run. `rate` limits the speed,\ntimes real time; 0 is no limit. The session file is created in the "
+      "folder `out`. Users can remove and disable robots\nonly in a world with \"mortal\": true. port, bind "
+      "and hosts are the options --port, --bind and --allow-host of\n`troupe view` (docs/live.md).");
 }
 
 }  // namespace troupe::python

@@ -23,7 +23,7 @@ py::array readings(HeldModel& m, const std::string& field, const std::string& de
 }
 
 /// Converts a value to an array with the element type of a field of a command. Throws ValueError if the value
-/// has another number of elements, or if a field of integers cannot represent it.
+/// has another number of elements than the field, or if an integer type cannot represent it.
 py::array elements_of(const engine::StateField& field, const py::handle& value) {
   const py::module_ numpy = py::module_::import("numpy");
   const py::array given = numpy.attr("asarray")(value);
@@ -144,7 +144,8 @@ void bind_models(py::module_& module) {
           "Whether the body is in the world: spawned or present from the start, and not removed.")
       .def(
           "stalled", [](HeldModel& m) { return m.use().stalled(); },
-          "Whether an obstacle blocked the robot's motion in the last tick.")
+          "Whether the robot's motion in the last tick was blocked by an obstacle or would have left the "
+          "bounds of the world.")
       .def(
           "estimate", [](HeldModel& m) { return m.use().estimate(); },
           "Estimated pose, m and rad: with the localization `gps` the true pose in the world frame, with "
@@ -191,7 +192,8 @@ void bind_models(py::module_& module) {
             return std::vector<engine::StateField>(fields.begin(), fields.end());
           },
           py::arg("device"),
-          "The fields of a device that readings() can return, with names, types, units and texts.")
+          "The fields of a device that readings() can return: a list of Field (name, columns, dtype, unit, "
+          "description).")
       .def("command", &command, py::arg("device"),
            "Sets fields of the command of a device by name: robot.command(\"lamp\", shows=1, red=1). Other "
            "fields of the\ncommand keep their values. The command applies from the next step on. Returns the "
@@ -213,9 +215,8 @@ void bind_models(py::module_& module) {
           "dissipated_j,\nreceived_j, given_j, infinite, charging. None if there is no such pack.")
       .def(
           "flag_count", [](HeldModel& m) { return m.use().flag_count(); },
-          "Number of flags (small objects that grippers carry) that the devices of this part hold; flags "
-          "that "
-          "other parts of the robot hold do not count.");
+          "Number of flags (coloured tokens that bodies exchange, docs/energy.md) in the list of this model; "
+          "0 if it has no\nlist. Lists of other parts of the body do not count.");
 }
 
 }  // namespace troupe::python

@@ -127,7 +127,8 @@ void bind_observers(py::module_& module) {
       .def(py::init(&measures_of), py::arg("simulation").none(false), py::arg("wanted") = py::tuple())
       .def("see", &HeldMeasures::see,
            "Updates measures that depend on earlier ticks. Call it after every step.")
-      .def_property_readonly("columns", [](const HeldMeasures& m) { return m.names; })
+      .def_property_readonly(
+          "columns", [](const HeldMeasures& m) { return m.names; }, "Names of the values, with their units.")
       .def("values", &HeldMeasures::values,
            "One number per column for the current state; NaN if a measure has no value.")
       .def("__getitem__", &HeldMeasures::value, py::arg("name"),
@@ -145,7 +146,8 @@ void bind_observers(py::module_& module) {
       });
 
   py::class_<HeldEvents>(module, "Events",
-                         "Detects events of robots, such as stalls, by comparing ticks (docs/measures.md).")
+                         "Detects events of robots, such as beginnings of stalls, by comparing the state of "
+                         "each tick with that of the previous\none (docs/measures.md).")
       .def(py::init([](const Holder& held) {
              return HeldEvents{held, engine::EventWatch(held->use().world())};
            }),
@@ -154,10 +156,10 @@ void bind_observers(py::module_& module) {
 
   py::class_<HeldRecording>(
       module, "Recording",
-      "A recording of a simulation: an HDF5 file (docs/recordings.md). fields: names of components or sensor "
-      "fields;\nevery_s: simulated time between two frames, s. Without fields, or without every_s, the value "
-      "that the world file\nsets under \"record\" is used. replace: whether an existing file is "
-      "replaced.\nUse it as `with Recording(...) as recording`, or call close() at the end.")
+      "A recording of a simulation: an HDF5 file (docs/recordings.md). fields: names of components of the "
+      "state or of fields\nof sensors; every_s: simulated time between two frames, s. Without fields, or "
+      "without every_s, the value that the world file\nsets under \"record\" is used. replace: whether an "
+      "existing file is replaced.\nUse it as `with Recording(...) as recording`, or call close() at the end.")
       .def(py::init([](const std::filesystem::path& file, const Holder& held,
                        const std::vector<std::string>& fields, double every_s, bool replace) {
              return HeldRecording{held, Recording(file, held->use(), {fields, every_s, replace})};
@@ -178,10 +180,11 @@ void bind_observers(py::module_& module) {
           "step.")
       .def(
           "flush", [](HeldRecording& r) { r.recording.flush(); },
-          "Writes the frames that are still in memory to the file, so that other programs can read them.")
+          "Writes the frames that are still in memory to the file. Readers that opened it in SWMR mode "
+          "(h5py: swmr=True) can\nthen read them.")
       .def(
           "close", [](HeldRecording& r) { r.recording.close(); },
-          "Writes the remaining frames and closes the file.")
+          "Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](HeldRecording& r, const py::args&) { r.recording.close(); });
 }

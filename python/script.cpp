@@ -52,8 +52,9 @@ struct PythonMeasure {
   py::object function;
 };
 
-// The hooks of a kind are plain functions, so each kind has a number, for which there is a function. Kinds
-// are never released: worlds may refer to them until the process ends.
+// The callbacks of a kind are pointers to functions, which cannot store data. Therefore each kind has a
+// number, its slot, and a function of its own for this number. Kinds are never released: worlds may refer to
+// them until the process ends.
 template <class T>
 struct Slots {
   static inline std::array<T*, k_most_kinds> all{};
@@ -100,7 +101,7 @@ struct PreparedController {
   std::vector<UsedDevice> devices;
 };
 
-/// A film that is being made; ended and empty after `with`.
+/// A film that ffmpeg is encoding; `ffmpeg` is null after the `with` block.
 struct Film {
   std::unique_ptr<apps::Ffmpeg> ffmpeg;
 };
@@ -129,7 +130,9 @@ class RobotBatch {
 
   py::ssize_t size() const { return static_cast<py::ssize_t>(batch().size()); }
   const DecideBatch& batch() const {
-    if (batch_ == nullptr) throw std::logic_error("the robots of decide() can be used only during its call");
+    if (batch_ == nullptr)
+      throw std::logic_error(
+          "the argument `robots` of decide() can be used only during the call of decide()");
     return *batch_;
   }
   py::array memory() const {
@@ -298,7 +301,7 @@ void RobotBatch::drive(const Numbers& x, const Numbers& turn, const Numbers& y, 
     if (mask.empty() || mask[i] != 0) batch().command(i) = {xs[i], ys[i], turns[i], k_mode};
 }
 
-// ---- the hooks of the kinds
+// ---- the callbacks of the kinds
 
 Result<ControllerKind::Prepared> prepare(const PythonController& controller,
                                          std::span<const engine::DeviceInfo> devices) {
@@ -311,7 +314,8 @@ Result<ControllerKind::Prepared> prepare(const PythonController& controller,
       std::size_t d = 0;
       while (d < devices.size() && !fits(d)) ++d;
       if (d == devices.size())
-        return Error{fmt::format("uses the device \"{}\", which the type does not have", wanted)};
+        return Error{fmt::format(
+            "uses the device \"{}\", which the type does not have (as a name or as a kind)", wanted)};
       chosen.push_back(d);
     }
   } else {
@@ -481,17 +485,16 @@ void bind_script(py::module_& module) {
   py::class_<RobotBatch, std::shared_ptr<RobotBatch>>(
       module, "Robots",
       "The robots for which a controller decides, in ascending order of their ids: the argument of decide(). "
-      "Its "
-      "functions\nare those of Swarm. It can be used only during the call.")
+      "Functions that\nSwarm also has do the same here. The object can be used only during the call of "
+      "decide().")
       .def("__len__", [](const RobotBatch& robots) { return robots.size(); })
       .def_property_readonly("ids", &RobotBatch::ids)
       .def_property_readonly("tick", [](const RobotBatch& robots) { return robots.batch().tick; })
       .def_property_readonly("time_s", [](const RobotBatch& robots) { return robots.batch().time_s; })
       .def_property_readonly("tick_s", [](const RobotBatch& robots) { return robots.batch().tick_s; })
-      .def_property_readonly(
-          "memory", &RobotBatch::memory,
-          "The memory: a structured array with one row per robot. What is written to it is "
-          "the memory of the next call.")
+      .def_property_readonly("memory", &RobotBatch::memory,
+                             "The memories of the robots: a structured array with one row per robot. Values "
+                             "that decide() writes to it are there in\nthe next call.")
       .def("estimates", &RobotBatch::estimates, "Estimated poses, n x 4: x, y, z (m), heading (rad).")
       .def("readings", &RobotBatch::readings, py::arg("field"), py::arg("device") = "",
            "The values of a field of a sensor or another device: shape (n,) or (n, columns).")
@@ -524,9 +527,8 @@ void bind_script(py::module_& module) {
             return robots.drawn<double>([&](Random& random) { return random.uniform(low, high); });
           },
           py::arg("low") = 0.0, py::arg("high") = 1.0,
-          "One uniformly distributed number in [low, high) per robot. Each draw continues the random streams "
-          "of "
-          "the robots\nin this tick, as in C++.")
+          "One uniformly distributed number in [low, high) per robot. Each call takes the next number of "
+          "each robot's random\nstream of this tick, as controllers in C++ do.")
       .def(
           "normal",
           [](RobotBatch& robots) {
@@ -548,7 +550,8 @@ void bind_script(py::module_& module) {
           py::arg("n"), "One uniformly distributed integer from 0 to n - 1 per robot.");
 
   py::class_<Film>(module, "_Film",
-                   "A film that ffmpeg encodes, for `with`: without an exception it is kept.")
+                   "A film that ffmpeg encodes, for a `with` block: the file is kept if the block raises no "
+                   "exception.")
       .def(py::init([](const std::filesystem::path& file, int width, int height, double fps) {
              return Film{std::make_unique<apps::Ffmpeg>(file, width, height, fps)};
            }),

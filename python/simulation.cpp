@@ -346,11 +346,11 @@ SimulationClass bind_simulation(py::module_& module) {
            "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
            "world file, whose\nrelative paths are resolved from the folder of `name`.\nrobots: size of the "
            "only population, or a dict of population names and sizes. threads: number of worker threads;\n0: "
-           "one per processor that the process may use. ranks: number of replicas of the world, each with "
-           "`threads` threads,\nthat divide its robots among themselves; no result depends on it. seed and "
-           "ranging replace those of the world. set:\na dict of JSON pointers and the values to put there. "
-           "controllers: a list of scripts and of classes derived\nfrom Controller. Raises InputError if the "
-           "world is invalid.")
+           "one per processor that the process may use. ranks: number of ranks, which divide the robots "
+           "among themselves, each\nwith its own copy of the world and `threads` threads (docs/cluster.md); "
+           "no result depends on it. seed and ranging\nreplace those of the world file. set: values of the "
+           "world file to replace, a dict from JSON pointers to new values.\ncontrollers: a list of scripts "
+           "(file names) and of classes derived from Controller. Raises InputError if the world\nis invalid.")
       .def_static(
           "from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
           py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
@@ -373,26 +373,44 @@ SimulationClass bind_simulation(py::module_& module) {
              Simulation& s = held->use();
              return fmt::format("<Simulation \"{}\": {} robots, {:g} s>", s.title(), s.robots(), s.time_s());
            })
-      .def_property_readonly("warnings", [](const Holder& held) { return held->use().warnings(); })
-      .def_property_readonly("options",
-                             [](const Holder& held) {
-                               py::dict options;
-                               for (const auto& [key, value] : held->use().effective_options())
-                                 options[py::str(key)] = value;
-                               return options;
-                             })
-      .def_property_readonly("time_s", [](const Holder& held) { return held->use().time_s(); })
-      .def_property_readonly("tick", [](const Holder& held) { return held->use().tick(); })
-      .def_property_readonly("tick_s", [](const Holder& held) { return held->use().tick_s(); })
-      .def_property_readonly("robots", [](const Holder& held) { return held->use().robots(); })
-      .def_property_readonly("title", [](const Holder& held) { return held->use().title(); })
-      .def_property_readonly("threads", [](const Holder& held) { return held->use().threads(); })
+      .def_property_readonly(
+          "warnings", [](const Holder& held) { return held->use().warnings(); },
+          "Warnings about the world file and about plug-ins, one text each.")
+      .def_property_readonly(
+          "options",
+          [](const Holder& held) {
+            py::dict options;
+            for (const auto& [key, value] : held->use().effective_options()) options[py::str(key)] = value;
+            return options;
+          },
+          "The options that the simulation uses (world, seed, threads, ...), as texts, for logs.")
+      .def_property_readonly(
+          "time_s", [](const Holder& held) { return held->use().time_s(); }, "World time, s.")
+      .def_property_readonly(
+          "tick", [](const Holder& held) { return held->use().tick(); }, "Number of completed ticks.")
+      .def_property_readonly(
+          "tick_s", [](const Holder& held) { return held->use().tick_s(); }, "Length of a tick, s.")
+      .def_property_readonly(
+          "robots", [](const Holder& held) { return held->use().robots(); },
+          "Number of robots that are in the world now.")
+      .def_property_readonly(
+          "title", [](const Holder& held) { return held->use().title(); },
+          "Title in the world file, or else the name of the file.")
+      .def_property_readonly(
+          "threads", [](const Holder& held) { return held->use().threads(); },
+          "Number of worker threads, per rank.")
       .def_property_readonly("ranks", [](const Holder& held) { return held->use().ranks(); })
-      .def_property_readonly("quit_time_s", [](const Holder& held) { return held->use().quit_time_s(); })
+      .def_property_readonly(
+          "quit_time_s", [](const Holder& held) { return held->use().quit_time_s(); },
+          "Time at which the world file ends the run, s, or None. run_for() and step() do not end at this "
+          "time.")
       .def_property_readonly("seed", [](const Holder& held) { return held->use().seed(); })
-      .def_property_readonly("stopped", [](const Holder& held) { return held->use().stopped(); })
-      .def_property_readonly("resumed_at_tick",
-                             [](const Holder& held) { return held->use().resumed_at_tick(); })
+      .def_property_readonly(
+          "stopped", [](const Holder& held) { return held->use().stopped(); },
+          "The condition of `stop_when` in the world file that ended the run, as a text, or None.")
+      .def_property_readonly(
+          "resumed_at_tick", [](const Holder& held) { return held->use().resumed_at_tick(); },
+          "Tick of the checkpoint from which the run was resumed, or None.")
       .def("step", &step, py::arg("ticks") = 1,
            "Advances the simulation by this many ticks. Other Python threads can run meanwhile, because the "
            "interpreter's\nlock is released. Raises StepError if a tick fails.")
@@ -419,17 +437,20 @@ SimulationClass bind_simulation(py::module_& module) {
               used.reset();
           },
           py::arg("seed") = py::none(),
-          "Returns to the state after loading, bit for bit: tick 0. With a seed: to the state that a world "
-          "loaded\nwith that seed has at tick 0.")
+          "Returns to tick 0, to the state after loading, bit for bit. With a seed: to the state that the "
+          "world has after\nloading with that seed.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
           py::arg("checkpoint"),
           "Saves the whole state in a checkpoint, an HDF5 file, from which resume() continues the run.")
-      .def("state_hash", [](const Holder& held) { return held->use().state_hash(); })
+      .def(
+          "state_hash", [](const Holder& held) { return held->use().state_hash(); },
+          "Returns a hash of the whole state, an integer of 64 bits. Equal states have equal hashes.")
       .def("hashes", &hashes_of,
            "Returns a dict with the hash of the whole state (\"state\") and the hashes of four groups of it: "
            "\"pose\",\n\"velocity\", \"sensor\" and \"memory\" (docs/determinism.md).")
-      .def("statistics", &statistics_of)
+      .def("statistics", &statistics_of,
+           "Returns a dict of numbers that describe the run: robots, ticks, time_s, beams, stalled, ...")
       .def(
           "find",
           [](const Holder& held, const std::string& name) {
@@ -479,10 +500,18 @@ SimulationClass bind_simulation(py::module_& module) {
           "the end of the\nsimulation. fields: names of components or sensor fields; every_s: simulated time "
           "between two frames, s.\nWithout fields, or without every_s, the value that the world file sets "
           "under \"record\" is used. replace: whether\nan existing file is replaced.")
-      .def("stop_recording", [](const Holder& held) { held->use().stop_recording(); })
-      .def("hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); })
-      .def("hash_log_line", [](const Holder& held) { return held->use().hash_log_line(); })
-      .def_property_readonly("robot_names", [](const Holder& held) { return held->use().robot_names(); })
+      .def(
+          "stop_recording", [](const Holder& held) { held->use().stop_recording(); },
+          "Closes the recording that record() started. Does nothing if no recording is running.")
+      .def(
+          "hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); },
+          "The first lines of a hash log, which state version and options of the run.")
+      .def(
+          "hash_log_line", [](const Holder& held) { return held->use().hash_log_line(); },
+          "The line of a hash log for the current tick: the tick and its state hashes.")
+      .def_property_readonly(
+          "robot_names", [](const Holder& held) { return held->use().robot_names(); },
+          "Names of all robots in the world, in the order of their ids.")
       .def(
           "subscribe", [](const Holder& held, const std::string& model) { held->use().subscribe(model); },
           py::arg("model"), "Makes all sensors of a robot run. Call it before the first step.")
@@ -508,7 +537,8 @@ SimulationClass bind_simulation(py::module_& module) {
           "Changes parameters of a type, for all its bodies: {\"drive\": {\"velocity_max_x_mps\": 0.5}}, "
           "{\"device\":\n{\"name\": \"eye\", ...}} or {\"controller\": {\"kind\": \"wander\", ...}}, as "
           "\"set\" in the list \"at\" of a world\nfile. The change lasts until reset(); checkpoints contain "
-          "it. Raises ValueError, and changes nothing, if it is\nnot possible.")
+          "it. Raises ValueError, and changes nothing, if\nthe type has no such parameter, or if the value "
+          "is not allowed or cannot change during a run.")
       .def(
           "parameters",
           [](const Holder& held, const std::string& type) {
@@ -516,8 +546,11 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("type"),
           "The present parameters of a type: a list of dicts like those for set(), one for the drive and for "
-          "each device\nand controller. Infinite values and lists of records are left out.")
-      .def("energy", [](const Holder& held) { return dict_of(held->use().energy()); })
+          "each device\nand controller. Infinite values, and lists of objects such as transducers, are left "
+          "out.")
+      .def(
+          "energy", [](const Holder& held) { return dict_of(held->use().energy()); },
+          "The sums of the energies of all power packs, J, as a dict with the keys of Model.energy().")
       .def("snapshot", &snapshot, py::arg("file"), py::arg("width") = 1280, py::arg("height") = 720,
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",

@@ -142,7 +142,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "One bool per robot: whether it is in the world.")
       .def(
           "stalled", [](HeldSwarm& s) { return flags_of(s, &Swarm::stalled); },
-          "One bool per robot: whether its motion was blocked in the last tick.")
+          "One bool per robot: whether its motion in the last tick was blocked or would have left the bounds "
+          "of the world.")
       .def(
           "poses", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::poses); },
           "Poses in the world frame, n x 4: x, y, z (m), heading (rad).")
@@ -198,15 +199,15 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "field. Raises LookupError, with\nthe known names, for an unknown field or device, ValueError if "
            "the fields of the robots differ, and RuntimeError if\na sensor does not run.")
       .def("commands", &commands_of, py::arg("device"),
-           "The present commands of a device as a dict: for each field an array as readings() returns.")
+           "The present commands of the device named `device` of each robot: a dict with one array per field "
+           "of the command, of\nthe shape that readings() returns.")
       .def("command", &command_device, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
            "Sets fields of the commands of a device by name: swarm.command(\"lamp\", shows=1, "
            "red=brightness). A value is one\nnumber for all robots or one per robot. For a field of several "
            "columns it is one row for all robots, one row per\nrobot, or, for a field of bytes, a `bytes` or "
-           "a "
-           "list of one `bytes` per robot, padded with zeros. Other fields keep\ntheir values. The commands "
-           "apply from the next step on. Raises LookupError for an unknown device or field, and\nValueError "
-           "for values that do not fit.")
+           "a list of one `bytes` per robot, padded with zeros. Other fields keep\ntheir values. The "
+           "commands apply from the next step on. Raises LookupError for an unknown device or field, "
+           "and\nValueError for values that do not fit.")
       .def(
           "say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
           py::arg("where") = py::none(),

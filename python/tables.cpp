@@ -123,8 +123,11 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
       "A component of the state, with one row per body. table[\"ranges\"] is one field of it: a read-only "
       "array that\nrefers to the memory of the simulation, so that its content changes with each step. Rows "
       "are in the order of\nstorage, not of ids; ids[i] is the id of the body in row i.")
-      .def_property_readonly("component", [](const Table& t) { return t.table->component(); })
-      .def_property_readonly("type", [](const Table& t) { return t.type; })
+      .def_property_readonly(
+          "component", [](const Table& t) { return t.table->component(); }, "Name of the component.")
+      .def_property_readonly(
+          "type", [](const Table& t) { return t.type; },
+          "Name of the type of the bodies; empty if they are of several types.")
       .def_property_readonly("fields",
                              [](const Table& t) {
                                return std::vector<StateField>(t.table->fields().begin(),
@@ -145,7 +148,8 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
 
   simulation
       .def("tables", &tables_of,
-           "All tables of the state that have rows, one per component and type of robot.")
+           "All tables of the state that have rows, one per component and, for devices and controllers, per "
+           "type of robot.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
            "The table of one component, such as \"pose\" or \"ranger/ir\". If several types of robots have "
            "this component,\n`type` must name one of them. Raises LookupError, whose text lists the known "

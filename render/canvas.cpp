@@ -166,7 +166,7 @@ GLuint link_program(const Gl& gl, const char* vertex_shader) {
   if (!linked) {
     std::array<char, 1024> log{};
     gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    throw std::runtime_error(fmt::format("cannot draw: the driver cannot link the shaders: {}", log.data()));
+    throw std::runtime_error(fmt::format("cannot draw: OpenGL cannot link the shaders: {}", log.data()));
   }
   return program;
 }
@@ -191,8 +191,8 @@ struct Framebuffer {
     }
     if (gl.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
         gl.glGetError() != GL_NO_ERROR) {
-      throw std::runtime_error(fmt::format(
-          "cannot draw: the driver cannot create a framebuffer of {} x {} pixels", width, height));
+      throw std::runtime_error(
+          fmt::format("cannot draw: OpenGL cannot create a framebuffer of {} x {} pixels", width, height));
     }
   }
   void release(const Gl& gl) {
@@ -304,7 +304,7 @@ class Uploaded {
 };
 
 /// The interval of heights of the flat layers and of the points on the map, m. The depth buffer must resolve
-/// it.
+/// this interval.
 ZInterval heights_of(std::span<const AnyLayer> layers) {
   ZInterval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const AnyLayer& any : layers) {
@@ -442,7 +442,7 @@ void Canvas::check_size(int width, int height) const {
   if (width >= 1 && height >= 1 && width <= widest && height <= highest) return;
   throw std::runtime_error(
       fmt::format("cannot draw a picture of {} x {} pixels: each side must be at least 1, "
-                  "and this driver draws at most {} x {}",
+                  "and this OpenGL driver draws at most {} x {}",
                   width, height, widest, highest));
 }
 

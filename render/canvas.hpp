@@ -66,8 +66,8 @@ enum class Corner : std::uint32_t {
 struct SolidVertex {
   float x, y, z;     ///< position, body frame, in mesh units (SolidInstance::scale is metres per unit)
   float ax, ay, az;  ///< the vector a of Corner, in the same frame and units
-  /// Half the width of a stroke, pixels. It is positive for corners to the left of the direction to its other
-  /// end, negative for corners to the right.
+  /// Half the width of a stroke, pixels. It is positive for corners to the left of the direction to the other
+  /// end of the stroke, negative for corners to the right.
   float side;
   Rgba own;  ///< colour for Paint::own
   Paint paint;

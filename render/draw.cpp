@@ -122,7 +122,7 @@ Projection project(const FrameScene& scene, const Frame& frame, const View& view
     projection.stand_at(*camera.eye);
   } else if (camera.center || camera.across_m) {
     const Vec3 center = camera.center.value_or(Vec3(shown.center().x(), shown.center().y(), 0));
-    // If no width is given, it is that at the distance from which the whole scene is visible.
+    // If no width is given, keeps the scale at which the whole scene is visible.
     const double scale = projection.pixels_per_metre(projection.floor_center());
     const double across = scale > 0 ? view.width / scale : shown.size().norm();
     projection.look_at(center, camera.across_m.value_or(across));

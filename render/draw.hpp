@@ -39,7 +39,7 @@ struct Layers {
   /// A red outline with a white rim around robots whose last motion was blocked or would have ended out of
   /// bounds.
   bool stalls = true;
-  bool scale = true;    ///< a scale bar; in views not from above, the distance between grid lines
+  bool scale = true;    ///< a scale bar; in views not from above, a text with the distance between grid lines
   bool clock = true;    ///< the simulated time
   bool speed = false;   ///< speed of the simulation next to the clock: Frame::times_real_time
   bool legend = true;   ///< legend of the colour scale, if bodies are coloured by Frame::values

@@ -45,8 +45,8 @@ class Sorter {
     }
   }
 
-  /// Adds a body if it is in the picture. If it is narrower than `smallest`, strokes, it is added to `dots`;
-  /// 0: it never is. is_stalled: whether it is drawn as stalled.
+  /// Adds a body if it is in the picture. smallest: a body narrower than this, in strokes, is added to
+  /// `dots`; 0: no body is. is_stalled: whether the body is drawn as stalled.
   void add(const FrameBody& body, Rgba color, bool is_stalled, double smallest) {
     TROUPE_ASSERT(body.type < scene_.types.size());
     const FrameType& type = scene_.types[body.type];

@@ -30,7 +30,7 @@ constexpr Rgba k_covered = {122, 168, 140, 255};
 constexpr Rgba k_free_beam = {52, 140, 70, 255};
 constexpr Rgba k_broken_beam = {206, 48, 40, 255};
 // Opacities are from 0 to 255. Up to k_few_scans scans have the opacity k_scan_opacity. If there are more
-// scans, it is lower, but at least k_least_opacity, so that the scans do not hide the scene.
+// scans, their opacity is lower, but at least k_least_opacity, so that the scans do not hide the scene.
 constexpr double k_scan_opacity = 46;
 constexpr double k_few_scans = 20;
 constexpr double k_least_opacity = 5;

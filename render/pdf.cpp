@@ -203,7 +203,7 @@ std::string pdf_text(const VectorDrawing& drawing, const FileTexts& texts) {
   c.surface_finish(surface.get());
   if (status == k_success) status = c.surface_status(surface.get());
   if (status != k_success)
-    throw std::runtime_error(fmt::format("cannot draw a PDF: cairo: {}", c.status_to_string(status)));
+    throw std::runtime_error(fmt::format("cannot draw a PDF: cairo failed: {}", c.status_to_string(status)));
   return pdf;
 }
 

@@ -34,10 +34,10 @@ struct Finder {
       using enum engine::Unit;
       constexpr double k_most_pixels = 10000;  // per edge
       d.member<&Params::image_width>("image_width", within(1, k_most_pixels),
-                                     "columns of the image; each is seen by one ray");
+                                     "number of columns of the image; one ray is cast for each");
       d.member<&Params::image_height>(
           "image_height", within(1, k_most_pixels),
-          "rows of the image, in which the top and the bottom of a blob are reported");
+          "number of rows of the image, to which `top` and `bottom` of a blob refer");
       d.member<&Params::range>("range", meters, above(0), at_most(10000), "length of the rays");
       d.member<&Params::fov>("fov", radians, above(0), at_most(2 * k_pi),
                              "angle between the first column and the last");
@@ -169,11 +169,11 @@ DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body
   }
   const std::uint32_t n = params.most_blobs;
   return {.data = std::move(finder),
-          .percepts = {{"count", Element::u32, 1, "", "blobs in sight"},
-                       {"left", Element::i32, n, "", "first column of each blob"},
-                       {"right", Element::i32, n, "", "last column of each blob"},
-                       {"top", Element::i32, n, "", "first row of each blob"},
-                       {"bottom", Element::i32, n, "", "last row of each blob"},
+          .percepts = {{"count", Element::u32, 1, "", "number of blobs in sight"},
+                       {"left", Element::i32, n, "", "leftmost column of each blob"},
+                       {"right", Element::i32, n, "", "rightmost column of each blob"},
+                       {"top", Element::i32, n, "", "top row of each blob"},
+                       {"bottom", Element::i32, n, "", "bottom row of each blob"},
                        {"range", Element::f32, n, "m", "mean distance of each blob"},
                        {"color", Element::u8, 4 * n, "", "colour of each blob: red, green, blue, opacity"}},
           .reach_m = pose_body_sensor.position().norm() + params.range,

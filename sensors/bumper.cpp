@@ -77,7 +77,7 @@ struct Bumper {
     const auto n = static_cast<std::uint32_t>(bumper.strips.size());
     return {.data = std::move(bumper),
             .percepts = {{"hit", Element::u8, n, "", "1: a body touches the strip"},
-                         {"body", Element::u32, n, "", "id of that body; 0: none"}},
+                         {"body", Element::u32, n, "", "id of the body that touches the strip; 0: none"}},
             .reach_m = reach + params.thickness,
             .watts = 0.1};  // as in Stage
   }

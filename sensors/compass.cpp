@@ -36,7 +36,8 @@ struct Compass {
     static constexpr void describe(engine::Description<State>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&State::heading>("heading", radians, "heading of its x axis in the world frame, in (-pi, pi]");
+      d.member<&State::heading>("heading", radians,
+                                "heading of the compass in the world frame, in (-pi, pi]");
     }
   };
 
@@ -60,7 +61,7 @@ struct Compass {
 }  // namespace
 
 DeviceKind compass_kind() {
-  return engine::make_device_kind<Compass>("compass", "reads its own heading in the world frame");
+  return engine::make_device_kind<Compass>("compass", "reads the heading of the sensor in the world frame");
 }
 
 }  // namespace troupe::sensors

@@ -85,7 +85,7 @@ void Ground::collect(const WorldSpec& world) {
   fixed_ = std::make_shared<const Fixed>(std::move(zones));
 }
 
-/// below() or shown_below(), by the type of the view.
+/// Implements below() for a SensingView and shown_below() for a CommittedView.
 template <class View>
 Ground::Zone Ground::find(const View& view, Row own, const Vec2& point) const {
   std::optional<Zone> best;
@@ -164,7 +164,7 @@ struct GroundSensor {
     return {.data = std::move(sensor),
             .percepts = {{"color", Element::f32, 3 * n, "",
                           "colour below each point: red, green, blue, from 0 to 1"},
-                         {"body", Element::u32, n, "", "id of the body of that colour; 0: the floor"}},
+                         {"body", Element::u32, n, "", "id of the body whose colour is read; 0: the floor"}},
             .reach_m = reach};
   }
 
@@ -199,8 +199,8 @@ struct GroundSensor {
 }  // namespace
 
 DeviceKind ground_kind() {
-  return engine::make_device_kind<GroundSensor>("ground",
-                                                "reads the colour of the ground below points of its robot");
+  return engine::make_device_kind<GroundSensor>(
+      "ground", "reads the colour of the ground below given points of the robot");
 }
 
 }  // namespace troupe::sensors

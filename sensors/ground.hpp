@@ -38,7 +38,7 @@ struct GroundParams {
     using namespace engine::facts;
     d.member<&GroundParams::height>(
         "height", engine::Unit::meters, within(0, 10),
-        "parts of bodies with a top higher than this above the floor are not ground");
+        "a part of a body is ground only if its top is at most this high above the floor");
   }
 };
 
@@ -64,7 +64,7 @@ class Ground {
   /// Collects the parts of static bodies that are ground. Must be called once, in DeviceKind::bind_world,
   /// before the first call of below().
   void collect(const engine::WorldSpec& world);
-  /// Returns the ground at a point (world frame, m) for a device of the row `own`. The body of this row, and
+  /// Returns the ground at a point (world frame, m) for a device on the body of the row `own`. This body, and
   /// all bodies that it carries or that carry it, are ignored. If the point is on the floor, the body of the
   /// result is not valid and the colour is that of the floor. Colours are those of the world file.
   Zone below(const engine::SensingView& view, Row own, const Vec2& point) const;

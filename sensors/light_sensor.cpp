@@ -133,8 +133,8 @@ DeviceKind::Prepared LightSensor::prepare(const Params& params, const Pose& pose
   const std::uint32_t n = params.directions;
   for (std::uint32_t k = 0; k < n; ++k) sensor.directions.push_back(sincos(2 * k_pi * k / n));
   return {.data = std::move(sensor),
-          .percepts = {{"brightness", Element::f32, n, "", "brightness by direction"},
-                       {"sources", Element::u32, 1, "", "lights in sight"}},
+          .percepts = {{"brightness", Element::f32, n, "", "brightness in each direction"},
+                       {"sources", Element::u32, 1, "", "number of lights in sight"}},
           .reach_m = pose_body_sensor.position().norm() + params.range_max,
           .cell_hint_m = 0};
 }

@@ -22,15 +22,16 @@ struct LightState {
   }
 };
 
-/// The prepared data (engine::DeviceKind::Prepared::data) of a light. Light sensors find lights by this type.
-/// The members period_s, dutycycle and enabled say when the light is lit while no controller commands it.
+/// The prepared data (engine::DeviceKind::Prepared::data) of a light. Light sensors recognise a device as a
+/// light by this type of its data. The members period_s, dutycycle and enabled say when the light is lit
+/// while no controller commands it.
 struct LightSource {
   /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
   /// in all directions.
   Pose pose_body_light;
   double intensity = 1;  ///< reading of a light sensor that faces the lit light from 1 m
   double period_s = 0;   ///< time from the start of one flash to the next; 0: the light does not blink
-  double dutycycle = 0;  ///< fraction of each period in which it is lit; with period_s 0: above 0 means lit
+  double dutycycle = 0;  ///< lit fraction of each period; with period_s 0: above 0 means always lit
   bool enabled = false;  ///< false: the light is dark
 };
 

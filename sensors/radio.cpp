@@ -65,11 +65,11 @@ struct Radio {
       constexpr double k_farthest = 10000;  // m
       constexpr double k_most_power = 200;  // dBm
       d.member<&Params::range>("range", meters, above(0), at_most(k_farthest),
-                               "largest distance at which other radios hear it, whatever the `law`");
+                               "largest distance at which other radios hear this radio, whatever the `law`");
       d.member<&Params::hears>("hears", meters, within(0, k_farthest),
-                               "largest distance from which it hears other radios; 0: the same as `range`");
+                               "largest distance from which this radio hears others; 0: the same as `range`");
       d.member<&Params::channel>("channel",
-                                 "name of its channel; a radio hears only radios on the same channel");
+                                 "name of the channel; a radio hears only radios on the same channel");
       d.member<&Params::payload>(
           "payload", within(1, 255),
           "largest length of a message, bytes; longer ones are neither sent nor heard");
@@ -94,9 +94,9 @@ struct Radio {
                                    "carrier frequency; all laws but `disc` use it");
       d.member<&Params::power_loss_coefficient>(
           "power_loss_coefficient", within(0, 100),
-          "N of the law `itu_indoor`: loss in dB for each factor of ten in the distance");
+          "parameter N of the law `itu_indoor`: loss in dB per factor of ten in the distance");
       d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10),
-                                            "n of the law `log_distance`: 2 in free space");
+                                            "exponent n of the law `log_distance`: 2 in free space");
       d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000),
                                    "loss for each wall between the radios, if `walls` is `weaken`");
       d.member<&Params::beacon>(
@@ -125,7 +125,8 @@ struct Radio {
   }
 };
 
-/// A radio of a body type that the listener can hear if it is near enough: it is on the same channel.
+/// A radio of a body type that is on the channel of the listener: the listener hears its messages if it is
+/// near enough.
 struct Sender {
   const Radio* radio;
   const BodyType::Device* device;
@@ -363,8 +364,8 @@ void Listener::listen(std::size_t i) {
   write(batch_->slot(i));
 }
 
-/// Finds the speakers in range. The loops have no branch on whether a speaker is in range, because it would
-/// be unpredictable: they write every candidate and advance only past those in range.
+/// Finds the speakers in range. The loops have no branch on whether a speaker is in range, because such a
+/// branch would be unpredictable: they write every candidate and advance only past candidates in range.
 void Listener::find_links() {
   in_reach_.resize(reaches_.size());
   std::size_t near = 0;
@@ -565,21 +566,21 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
   constexpr double k_most_hint = 4;
   const double reach = pose_body_radio.position().norm() + radio.hears;
   return {.data = std::move(radio),
-          .percepts = {{"count", Element::u32, 1, "", "messages heard"},
+          .percepts = {{"count", Element::u32, 1, "", "number of messages heard"},
                        {"lost", Element::u32, 1, "",
-                        "messages that arrived but are not heard: too many or too long"},
-                       {"dropped", Element::u32, 1, "", "messages dropped at random"},
+                        "number of messages that arrived but are not heard: too many or too long"},
+                       {"dropped", Element::u32, 1, "", "number of messages dropped at random"},
                        {"sender", Element::u32, n, "", "id of the body that sent each message"},
-                       {"range", Element::f32, n, "m", "distance to each sending radio, on the ground"},
+                       {"range", Element::f32, n, "m", "horizontal distance to each sending radio"},
                        {"bearing", Element::f32, n, "rad", "bearing of each sending radio, radio frame"},
-                       {"strength", Element::f32, n, "dBm", "strength of each message"},
+                       {"strength", Element::f32, n, "dBm", "strength with which each message arrived"},
                        {"quality", Element::f32, n, "",
                         "quality of each link: 1 at distance 0, 0 where messages are only just heard"},
-                       {"length", Element::u8, n, "", "bytes of each message"},
+                       {"length", Element::u8, n, "", "length of each message, bytes"},
                        {"payload", Element::u8, n * bytes, "", "bytes of the messages, one after another"}},
           .commands = {{"mode", Element::u8, 1, "",
                         "0: as the parameter `beacon` says, 1: sends the payload, 2: silent", k_radio_mode},
-                       {"length", Element::u8, 1, "", "bytes of the message", k_radio_bytes},
+                       {"length", Element::u8, 1, "", "length of the message, bytes", k_radio_bytes},
                        {"payload", Element::u8, bytes, "", "bytes of the message", k_radio_said}},
           .command_bytes = k_radio_said + bytes,
           .reach_m = reach,

@@ -17,7 +17,7 @@ namespace troupe::sensors {
 /// these radios. Entries after the last message are 0.
 enum RadioField : std::size_t {
   k_radio_count,     ///< u32: number of messages heard
-  k_radio_lost,      ///< u32: number of messages that arrived but exceed `most_heard` or `payload`
+  k_radio_lost,      ///< u32: number of messages that arrived but are not heard: too many or too long
   k_radio_dropped,   ///< u32: number of messages dropped because of `drop_rate`
   k_radio_sender,    ///< u32 per message: BodyId of the sender
   k_radio_range,     ///< f32 per message, m: horizontal distance to the sending radio
@@ -25,18 +25,18 @@ enum RadioField : std::size_t {
   k_radio_strength,  ///< f32 per message: strength with which it arrived, dBm
   k_radio_quality,   ///< f32 per message: quality of the link, 0 (worst) to 1, see radio_kind()
   k_radio_length,    ///< u8 per message: its length, bytes
-  k_radio_payload,   ///< u8 [payload] per message: its bytes; 0 after the last one
+  k_radio_payload,   ///< u8 [payload] per message: its bytes; 0 after its last byte
 };
 
 /// The fields of a radio's command. The command stays in effect until it is changed.
 enum RadioCommandField : std::size_t {
   k_radio_mode,   ///< u8: RadioMode
   k_radio_bytes,  ///< u8: length of the message, bytes
-  k_radio_said,   ///< u8 [payload]: the bytes of the message; 0 after the last one
+  k_radio_said,   ///< u8 [payload]: the bytes of the message; 0 after its last byte
 };
 /// What a radio sends.
 enum class RadioMode : std::uint8_t {
-  as_world_says,  ///< an empty message if its parameter `beacon` is true, else nothing
+  as_world_says,  ///< an empty message if the radio's parameter `beacon` is true, else nothing
   says,           ///< the message in the command
   silent,         ///< nothing; it still hears messages
 };
@@ -154,9 +154,10 @@ class RadioPort {
 ///           lower ids) and the rest are lost.
 /// order     Messages are sorted by the id of the sender.
 ///
-/// strength  The strength in dBm is the power of the sender minus the loss of the listener's law in dB. If
-///           `walls` is weaken, each wall between the radios adds `wall_loss_dB` to the loss. The losses are,
-///           with the listener's frequency f in Hz, the distance d in m, and the speed of light c:
+/// strength  The strength in dBm is the power of the sender minus the loss in dB, which the listener's
+///           parameter `law` determines. If `walls` is weaken, each wall between the radios adds
+///           `wall_loss_dB` to the loss. The losses are, with the listener's frequency f in Hz, the distance
+///           d in m, and the speed of light c:
 ///             disc          0
 ///             friis         20 log10(4 pi d f / c)                 (free space: Friis, 1946)
 ///             itu_indoor    20 log10(f / MHz) + N log10(d) - 28    (ITU-R P.1238, one floor)

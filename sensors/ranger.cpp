@@ -156,8 +156,8 @@ engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& p
   out.percepts.push_back(
       {"ranges", engine::Element::f32, columns, "m", "distance to the first surface along each beam"});
   if (beams.intensity)
-    out.percepts.push_back(
-        {"intensities", engine::Element::f32, columns, "", "ranger_return of what each beam hits"});
+    out.percepts.push_back({"intensities", engine::Element::f32, columns, "",
+                            "ranger_return of the surface that each beam hits"});
   out.data = Ranger{std::make_shared<const RangerBeams>(std::move(beams))};
   return out;
 }

@@ -29,7 +29,7 @@ struct BeamGroup {
   /// Headings of the beams without noise, body frame, rad. This array and angular_noise are empty if no beam
   /// of the group has angular noise.
   std::vector<double> headings;
-  std::vector<double> angular_noise;  ///< the error of a heading is uniform within plus and minus this, rad
+  std::vector<double> angular_noise;  ///< bound of the uniformly distributed error of each heading, rad
 };
 
 /// The noise, the lower limit and the beam width of one transducer. add_extras() applies them to the readings
@@ -40,7 +40,7 @@ struct TransducerExtras {
   double range_max = 0;       ///< largest reading, m; readings with noise are clamped to it
   double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
   double noise_relative = 0;  ///< standard deviation of a further such error, as a fraction of the reading
-  double noise_proportional = 0;  ///< a further error is uniform within plus and minus this fraction of it
+  double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading
   double least = 0;               ///< lower readings are raised to this value, m
   double beam_width = 0;          ///< if above 0: opening angle of each beam, rad
   Vec2 origin = Vec2::Zero();     ///< point where its beams start, body frame, m

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/check-aarch64 finds what it looks for, as far as that needs no cross compiler."""
+"""Tests that scripts/check-aarch64 detects faults, for those of its checks that need no cross compiler."""
 
 import pathlib
 import sys

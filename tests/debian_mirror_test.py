@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""scripts/debian-mirror and scripts/sysroot take what the machine's apt is configured with, and nothing else.
+"""Tests that scripts/debian-mirror and scripts/sysroot use only the sources and proxies with which apt is configured.
 
-apt is given sources and proxies of the test's own (APT_CONFIG), so nothing here needs a network.
+The tests configure apt with their own sources and proxies (APT_CONFIG), so they need no network.
 """
 
 import hashlib
@@ -99,7 +99,7 @@ class Mirror(Apt):
 
 class Sysroot(Apt):
     def repository(self):
-        """A source of one package of arm64, in a folder."""
+        """Makes an apt repository with one arm64 package, in a folder."""
         package = self.folder / "package"
         (package / "DEBIAN").mkdir(parents=True)
         (package / "usr/lib").mkdir(parents=True)

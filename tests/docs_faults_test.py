@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""That the test of the documentation can fail: pages with faults, each of which docs_test.py must find.
+"""Tests docs_test.py: it must report the fault of each page in a list of faulty pages.
 
     docs_faults_test.py TROUPE
 """
@@ -13,7 +13,7 @@ import docs_test
 
 TROUPE = pathlib.Path(sys.argv[1]).resolve()
 
-# (a page, what must be said of it; None: nothing)
+# (text of a page, expected text of the report; None: the page has no fault)
 PAGES = [
     ("    troupe describe ranger\n", None),
     ("    $ troupe describe lightindicator\n    device lightindicator: a light that controllers switch\n    ...\n", None),
@@ -46,7 +46,7 @@ PAGES = [
 
 
 class Stand:
-    """What Page needs of the whole test."""
+    """A stand-in for the object that runs docs_test.py, with only the members that Page uses."""
 
     def __init__(self, scratch):
         self.scratch, self.build, self.installed, self.bin = scratch, scratch, scratch, scratch / "bin"

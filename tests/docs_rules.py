@@ -1,6 +1,6 @@
-"""What tests/docs_test.py does not run as it stands, and why. Everything else in the documentation is run.
+"""Lists the commands and texts of the documentation that tests/docs_test.py does not run, or runs in another form, and why.
 
-Patterns are searched in a command; texts are known by their page and by how their first line begins.
+Commands are selected by patterns (regular expressions); texts by their page and the beginning of their first line.
 """
 
 import pathlib
@@ -10,7 +10,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "scripts
 
 from proofs.scenes import Scenes  # noqa: E402
 
-# Commands that are never run: (pattern, why).
+# Commands that are never run: (pattern, reason).
 NOT_RUN = [
     (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|scenes|reference|replay-page|format|lint|check-\w+)\b",
      "builds, or takes minutes"),
@@ -32,7 +32,7 @@ NOT_RUN = [
     (r"--session \S+\.session\.jsonl", "repeats what was done in a browser: tests/view_test.py"),
 ]
 
-# Commands that are run in another way: (pattern, replacement, why).
+# Commands that are changed before they are run: (pattern, replacement, reason).
 INSTEAD = [
     (r"--for 172800 ", "--for 20 ", "two days of the hospital take hours"),
     (r"--for 172830 ", "--for 22 ", "goes on with that"),
@@ -43,7 +43,7 @@ INSTEAD = [
     (r"^man -l (\S+)$", r"test -s \1", "a terminal is needed, and there may be no man"),
 ]
 
-# Commands that take a program or a folder that may not be there: (pattern, what).
+# Commands that need a program or folder that may be missing: (pattern, program or folder).
 NEEDS = [
     (r"--film \S+\.mp4", "ffmpeg"),
     (r"^h5dump ", "h5dump"),
@@ -51,33 +51,33 @@ NEEDS = [
     (r"perf_paper ", "build/release/bin/perf_paper"),
 ]
 
-# Commands that may end otherwise than with 0, as the prose says: (pattern, exit codes).
+# Commands that may end with an exit code other than 0, as their page says: (pattern, exit codes).
 ENDS = [
     (r"^troupe (diff|lint) ", {0, 1}),
     (r"--wall-limit ", {0, 3}),
 ]
 
-# What a page takes for granted: commands that are run before its first one.
+# Preconditions of pages: commands that are run before the first command of the page.
 BEFORE = {
     "docs/pictures.md": ["troupe run worlds/minimal.world --for 2 --record day.h5"],
 }
 
-# Subcommands and options that are not in every state of the program. As soon as it knows them, they are run.
+# Subcommands and options that the program may not have. Commands with them are run if the program has them.
 WAITING = {"render", "replay", "sweep", "--film", "--film-speed", "--layers", "--camera", "--snapshot-at", "--color-by"}
 
-# Pages to which others may lead before they are there.
+# Pages that may be missing although other pages link to them.
 WAITING_PAGES = {"pictures.md", "replay.md", "radio.md", "python.md", "experiments.md", "sweeps.md"}
 
-# Worlds that the program does not load: (page, file), why.
+# Worlds in listings that the program cannot load: (page, file), reason.
 NOT_LOADED = {
     ("docs/extending.md", "east.json"): "has kinds of a program of the page, which runs it",
     ("docs/from-stage.md", "shy.world"): "has a controller of a plug-in of the page, which is built further down",
 }
 
-# C++ listings that are not compiled: (page, how the first line begins, why).
+# C++ listings that are not compiled: (page, beginning of the first line, reason).
 CPP_NOT_COMPILED = []
 
-# What C++ listings of a page take for granted: includes and declarations before them.
+# Includes and declarations that are compiled before the C++ listings of a page.
 CPP_BEFORE = {
     "docs/checkpoints.md": """
         troupe::Simulation simulation("worlds/hospital.json");""",
@@ -97,7 +97,7 @@ CPP_BEFORE = {
         };""",
 }
 
-# Texts that a page shows and no command of it prints: (page, how the first line begins, why).
+# Texts on a page that none of its commands prints: (page, beginning of the first line, reason).
 SHOWN_ONLY = [
     ("README.md", "S(k): poses", "the phases of a tick, told"),
     ("docs/architecture.md", "intervene ", "the phases of a tick, told"),
@@ -143,6 +143,6 @@ SHOWN_ONLY = [
     ("docs/stage-worlds.md", "maze.world:12", "of a world with faults: tests/worldio/stage_world_test.cpp"),
 ]
 
-# Lines in which numbers tell of the machine and the minute: wall time, memory, versions.
+# Lines whose numbers vary between machines and runs: wall time, memory, versions.
 VARYING = (r"\bwall\b|times real time|\bcost\b|\bphases\b|\bthreads\b|memory|troupe \d|version|compiler|\btile_m\b"
            r"|\bMi?B\b|\bloading\b|processor time|\bratio\b")

@@ -3,26 +3,25 @@
 
     docs_test.py TROUPE BUILD [PAGE...] [--verbose] [--keep DIR]
 
-Each page is walked from top to bottom as a reader would, in a folder of its own that holds what the source tree does
-(worlds, apps/examples, build/release), with the program on the path and ~ in that folder. What a page must look like
-for that:
+Each page is processed from top to bottom in a temporary folder, which contains the same folders as the source tree
+(worlds, apps/examples, build/release). The program is on the path, and ~ is the temporary folder. The rules for pages:
 
-- Code stands in blocks that are indented by four spaces or fenced. A block whose first line begins with a program
-  (`troupe`, `cmake`, `cd`, ...) is commands, typed one after another into one shell. Each must end with 0, and the
-  files that its options name must be there afterwards.
-- A block with lines that begin with `$ ` shows a session: commands, and what they print. One that prints an error must
-  not end with 0.
-- Another block is text that the page shows: it must have been printed by a command further up, or stand in a file
-  that one has written, or be the list of such files; in a fence that says `text` it may look like JSON. A line `...`
-  stands for any lines, `...` in a line for any text. Numbers must be equal but where they tell wall time, memory or
-  versions.
-- JSON, C++, Python, CMake and Stage's `world` stand in fences that say so (JSON also indented). A world loads, a
-  fragment parses; C++ compiles, or is part of a file of apps/examples; Python runs, the listings of a page in one
-  interpreter. If the paragraph before a listing names a file, as "save this as `swarm.json`:", the listing is saved
-  there for what follows.
-- Links to files and headings lead somewhere, and inline code that begins with `troupe` has options that exist.
+- Code is in blocks, which are indented by four spaces or fenced. A block whose first line begins with a program
+  (`troupe`, `cmake`, `cd`, ...) contains commands, which are run one after another in one shell. Each must end with
+  exit code 0, and the files that its options name must exist afterwards.
+- A block with lines that begin with `$ ` shows commands and their output. A command that prints an error must not end
+  with 0.
+- Any other block is a shown text: a command further up on the page must have printed it, or it must be in a file that
+  such a command has written, or be the list of these files. In a fence with the language `text` it may look like JSON.
+  A line `...` stands for any lines, `...` in a line for any text. Numbers must be equal, except wall times, amounts of
+  memory and versions.
+- JSON, C++, Python, CMake and Stage's `world` are in fences with that language (JSON also indented). A world must load,
+  and a fragment must parse. C++ must compile, or be a part of a file of apps/examples. Python must run, all listings of
+  a page in one interpreter. If the paragraph before a listing names a file, as "save this as `swarm.json`:", the
+  listing is saved in this file for the commands that follow.
+- Links to files and headings must have targets, and inline code that begins with `troupe` must have existing options.
 
-What is not run stands in docs_rules.py, with its reason. Exit codes: 0 all is right, 1 something is not, 77 skipped.
+docs_rules.py lists the exceptions with their reasons. Exit codes: 0 no fault found, 1 faults, 77 skipped.
 """
 
 import argparse
@@ -66,14 +65,14 @@ for line in sys.stdin:
     sys.stdout.flush()
     print("\\0", wrong, sep="", flush=True)
 """
-COMMAND_LIMIT_S = 900  # on a busy machine; none should take more than half a minute
+COMMAND_LIMIT_S = 900  # for a busy machine; a command normally takes less than half a minute
 
 
 # --- pages -----------------------------------------------------------------------------------------------------------
 
 
 class Block:
-    """A piece of code on a page: where it begins, its language (of a fence), its lines, and the paragraph before it."""
+    """A block of code on a page: its first line, its language (if it is fenced), its lines, and the paragraph before it."""
 
     def __init__(self, page, line, language, lines, before):
         self.page, self.line, self.language, self.before = page, line, language, before
@@ -84,7 +83,7 @@ class Block:
         return f"{self.page}:{self.line}"
 
     def file_name(self):
-        """The file that the paragraph before says this listing is."""
+        """Returns the file name that the paragraph before the listing gives, if any."""
         names = re.findall(r"`([\w./-]+)`", self.before)
         suffix = LANGUAGES.get(self.language or self.kind())
         found = [name for name in names if suffix and name.endswith(suffix)]
@@ -133,7 +132,7 @@ def blocks_of(page):
 
 
 def commands_of(lines):
-    """Lines as the shell reads them: one that ends with a backslash goes on in the next."""
+    """Returns the commands of a block: a line that ends with a backslash is joined with the next line."""
     joined = []
     for line in lines:
         if joined and joined[-1].endswith("\\"):
@@ -158,7 +157,7 @@ class Program:
         return subprocess.run([self.path, *words], capture_output=True, text=True, check=True).stdout
 
     def unknown(self, command):
-        """The first word of a command line that begins with `troupe` that this program has not, or None."""
+        """Returns the first subcommand or option of a `troupe` command line that the program does not have, or None."""
         words = re.split(r"\s+", re.split(r"[|;&<>]", command)[0].strip())
         if len(words) < 2 or words[1].startswith("-"):
             return None
@@ -173,11 +172,11 @@ class Program:
         return None
 
 
-# --- what is shown and what there is ---------------------------------------------------------------------------------
+# --- shown texts and printed texts ---------------------------------------------------------------------------------
 
 
 def line_pattern(line):
-    """What a shown line stands for."""
+    """Returns a regular expression for the lines that a shown line may stand for."""
     varies = re.search(rules.VARYING, line)
     out = []
     for part in re.split(r"(\.\.\.|\s+|(?<![\w.])[-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)", line.strip()):
@@ -193,7 +192,7 @@ def line_pattern(line):
 
 
 def first_missing(shown, there):
-    """The first of the shown lines that is not there; None where all are, one behind another but where `...` stands."""
+    """Returns the first shown line that is missing in `there`; None if all lines occur, adjacent except at `...`."""
     wanted = [line for line in shown if line.strip()]
     if all(line.strip() == "..." for line in wanted):
         return None
@@ -231,7 +230,7 @@ class Page:
         self.ran = self.wanted = 0
         self.skipped = []
         self.interpreter = None
-        self.printed = []  # of each command, the last one last
+        self.printed = []  # output of each command, in order
         self.folder = test.scratch / name.replace("/", "_").removesuffix(".md")
         self.home = self.folder / "home"
 
@@ -256,7 +255,7 @@ class Page:
         return pathlib.Path((self.folder / ".cwd").read_text().strip())
 
     def shell(self, command):
-        """Types a command into the page's shell: its working folder and variables last from one to the next."""
+        """Runs a command in the shell of the page, which keeps its working folder and variables between commands."""
         keep = self.folder
         script = (f'source "{keep}/.env"\ncd "$(cat "{keep}/.cwd")"\n{command}\ncode=$?\n'
                   f'pwd > "{keep}/.cwd"\nexport -p > "{keep}/.env"\nexit $code\n')
@@ -293,7 +292,7 @@ class Page:
         return None
 
     def run_command(self, command, where, shown=()):
-        """Runs it, and returns what it printed; None where it is left out. What shows an error must end with one."""
+        """Runs a command and returns its output; None if a rule excludes it. A command that shows an error must fail."""
         self.wanted += 1
         reason = self.why_not(command)
         if reason:
@@ -360,7 +359,7 @@ class Page:
                        f"{block.lines[0]}\n  (nearest miss: {missing[0] if missing else ''})")
 
     def save(self, block):
-        """Saves a listing where the paragraph before says; the path, or None where it says nothing."""
+        """Saves a listing in the file that the paragraph before it names. Returns the path; None if it names no file."""
         name = block.file_name()
         if name is None:
             return None
@@ -436,7 +435,7 @@ class Page:
             self.fault(block, "Python says\n" + "\n".join("    " + line for line in printed.strip().split("\n")[-8:]))
 
     def interpret(self, path):
-        """Has the page's interpreter run a listing, which knows what those before it have defined."""
+        """Runs a listing in the Python interpreter of the page, which keeps the definitions of earlier listings."""
         if self.interpreter is None:
             self.interpreter = subprocess.Popen([self.test.python, "-u", "-c", INTERPRETER], env=self.environment(), text=True,
                                                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
@@ -451,7 +450,7 @@ class Page:
         return "".join(printed), False
 
     def inline(self):
-        """Links lead somewhere; inline code that begins with `troupe` is understood."""
+        """Checks that links have targets, and that inline code that begins with `troupe` has existing options."""
         text = (ROOT / self.name).read_text()
         text = re.sub(r"^```.*?^```", lambda m: "\n" * m[0].count("\n"), text, flags=re.M | re.S)
         for match in re.finditer(r"\]\(([^)\s]+)\)", text):
@@ -499,7 +498,7 @@ class Page:
 
 
 def headings(page):
-    """The names that GitHub gives the headings of a page."""
+    """Returns the anchors that GitHub gives the headings of a page."""
     text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S)
     return {re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", re.sub(r"[`*]", "", title).strip().lower()))
             for title in re.findall(r"^#+ (.*)$", text, re.M)}
@@ -536,7 +535,7 @@ class Test:
         self.cpp.append((page.name, block))
 
     def compile_cpp(self):
-        """All C++ listings in one translation unit, each in a namespace of its own; the faults of the compiler."""
+        """Compiles all C++ listings as one translation unit, each in its own namespace. Returns the compiler errors."""
         includes = ["<troupe/troupe.hpp>", "<troupe/plugin.hpp>", "<algorithm>", "<iostream>", "<thread>", "<vector>"]
         lines = []
         for number, (page, block) in enumerate(self.cpp):
@@ -562,7 +561,7 @@ class Test:
 
 
 def python_with_modules(build):
-    """The Python that knows most of what listings import: this one, or Debian's."""
+    """Returns the Python interpreter that has most of the modules that listings import: this one, or Debian's."""
     best = (sys.executable, set())
     for python in dict.fromkeys((sys.executable, "/usr/bin/python3")):
         script = ("import importlib.util as u\n"

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""The kernels do nothing but compute, on every instruction set: their object code copies no table to the stack, repeats no
-string instruction, and calls nothing that is not listed here. Highway's operations are inline functions; one that keeps a
-table in an array of its own has it copied by gcc at every call, which once took three quarters of the time of a cull.
+"""Checks the object code of the kernels for every instruction set: it copies no table to the stack, has no repeated
+string instructions, and calls only functions that are listed here. Highway's operations are inline functions. If one of
+them has a table in a local array, gcc copies the table at every call, which once took three quarters of the time of a
+cull (the test that skips the outlines that a beam cannot meet).
 
     kernels_test.py OBJDUMP LIBRARY.a    reads the object code of a release build
 """
@@ -14,14 +15,14 @@ import unittest
 OBJDUMP = LIBRARY = None
 
 KERNEL = re.compile(r"::N_(\w+)::")  # Highway's namespace of a target
-# What kernels may call besides one another, and why.
+# Functions that kernels may call in addition to other kernels, and why.
 ALLOWED = {
     "troupe::partition::inverse_range(": "the formula itself, for the rare edges that noise would decide",
     "memset": "clears what the beams of a fan have met, once a block of edges",
     "memcpy": "the last readings of a fan, fewer than a vector",
     "sqrtf": "for the errno of a negative number, which no distance is",
 }
-# A few vectors of constants may be spilled; tables are 256 bytes and more.
+# The compiler may store a few vectors of constants on the stack; tables have 256 bytes or more.
 MOST_STACK_BYTES = 128
 
 FUNCTION = re.compile(r"^[0-9a-f]+ <(.*)>:$")
@@ -32,7 +33,7 @@ VECTOR_BYTES = {"x": 16, "y": 32, "z": 64}
 
 
 def register(operand):
-    """A name for the whole register, and the bytes that are meant; nothing for other operands."""
+    """Returns the name of the whole register and the number of its bytes that are used; (None, 0) for other operands."""
     match = REGISTER.match(operand.strip())
     if not match:
         return None, 0
@@ -47,13 +48,13 @@ def operands(text):
 
 
 def callee_of(text):
-    """Of a call that needs no relocation: `a30 <name>`, `a30 <name+0x10>`, or `*%rax`."""
+    """Returns the callee of a call without relocation: `a30 <name>`, `a30 <name+0x10>`, or `*%rax`."""
     match = re.search(r"<(.*)>\s*$", text)
     return re.sub(r"\+0x[0-9a-f]+$", "", match[1]) if match else f"through {text.strip()}"
 
 
 class Function:
-    """What was found in one: string instructions, callees, and bytes of constants that are written to the stack."""
+    """The findings in one function: string instructions, callees, and bytes of constants that are written to the stack."""
 
     def __init__(self, name):
         self.name, self.repeated, self.callees, self.stack_bytes = name, set(), set(), 0
@@ -81,7 +82,7 @@ class Function:
 
 
 def kernels(disassembly):
-    """The kernels in objdump's output, with its relocations and demangled names."""
+    """Returns the kernels in the output of objdump, which must contain relocations and demangled names."""
     found, function = [], None
     lines = disassembly.splitlines()
     for line, following in zip(lines, [*lines[1:], ""]):

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The house rules that a compiler does not check (docs/architecture.md): which folder may include what.
+"""Checks the rules of docs/architecture.md that a compiler does not check: which folder may include which files.
 
-Arrows between the folders only go down, devices reach the world through engine/sensing_view.hpp alone, a third-party library is known to few files, and nothing below `apps`
-prints, reads the clock, parses arguments or exits.
+A folder includes only folders below it, devices access the world only through engine/sensing_view.hpp, each third-party
+library is included by few files, and code below `apps` does not print, read the clock, parse arguments or exit.
 
     layers_test.py [ROOT]    checks the sources under ROOT (default: this repository), then itself on planted faults
 """
@@ -16,8 +16,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# What each folder may include, besides itself. `sensors`, `worldio` and `render` are siblings: the engine and the
-# registry bring them together. `models` stands above `sensors`, which its controllers read.
+# The folders that each folder may include, in addition to itself. `sensors`, `worldio` and `render` do not include one
+# another: the engine and the registry connect them. `models` is above `sensors`, because its controllers read sensors.
 BELOW = {
     "base": [],
     "partition": ["base"],
@@ -30,8 +30,8 @@ BELOW = {
 }
 LIBRARY = list(BELOW)
 
-# Folders in a folder, and which others of the same folder each may include. Files of the folder itself may include any
-# of them, and be included by any.
+# Subfolders, and which other subfolders of the same folder each may include. Files of the folder itself may include all
+# subfolders, and all subfolders may include them.
 ROOMS = {
     "models": {
         "drives": [],
@@ -47,8 +47,9 @@ ROOMS = {
         "results": ["json"],
     },
 }
-# Files that must not include others, neither directly nor through headers: (files, headers, why). What a device reads in
-# `sense` and `actuate` must not know how bodies move. Functions that change the world (`apply`) include engine/world.hpp.
+# Files that must not include some headers, neither directly nor through other headers: (files, headers, reason). `sense` and
+# `actuate` of a device must not depend on the code that moves bodies. Functions that change the world (`apply`) include
+# engine/world.hpp.
 MECHANICS = ["engine/world.hpp", "engine/world_state.hpp", "engine/movement.hpp", "engine/conflicts.hpp",
              "engine/links.hpp", "engine/experiment.hpp"]
 APART = [
@@ -56,11 +57,11 @@ APART = [
     (["sensors/*"], MECHANICS),
 ]
 ANYTHING = LIBRARY + ["live", "apps", "python", "tests", "perf"]
-# `python3 -m troupe` is the program in an interpreter: the Python package contains it.
+# The Python package contains the whole program, because `python3 -m troupe` runs it in the interpreter.
 BELOW |= {"live": LIBRARY, "apps": [*LIBRARY, "live"], "python": [*LIBRARY, "live", "apps"], "tests": ANYTHING, "perf": ANYTHING}
 
 # Third-party headers: (pattern, name, glob patterns of the files that may include them).
-# Library headers are installed, so a `.hpp` there knows Eigen only.
+# Headers of the library are installed, so of all third-party libraries they may include only Eigen.
 LIBRARY_SOURCES = [f"{folder}/{files}" for folder in LIBRARY for files in ("*.cpp", "*/*.cpp")]
 TOP = ["live/*", "apps/*", "apps/*/*", "python/*", "tests/*", "tests/*/*", "perf/*", "perf/*/*"]
 THIRD_PARTY = [
@@ -82,7 +83,7 @@ THIRD_PARTY = [
     (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
     (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
-    # Of the platform: the floating-point environment, libraries opened at run time, processors, memory and files.
+    # Headers of the platform: the floating-point environment, dynamic loading, processors, memory and files.
     (r"(dlfcn|fcntl|link|sched|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
     (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
 ]
@@ -96,7 +97,7 @@ STANDARD = [
      ["partition/*.cpp", "apps/examples/seeds/seeds.cpp", *TOP]),
 ]
 
-# Words that no file below `apps` may use, outside comments and texts.
+# Words that no file below `apps` may contain, except in comments and string literals.
 WORDS = [
     (r"(v|f|vf|d|w)?printf|puts|fputs|putchar|perror|cout|cerr|clog|fmt::print", "prints"),
     (r"exit|_exit|_Exit|quick_exit|abort|terminate", "ends the process"),
@@ -107,12 +108,12 @@ WORDS = [
     (r"(Neg)?Mul(Add|Sub)\w*|Approximate\w*", "does not round the same on every processor"),
     (r"hwy::HWY_NAMESPACE", "goes around partition/simd.inl, which lists the operations that kernels may use"),
 ]
-# Parameters are read by name: from_record(), get(). A place in a record is what its table says today.
+# Parameters are read by name (from_record(), get()), because the index of a field in a record may change.
 _VALUE = r"(?:given|boolean|integer|number|text|numbers|records|texts)\(\)"
 _PLACE = r"(?:\d+|k_\w+|[^\]\[]*\bsize\(\)[^\]\[]*)"
 BY_POSITION = re.compile(rf"\[\s*{_PLACE}\s*\]\s*(?:\.|->)\s*{_VALUE}|\b(?:\w+_)?(?:params|record)\s*\[\s*{_PLACE}\s*\]")
 
-WORDS_ALLOWED = {"base/assert.hpp"}  # TROUPE_ASSERT says which invariant broke, and stops
+WORDS_ALLOWED = {"base/assert.hpp"}  # TROUPE_ASSERT prints the violated invariant and ends the process
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
 COMMENT_OR_TEXT = re.compile(
@@ -127,12 +128,12 @@ def sources(root):
 
 
 def is_in(path, globs):
-    """Globs here match whole paths, and `*` stays within one folder."""
+    """Whether a path matches one of the globs. A glob matches the whole path; `*` matches no slash."""
     return any(len(path.parts) == glob.count("/") + 1 and path.match(glob) for glob in globs)
 
 
 def without_comments(text, texts_too):
-    """Blanks comments, and texts where asked, and keeps every line where it was."""
+    """Replaces comments, and with texts_too also string literals, by blanks. Line numbers stay the same."""
     def blank(match):
         if not texts_too and not match.group().startswith("/"):
             return match.group()
@@ -141,7 +142,7 @@ def without_comments(text, texts_too):
 
 
 def room_fault(folder, path, name):
-    """What is wrong with an include of the folder's own, or None."""
+    """Returns the fault of an include of a file in the same folder, or None."""
     if len(path.parts) == 2:
         return None
     rooms = ROOMS.get(folder, {})
@@ -155,9 +156,9 @@ def room_fault(folder, path, name):
 
 
 def include_fault(root, folder, path, quote, name):
-    """What is wrong with one include, or None."""
+    """Returns the fault of an include, or None."""
     first = name.split("/")[0]
-    is_ours = first in BELOW and ((root / name).is_file() or (root / f"{name}.in").is_file())  # .in: made by CMake
+    is_ours = first in BELOW and ((root / name).is_file() or (root / f"{name}.in").is_file())  # .in: CMake makes the file
     if quote == '"' or is_ours:
         if not is_ours:
             return f'"{name}" is no file of ours, named from the root'
@@ -181,7 +182,7 @@ def include_fault(root, folder, path, quote, name):
 
 
 def closure_faults(root, paths):
-    """Breaches of APART, as `path:line: text`: the line that includes what leads to the forbidden header."""
+    """Returns violations of APART, as `path:line: text`. The line is the include through which the forbidden header comes."""
     @functools.cache
     def includes(path):
         text = without_comments((root / path).read_text(), texts_too=False)
@@ -189,7 +190,7 @@ def closure_faults(root, paths):
                 if (root / match[2]).is_file()]
 
     def way_to(path, forbidden, seen):
-        """A chain of headers from path to a forbidden one, or None. Headers that are checked themselves end it."""
+        """Returns a chain of includes from path to a forbidden header, or None. Stops at headers that are checked themselves."""
         if path in forbidden:
             return [path]
         if path in seen or any(is_in(Path(path), files) for files, _ in APART):
@@ -213,7 +214,7 @@ def closure_faults(root, paths):
 
 
 def findings(root):
-    """Every breach of the rules under root, as `path:line: text`."""
+    """Returns all violations of the rules under root, as `path:line: text`."""
     found = list(closure_faults(root, [path for _, path in sources(root)]))
     tbb_users = []
     for folder, path in sources(root):
@@ -253,7 +254,7 @@ class TheSources(unittest.TestCase):
 
 
 class PlantedFaults(unittest.TestCase):
-    """A small tree that keeps the rules, with one fault at a time."""
+    """Tests the checks with a small source tree that obeys the rules, into which one fault at a time is inserted."""
 
     GOOD = {
         "base/pose.hpp": "#pragma once\n#include <Eigen/Core>\n#include <cmath>\n",

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""worlds/scenes.json: every shipped world has a row with a golden hash, or a reason why it has none; and what the readers in
-Python refuse. tests/troupe/manifest_test.cpp has what the reader in C++ refuses."""
+"""Tests that every shipped world has a row in worlds/scenes.json with a golden hash, or with the reason why it has none, and
+that the reader of this file in Python reports errors. tests/troupe/manifest_test.cpp tests the reader in C++."""
 
 import importlib.machinery
 import importlib.util

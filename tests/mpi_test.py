@@ -138,7 +138,7 @@ class OnProcesses:
         self.refused(self.run_on(2, "run", "room.json", "--ranks", 2), "leave out --ranks")
 
     def test_commands_of_one_process_are_refused(self):
-        self.refused(self.run_on(2, "info", "room.json"), "this command runs in one: start it without the launcher")
+        self.refused(self.run_on(2, "info", "room.json"), "this command uses only one: start it without the launcher")
 
     def test_a_missing_module_is_an_error(self):
         self.refused(self.run_on(3, "run", "room.json", "--hash-log", "log", TROUPE_MPI="none"),
@@ -149,7 +149,7 @@ class OnProcesses:
         if not (pathlib.Path(PROGRAM).parent / f"libtroupe_mpi_{other}.so").exists():
             self.skipTest(f"NOT TESTED: there is no module of {other}")
         done = self.run_on(3, "run", "room.json", "--hash-log", "log", TROUPE_MPI=other)
-        self.refused(done, "it belongs to another MPI")
+        self.refused(done, "this module belongs to another MPI")
 
     def test_other_arguments_are_an_error(self):
         command = [self.launcher, *self.launcher_options, "-n", "1", PROGRAM, "run", "room.json", "--seed", "1", ":",
@@ -179,8 +179,8 @@ class OnProcesses:
         self.assertTrue(condition())
 
     def started(self, *arguments, first="run.h5"):
-        """A run of three processes that does not end by itself. Returns it and the processes of its ranks, once the file `first`
-        exists."""
+        """Starts a run on three processes that does not end by itself, and waits until the file `first` exists. Returns the
+        launcher and the processes of the ranks."""
         run = subprocess.Popen(self.command(3, "run", "room.json", "--threads", 1, "--for", 1e6, "--checkpoint", "run.h5",
                                             "--quiet", *arguments),
                                cwd=self.folder, env=self.environment(), text=True, stderr=subprocess.PIPE)
@@ -215,7 +215,7 @@ class OnProcesses:
         end = time.monotonic() + 30
         while any(os.path.exists(f"/proc/{process}/exe") for process in ranks) and time.monotonic() < end:
             time.sleep(0.1)
-        # The last checkpoint is whole, and another number of ranks resumes it.
+        # The last checkpoint is complete, and can be resumed with another number of ranks.
         done = self.run_on(2, "resume", "run.h5", "--for", 1e6, "--wall-limit", 1, "--quiet")
         self.assertEqual(done.returncode, 3, done.stderr)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""perf_paper refuses wrong hashes, and what it writes can be read.
+"""Tests that perf_paper reports wrong hashes, and that its output can be read.
 
     perf_paper_test.py PERF_PAPER
 """

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Compares the pictures of the documentation with what their worlds do now: each names in its text its world, its seed,
-its time, and the hash of the state that it shows.
+"""Checks that the pictures of the documentation are up to date. The text of each picture contains its world, seed and time,
+and the hash of the state that it shows; the test runs the world and compares the hash.
 
-    pictures_test.py TROUPE          those of up to 200 simulated seconds
-    pictures_test.py TROUPE --all    all; takes minutes
+    pictures_test.py TROUPE          pictures of up to 200 simulated seconds
+    pictures_test.py TROUPE --all    all pictures; takes minutes
 
-Exit codes: 0 all pictures show what is so, 1 some do not.
+Exit codes: 0 all pictures are up to date, 1 some are not.
 """
 
 import json
@@ -16,12 +16,12 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONGEST_S = 200
-# Of worlds that stand in a page, which tests/docs_test.py runs.
+# Pictures of worlds that are listings on a page; tests/docs_test.py runs these worlds.
 OF_PAGES = {"tutorial.png"}
 
 
 def texts_of(png):
-    """The keywords and texts of a PNG's tEXt chunks (PNG specification, 11.3.4.3)."""
+    """Returns the keywords and texts of the tEXt chunks of a PNG (PNG specification, 11.3.4.3)."""
     data = png.read_bytes()
     texts, at = {}, 8
     while at < len(data):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/prove finds what it looks for: stand-ins for the program give other bits in one variant only."""
+"""Tests that scripts/prove detects differences: stand-ins for the program give different bits in a single variant."""
 
 import contextlib
 import importlib.machinery
@@ -38,7 +38,7 @@ class Difference(unittest.TestCase):
 
 
 class Given:
-    """A variant whose run is known."""
+    """A variant with a given result."""
 
     def __init__(self, label, lines):
         self.label, self._lines = label, lines
@@ -96,7 +96,7 @@ class Proofs(unittest.TestCase):
 
 
 class Planted(unittest.TestCase):
-    """The faults that scripts/prove --planted looks for keep up with the sources."""
+    """The patches of scripts/prove --planted, which insert faults, still apply to the sources."""
 
     def test_faults_apply_to_the_sources(self):
         names = [name for name, _ in builds.planted_faults()]
@@ -222,7 +222,7 @@ class Shrink(unittest.TestCase):
 
 
 class Runner:
-    """A stand-in for the program: worlds with a fault differ in one check, and worlds of a title do not load."""
+    """A stand-in for the program: worlds with faults differ in one check, and invalid(world) worlds do not load."""
 
     program_only = False
     program = None

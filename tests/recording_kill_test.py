@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Kills recording runs at random moments, and reads back with h5py what they had flushed.
+"""Kills runs that write a recording at random moments, and reads the recordings with h5py.
 
-    recording_kill_test.py TROUPE [KILLS] [SEED]    KILLS: 20 unless given; the long form is 200
+    recording_kill_test.py TROUPE [KILLS] [SEED]    KILLS: default 20; the long test uses 200
 
-Of each killed run, every frame whose batch had been flushed must be there with swmr=True, complete and equal to that of
-a run that nothing disturbed; after `troupe repair` the same frames must be there for plain tools. A hash log that is
-written beside the recording is the witness of how far the run had come. One more run is read while it goes on.
+Each recording must contain every frame that had been flushed, readable with swmr=True and equal to the frame of an
+uninterrupted run. After `troupe repair`, h5py must read the same frames without swmr. The hash log of the same run shows
+how many ticks the run had completed. One more recording is read while its run goes on.
 """
 
 import os
@@ -23,7 +23,7 @@ try:
     import h5py
     import numpy as np
 except ImportError:
-    system = "/usr/bin/python3"  # where Debian's h5py is, whatever stands first on the path
+    system = "/usr/bin/python3"  # has Debian's h5py, even if another Python is first on the path
     if os.path.exists(system) and os.environ.get("TROUPE_SYSTEM_PYTHON") is None:
         os.execve(system, [system, *sys.argv], {**os.environ, "TROUPE_SYSTEM_PYTHON": "1"})
     print("SKIPPED: no h5py (scripts/setup --checks installs python3-h5py): "
@@ -33,7 +33,7 @@ except ImportError:
 TROUPE = Path(sys.argv[1]).resolve()
 KILLS = int(sys.argv[2]) if len(sys.argv) > 2 else 20
 SEED = int(sys.argv[3]) if len(sys.argv) > 3 else time.time_ns()
-LONGEST_S = 0.4  # from the start of a run to its death
+LONGEST_S = 0.4  # longest time from the start of a run to its kill
 
 WORLD = """
 interval_sim 100
@@ -46,11 +46,11 @@ define bot position ( size [0.4 0.3 0.2]
   ranger( pose [0 0 -0.15 0] sensor( fov 180 samples 9 range [0 3] ) ) ctrl "wander" )
 """ + "".join(f"bot( pose [{x} {y} 0 {40 * x + 10 * y}] )\n" for x in (-2, 0, 2) for y in (-2, 0, 2))
 
-FIELDS = ["pose", "all"]  # one flushes every 256 frames, as does the other, but of seven times as many arrays
+FIELDS = ["pose", "all"]  # both flush every 256 frames; "all" has seven times as many arrays
 
 
 def arrays(group, path=""):
-    """Every array with a row a frame, by its path."""
+    """Returns the arrays that have one row per frame, by path."""
     for name, item in group.items():
         if isinstance(item, h5py.Group):
             yield from arrays(item, f"{path}{name}/")
@@ -74,7 +74,7 @@ def run(arguments, **options):
 
 
 class Reference:
-    """A run that nothing disturbed, as long as any killed one so far."""
+    """An uninterrupted run that is at least as long as all killed runs so far."""
 
     def __init__(self, fields):
         self.fields = fields
@@ -121,10 +121,10 @@ def kill_one(number, rng, reference):
         with h5py.File(recording, "r", swmr=True) as file:
             batch = file["state/pose/x"].chunks[0]
             frames = whole_frames(file)
-            # One whole batch may have been on its way into the file.
+            # The last complete batch may not have been flushed yet.
             assert frames >= (ticks // batch - 1) * batch, f"{frames} frames of {ticks} ticks, {batch} a batch"
             check(file, reference, frames, exactly=False)
-    except OSError as fault:  # killed before the head of the file was written
+    except OSError as fault:  # killed before the header of the file was written
         assert ticks == 0, f"{ticks} ticks, and the file cannot be read: {fault}"
         return None
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Opens pages of `troupe replay` in a headless Chromium and uses them as people do.
+"""Opens pages of `troupe replay` in a headless Chromium and operates them with mouse and keyboard.
 
-    replay_page_test.py TROUPE [PICTURES]    PICTURES: a folder that screenshots are kept in
+    replay_page_test.py TROUPE [PICTURES]    PICTURES: folder for screenshots
 
-The bundle itself, apps/replay_page/replay.html, must be of the sources beside it; that is checked without a browser.
+Also checks, without a browser, that apps/replay_page/replay.html was built from the sources in its folder.
 """
 
 import hashlib
@@ -27,8 +27,8 @@ SKIPPED = 77  # ctest's SKIP_RETURN_CODE
 TROUPE = None
 PICTURES = None
 PROGRAM = find()
-SIZE = (1000, 625)  # CSS pixels: graphics in software take their time
-# A picture's script, with 10,000 robots. What a busy machine takes says little: who wants to know says TROUPE_TIMED=1.
+SIZE = (1000, 625)  # CSS pixels; small, because graphics are drawn in software
+# Time of the script for a picture with 10,000 robots. On a busy machine it varies; TROUPE_TIMED=1 sets the strict limit.
 MOST_SCRIPT_MS = 10 if os.environ.get("TROUPE_TIMED") else 100
 
 WORLD = {
@@ -92,7 +92,7 @@ class TheBundle(unittest.TestCase):
 
 
 class Used(unittest.TestCase):
-    """One page, opened once, in a browser of its own."""
+    """Tests of one page, which is opened once, in its own browser."""
 
     options = ["--record-fields", "pose,stall,ranges"]
     seconds = 10
@@ -126,22 +126,22 @@ class Used(unittest.TestCase):
         self.shown()
 
     def frames(self, count):
-        """Waits for this number of pictures, at most a second for each: a busy Chromium may leave some out."""
+        """Waits for `count` pictures, at most one second for each, because a busy Chromium may skip pictures."""
         self.page.run(f"(async () => {{ for (let i = 0; i < {count}; i++) await new Promise(done => {{ "
                       "requestAnimationFrame(done); setTimeout(done, 1000); }); })()")
 
     def shown(self):
-        """Until what is on the screen is what was asked for."""
+        """Waits until the screen shows the requested state."""
         self.frames(2)
         self.page.wait("troupe.state().shown")
 
     def keep(self, name):
-        """A screenshot for people to look at."""
+        """Saves a screenshot in the folder PICTURES, if it is given."""
         if PICTURES:
             (PICTURES / f"{name}.png").write_bytes(self.page.screenshot())
 
     def box(self, x0, y0, x1, y1):
-        """A part of the screen. (Whole ones take seconds to decode.)"""
+        """Returns a screenshot of a part of the screen. (A screenshot of the whole screen takes seconds to decode.)"""
         return Picture(self.page.screenshot((x0, y0, x1, y1)))
 
     def pixel(self, place):
@@ -152,11 +152,11 @@ class Used(unittest.TestCase):
         return self.page.run(f"troupe.screenPlace({json.dumps(name)})")
 
     def spot(self, name):
-        """A place on top of a robot, beside the mark at its front."""
+        """Returns the screen position of a point on top of a robot, next to the mark at its front."""
         return self.page.run(f"troupe.screenPlace({json.dumps(name)}, [-0.12, -0.12, 0.3])")
 
     def wait_for_text(self, selector, pattern):
-        """What the panel shows of a sensor is unpacked first."""
+        """Waits until the text of an element matches; the panel decodes the readings of a sensor before it shows them."""
         self.page.wait(f"new RegExp({json.dumps(pattern)}).test(document.querySelector({json.dumps(selector)}).innerText)")
 
     def text(self, selector):
@@ -277,7 +277,7 @@ class APage(Used):
         behind, ahead = (x - 90, y - 4, x - 35, y + 5), (x + 35, y - 4, x + 90, y + 5)
         before = self.box(*behind), self.box(*ahead)
         self.page.run("troupe.trails(5)")
-        for _ in range(10):  # marks are sent a few a picture
+        for _ in range(10):  # each picture adds only a few marks
             self.shown()
         self.keep("trails")
         self.assertGreater(self.box(*behind).different(before[0]), 40)
@@ -312,7 +312,7 @@ class APage(Used):
         self.assertAlmostEqual(back[1], y, delta=1)
 
     def settle(self):
-        """Movements of the eye run out softly."""
+        """Waits until the camera, which slows down smoothly, has stopped."""
         self.frames(40)
 
     def test_is_dark_where_it_is_dark(self):
@@ -349,7 +349,7 @@ class PartsThatMove(Used):
         return path
 
     def arm(self, angle):
-        """A place on the arm, where it has turned by so much."""
+        """Returns the screen position of a point on the arm after the arm has turned by `angle`."""
         return self.page.run(f"troupe.screenPlace('crane', [{1.5 * math.cos(angle)}, {1.5 * math.sin(angle)}, 0.5])")
 
     def test_an_arm_turns(self):
@@ -368,7 +368,7 @@ class PartsThatMove(Used):
 
     def test_what_stands_on_it_looks_from_there(self):
         self.seek(6)
-        beam = self.page.run("troupe.screenPlace('crane', [0, 2.8, 0.4])")  # straight ahead of the eye, in open space
+        beam = self.page.run("troupe.screenPlace('crane', [0, 2.8, 0.4])")  # straight ahead of the sensor, in open space
         before = self.pixel(beam)
         self.page.run("troupe.select('crane')")
         self.wait_for_text("#panel", r"ranges")
@@ -397,9 +397,9 @@ class PartsThatMove(Used):
 
 
 class ShownColors(Used):
-    """LEDs and painted zones look as they did, whatever the world calls their colours."""
+    """LEDs and painted zones are drawn in their recorded colours, whatever the colours in the world file are."""
 
-    options = []  # as they are recorded unless something else is asked for
+    options = []  # additional options of `troupe run`; none: the default fields are recorded
     seconds = 1
 
     @classmethod
@@ -419,7 +419,7 @@ class ShownColors(Used):
         self.assertEqual(self.pixel(self.spot("lit")), (0, 153, 51))
         self.assertEqual(self.pixel(self.spot("plain")), (26, 51, 204))
         self.assertEqual(self.pixel(self.spot("zone")), (255, 204, 0))
-        self.page.run("troupe.color('speed')")  # which a zone has not
+        self.page.run("troupe.color('speed')")  # a field that zones do not have
         self.page.wait("troupe.state().coloured")
         self.shown()
         self.assertEqual(self.pixel(self.spot("zone")), (255, 204, 0))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Each pattern of slow tests is that of a test: slow_tests_test.py PROGRAM PATTERN..."""
+"""Tests that each pattern of slow tests matches at least one test of the program: slow_tests_test.py PROGRAM PATTERN..."""
 
 import subprocess
 import sys

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""One world on the processes of `srun`, and a study as an array of jobs, on a Slurm of one node that the test starts itself: munged,
-slurmctld and slurmd of Debian, as root, with files, keys and ports of its own.
+"""Tests one world on the processes of `srun`, and a study as an array of jobs. The test starts Slurm on one node: munged,
+slurmctld and slurmd of Debian, as root, with their own files, keys and ports.
 
     slurm_test.py PROGRAM    PROGRAM: the program `troupe`, in the folder of its modules for MPI
 
@@ -172,7 +172,7 @@ class OnSlurm(unittest.TestCase):
         self.good(PROGRAM, "sweep", "study.json", "-o", "one", "--quiet")
         part = f"{PROGRAM} sweep study.json -o parts --part $SLURM_ARRAY_TASK_ID/3 --threads 1 --quiet"
         self.good("sbatch", "--wait", "--array=1-3", "-c", 1, "--output=part-%a.out", "--wrap", part)
-        self.good(PROGRAM, "sweep", "study.json", "-o", "parts", "--quiet")  # makes the table of all parts
+        self.good(PROGRAM, "sweep", "study.json", "-o", "parts", "--quiet")  # writes the table of all parts
         self.assertEqual((self.folder / "parts" / "table.csv").read_text(), (self.folder / "one" / "table.csv").read_text())
         self.assertEqual([(self.folder / f"part-{part}.out").read_text() for part in (1, 2, 3)], ["", "", ""])
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Kills `troupe sweep` with SIGKILL at random moments, and asks for the table of one that was not killed.
+"""Kills `troupe sweep` with SIGKILL at random moments, continues it, and compares its table with that of an uninterrupted
+sweep.
 
-    sweep_kill_test.py PROGRAM [KILLS] [SEED]    KILLS: 3 unless given
+    sweep_kill_test.py PROGRAM [KILLS] [SEED]    KILLS: default 3
 
-The study is apps/examples/study/coverage.json, 64 runs. Every kill must strike before the sweep ends by itself; what it
-had noted must be made no second time.
+The study is apps/examples/study/coverage.json, with 64 runs. Every kill happens before the sweep ends by itself. Runs
+whose results had been written must not be repeated.
 """
 
 import random
@@ -43,7 +44,7 @@ def main():
             process.send_signal(signal.SIGKILL)
             if process.wait() == -signal.SIGKILL:
                 kills += 1
-            else:  # it had ended: begin again
+            else:  # the sweep had already ended: begin again
                 shutil.rmtree(killed)
                 kills = 0
         before = noted(killed) if killed.exists() else 0

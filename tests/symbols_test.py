@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""No arithmetic that reaches the simulation's state comes from the C library, whose bits differ between processors
-(docs/determinism.md): the libraries that compute state must not refer to a function of libm that is not exact.
+"""Tests that no arithmetic for the state uses inexact functions of the C library, whose bits differ between processors
+(docs/determinism.md): the libraries that compute the state must not refer to a function of libm that is not exact.
 
     symbols_test.py LIBRARY.a...
 """
@@ -12,7 +12,7 @@ import unittest
 
 LIBRARIES = []
 
-# Not here, because IEEE 754 fixes their bits: sqrt, fabs, floor, ceil, trunc, rint, round, fmod, remainder, ldexp,
+# Not in this list, because IEEE 754 fixes their bits: sqrt, fabs, floor, ceil, trunc, rint, round, fmod, remainder, ldexp,
 # frexp, nextafter, fmin, fmax. fma is exact too, but a * b + c must mean the same thing everywhere: two roundings.
 INEXACT = """sin cos tan sincos asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 exp10 expm1 log log2 log10
              log1p pow cbrt hypot erf erfc tgamma lgamma fma""".split()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/test takes the arguments that it tells of, and refuses others before it does anything."""
+"""Tests that scripts/test accepts the arguments in its --help, and rejects others before it does anything."""
 
 import json
 import pathlib
@@ -15,7 +15,7 @@ def call(*arguments):
 
 class Arguments(unittest.TestCase):
     def presets(self):
-        """Of those that ctest has, aarch64 takes an emulator, which scripts/check-aarch64 is for."""
+        """Returns the presets of ctest, except aarch64, which needs an emulator and is run by scripts/check-aarch64."""
         listed = json.loads((ROOT / "CMakePresets.json").read_text())["testPresets"]
         return [preset["name"] for preset in listed if not preset.get("hidden") and preset["name"] != "aarch64"]
 

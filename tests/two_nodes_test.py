@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""One world on two computers, which this machine imitates: each *node* has network, host name, mount and IPC namespaces of its
-own, with its own address, /tmp and /dev/shm. The launchers reach the other node through nsenter instead of ssh.
+"""Tests one world on two computers (*nodes*), which this machine imitates: each node is a set of network, host name, mount
+and IPC namespaces, with its own address, /tmp and /dev/shm. The launchers reach the other node with nsenter, not ssh.
 
     two_nodes_test.py PROGRAM    PROGRAM: the program `troupe`, in the folder of its modules for MPI; not in /tmp
 
@@ -45,7 +45,7 @@ exec nsenter --target "$process" --net --uts --mount --ipc --wd="$PWD" /bin/sh -
 
 
 class Node:
-    """A computer: a process that holds its namespaces."""
+    """An imitated computer: a process that keeps its namespaces alive."""
 
     def __init__(self, name, address, folder):
         self.name, self.address = name, address
@@ -67,7 +67,7 @@ class Node:
         return subprocess.run(self.command(*words), check=True, capture_output=True, text=True).stdout
 
     def processes(self, program=None):
-        """The processes of the node, or those of a program."""
+        """Returns the processes of the node, or only those of a program."""
         found = []
         for process in pathlib.Path("/proc").iterdir():
             with contextlib.suppress(OSError):
@@ -102,7 +102,7 @@ class OnTwoNodes:
                 raise unittest.SkipTest(f"NOT TESTED: the program {tool} is missing")
 
     def setUp(self):
-        # Not in /tmp, which each node has of its own.
+        # Not in /tmp, because each node has its own /tmp.
         scratch = tempfile.TemporaryDirectory(dir="/var/tmp")
         self.addCleanup(scratch.cleanup)
         self.folder = pathlib.Path(scratch.name)
@@ -132,7 +132,7 @@ class OnTwoNodes:
         return {**own, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
     def on_nodes(self, ranks_per_node, *arguments):
-        """A command for the first node, which starts ranks on both."""
+        """Returns a command for the first node that starts ranks on both nodes."""
         launch = [self.launcher, *self.launcher_options(ranks_per_node), PROGRAM, *map(str, arguments)]
         return self.nodes[0].command(f"--wd={self.folder}", *launch)
 
@@ -181,7 +181,7 @@ class OnTwoNodes:
                     os.kill(process, signal.SIGKILL)
         run.wait(timeout=MARGIN_S)
         self.assertRegex(run.stderr.read(), rf"rank [0-3] on troupe-[ab]: (waited {limit_s} s for rank [0-3] on troupe-[ab]|MPI: )")
-        # The last checkpoint is whole, and other numbers of ranks resume it with the same bits.
+        # The last checkpoint is complete, and resuming it with other numbers of ranks gives the same bits.
         tick = int(re.search(r"tick +(\d+)", self.call([PROGRAM, "info", "run.h5"]).stdout)[1])
         end = str((tick + 5) / 10)
         self.call([PROGRAM, "run", "room.json", "--for", end, "--hash-log", "one.log", "--quiet"])

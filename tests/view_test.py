@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""`troupe view`: a page in a headless Chromium, used as people do; and what others may try at its port.
+"""Tests `troupe view`: operates its page in a headless Chromium with mouse and keyboard, and attacks its port.
 
-    view_test.py TROUPE [PICTURES]    PICTURES: a folder that screenshots are kept in
+    view_test.py TROUPE [PICTURES]    PICTURES: folder for screenshots
 """
 
 import base64
@@ -61,7 +61,7 @@ YARD = {
 
 
 class View:
-    """A program that shows a world."""
+    """A running `troupe view`."""
 
     def __init__(self, *arguments, checkpoint_s=None, world=WORLD, environment=None):
         self.temporary = tempfile.TemporaryDirectory()
@@ -110,14 +110,14 @@ class View:
         return viewer
 
     def end(self):
-        """Ends it as Ctrl-C does, and returns what it printed last: a line of the hash log."""
+        """Ends the program as Ctrl-C does, and returns the last line of its output: a line of the hash log."""
         self.process.send_signal(signal.SIGINT)
         printed = self.process.stdout.read()
         assert self.process.wait(20) == 3, (self.process.returncode, self.said())
         return printed.strip().split("\n")[-1]
 
     def replayed(self, *arguments, command=("run", "rooms.json"), session=None):
-        """The hash log of a run that repeats the session, by tick."""
+        """Runs the world with the session and returns the lines of the hash log by tick."""
         log = self.folder / "replay.log"
         subprocess.run([TROUPE, command[0], self.folder / command[1], "--session", session or self.session, "--hash-log", log, "--quiet",
                         *map(str, arguments)], check=True)
@@ -129,7 +129,7 @@ class Steered(unittest.TestCase):
     def test_a_session_is_repeated_to_the_same_bits(self):
         with View("--rate", 0, "--spare", 2) as view, view.open() as viewer:
             self.assertTrue(viewer.hello["may_steer"])
-            self.assertEqual(viewer.hello["populations"], [])  # neither of the two has a number
+            self.assertEqual(viewer.hello["populations"], [])  # neither of the two robots belongs to a population
             shown = []
             for act in [{"do": "hold", "robot": "red", "speed": [0.5, 0, 0.3]}, {"do": "move", "robot": "blue", "pose": [3, -2, 0, 1]},
                         {"do": "disable", "robot": "blue"}, {"do": "release", "robot": "red"}, {"do": "remove", "robot": "red"}]:
@@ -362,7 +362,7 @@ class Steered(unittest.TestCase):
                 draw = random.Random(number)
                 viewer = view.open()
                 for i in range(340):
-                    if i in (100, 200):  # holding a robot, it is cut off
+                    if i in (100, 200):  # the viewer is disconnected while it holds a robot
                         viewer.ask(do="hold", robot=f"b{number}", speed=[0.3, 0, 1])
                         viewer.socket.close()
                         viewer = view.open()
@@ -431,7 +431,7 @@ class OfARun(unittest.TestCase):
             self.assertEqual(*logs)
             refused = subprocess.run([TROUPE, "run", world, world, "--for", "1", "--view"], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
-            self.assertIn("--view: error: shows the run of one world", refused.stderr)
+            self.assertIn("--view: error: --view shows the run of one world", refused.stderr)
 
 
 class OfTheDocumentation(unittest.TestCase):
@@ -447,7 +447,7 @@ class OfTheDocumentation(unittest.TestCase):
             self.assertEqual(len(seen), 20)
             self.assertEqual({name for _, name, _ in seen}, {"red"})
             self.assertEqual(seen, sorted(seen), "it drives east")
-            with view.open() as viewer:  # the speed with which it wanders, from its state
+            with view.open() as viewer:  # the speed of the controller, from the state
                 viewer.ask(do="inspect", robot="red")
                 state = viewer.state()
                 while "inspected" not in state:
@@ -469,7 +469,7 @@ def can_run(file, other):
 
 
 class Attacked(unittest.TestCase):
-    """Each is refused, said once, and the run goes on."""
+    """Invalid requests: each is refused and reported once, and the run goes on."""
 
     def setUp(self):
         self.view = View("--rate", 0)
@@ -583,7 +583,7 @@ class Attacked(unittest.TestCase):
                         answer = client.receive()
                     self.assertEqual(answer["type"], "refused" if "play" not in text else answer["type"], text)
                 except ConnectionError:
-                    pass  # what is no UTF-8, or is cut off
+                    pass  # invalid UTF-8, or disconnected
 
     def test_half_open_connections(self):
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -593,7 +593,7 @@ class Attacked(unittest.TestCase):
             try:
                 stranger.sendall(b"GET / HTTP/1.1\r\nHost: loc")
             except OSError:
-                pass  # it made room for others
+                pass  # disconnected to make room for other connections
         self.assertEqual(self.get()[0], 200)
         with self.view.open() as other:
             self.assertEqual(other.hello["type"], "hello")
@@ -619,7 +619,7 @@ class Attacked(unittest.TestCase):
                     while True:
                         stranger.receive()
                 except (OSError, ValueError, AssertionError):
-                    pass  # cut off, or closed as the protocol says
+                    pass  # disconnected, or closed as the protocol requires
         self.assertEqual(self.get()[0], 200)
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can be another user")
@@ -713,7 +713,7 @@ class InABrowser(unittest.TestCase):
         return self.state()
 
     def drag_to(self, name, x, y):
-        """Drags the selected robot to a place of the floor; returns what the page says."""
+        """Drags the selected robot to a point of the floor; returns the message of the page."""
         start = self.place(name)
         here = self.page.run(f"troupe.pose('{name}')")
         end = self.page.run(f"troupe.screenPlace('{name}', [{x - here[0]}, {y - here[1]}, 0])")
@@ -792,7 +792,7 @@ class InABrowser(unittest.TestCase):
         page.drag([at - 10 for at in red], [at + 10 for at in red], shift=True)
         page.wait("troupe.group().length > 0")
         self.assertEqual(page.run("troupe.group()"), ["red"])
-        page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)  # all between the title and the bars
+        page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)  # everything between the title and the bars
         page.wait("troupe.group().length === 2")
         self.keep("group")
         self.press_button("#group-enable")

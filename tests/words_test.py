@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Refuses words that readers of the documentation and the source stumbled over, and says what to write instead.
+"""Reports words that readers of the documentation and the source did not understand, and suggests other words.
 
-Documentation, comments, docstrings, messages and names are looked through: `from_nobody` and `fromNobody` have the word
-too, and a phrase is found where a comment or a text breaks it across lines.
+Searches documentation, comments, docstrings, messages and names: names such as `from_nobody` and `fromNobody` are also
+found, and so is a phrase that a comment or a text breaks across lines.
 
     words_test.py [ROOT]          checks the files under ROOT (default: this repository), then itself on planted faults
-    words_test.py --list [ROOT]   only prints what it finds; exit code 1 if that is anything
+    words_test.py --list [ROOT]   only prints the findings; exit code 1 if there are any
 """
 
 import re
@@ -16,7 +16,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# Phrases, and what to write instead. A blank stands for any gap between the words of a comment or a text.
+# Refused phrases, and what to write instead. A blank matches any gap between words, also a line break in a comment.
 BODY = '"no robot", "a robot that", "any user": name the thing that is meant'
 FAULT = 'programs "inject" a fault; in a robot a fault "occurs"'
 WORDS = [
@@ -43,7 +43,7 @@ WORDS = [
     ("furnish(?:e[sd]|ing)?(?! to do so)", '"provide" or "equip"'),  # the MIT licence has "furnished to do so"
 ]
 
-# Names that have such a word. Each is allowed until it is renamed, and is then removed from this list.
+# Names with a refused word that are allowed until they are renamed.
 NAMES = ["ailments"]  # stored in checkpoints
 
 SKIPPED = {".git", ".cache", "build", "out", "node_modules", "__pycache__"}  # folders
@@ -56,7 +56,7 @@ NAME = re.compile(r"\w+")
 
 
 def files(root):
-    """The text files under root, as (path from there, text)."""
+    """Yields the text files under root, as (path relative to root, text)."""
     for path in sorted(root.rglob("*")):
         name = path.relative_to(root)
         if SKIPPED & set(name.parts) or name.as_posix() in EXEMPT or path.is_symlink() or not path.is_file():
@@ -64,11 +64,11 @@ def files(root):
         try:
             yield name.as_posix(), path.read_text(encoding="utf-8")
         except UnicodeDecodeError:
-            pass  # a picture, or input for the fuzzer
+            pass  # not text: a picture, or input for the fuzzer
 
 
 def is_word(text, start, end):
-    """Whether text[start:end] is words of their own, or parts of a name such as fromNobody."""
+    """Whether text[start:end] consists of whole words, or of whole parts of a name such as fromNobody."""
     if re.search("[a-z][A-Z]", text[start:end]):
         return False  # NoBody is another word
     before, after = text[start - 1:start], text[end:end + 1]
@@ -76,7 +76,7 @@ def is_word(text, start, end):
 
 
 def findings(root, names=(), used=None):
-    """What is wrong under root, as `path:line: text`. Names that are allowed go to `used` where they occur."""
+    """Returns the findings under root, as `path:line: text`. Adds the allowed names that occur to `used`."""
     found = []
     for name, text in files(root):
         lower = text.lower()
@@ -109,7 +109,7 @@ class TheTree(unittest.TestCase):
 
 
 class PlantedFaults(unittest.TestCase):
-    """A small tree without such words, with one fault at a time."""
+    """Tests the check with a small tree without refused words, into which one fault at a time is inserted."""
 
     GOOD = {
         "README.md": "Robots do not see their own body. It has no place; the new one is again in the meantime.\n",

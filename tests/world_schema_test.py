@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Holds docs/world.schema.json against the reader of worlds.
+"""Compares docs/world.schema.json with the reader of worlds.
 
-    world_schema_test.py TROUPE [SPOILT]    SPOILT: how many faults of a sort in each world, 6 unless given
+    world_schema_test.py TROUPE [SPOILT]    SPOILT: number of faults of each sort in each world (default: 6)
 
-The schema is the one that `troupe describe --schema` prints. All worlds in JSON beside the sources fit it, and so does
-what `troupe convert` makes of those in Stage's format. What is spoilt in a world (an unknown key, a value of
-another type, a required key that is missing) is refused by the schema and by the program alike.
+The schema must equal the output of `troupe describe --schema`. All JSON worlds of the source tree must satisfy it, and so
+must the results of `troupe convert` for the worlds in Stage's syntax. If a fault is inserted into a world (an unknown
+key, a value of another type, a missing required key), both the schema and the program must reject the world.
 """
 
 import copy
@@ -28,7 +28,7 @@ SKIPPED = 77  # ctest's SKIP_RETURN_CODE
 try:
     import jsonschema
 except ImportError:
-    system = "/usr/bin/python3"  # where Debian's jsonschema is, whatever stands first on the path
+    system = "/usr/bin/python3"  # has Debian's jsonschema, even if another Python is first on the path
     if os.path.exists(system) and os.environ.get("TROUPE_SYSTEM_PYTHON") is None:
         os.execve(system, [system, *sys.argv], {**os.environ, "TROUPE_SYSTEM_PYTHON": "1"})
     print("SKIPPED: no jsonschema (scripts/setup --checks installs python3-jsonschema): the schema of worlds was "
@@ -58,13 +58,13 @@ def check_fits(validator, name, world):
 
 
 def objects_of(value, path=()):
-    """(path, object) of every object with a fixed set of keys."""
+    """Yields (path, object) for every object with a fixed set of keys."""
     if isinstance(value, dict):
         if path != ("types",):
             yield path, value
         for key, member in value.items():
             if path[-1:] == ("set",):
-                continue  # the parameters of some type's device or controller: no schema knows which
+                continue  # parameters of a device or controller of a type, whose kind the schema cannot know
             yield from objects_of(member, (*path, key))
     elif isinstance(value, list):
         for i, member in enumerate(value):
@@ -89,7 +89,7 @@ def spoilt(world, draws):
         if key is None or key == "$schema":
             continue
         copied = copy.deepcopy(world)
-        at(copied, path)[key] = [{"nonsense": None}]  # what no key takes
+        at(copied, path)[key] = [{"nonsense": None}]  # a value that no key accepts
         yield f"{pointer(path)}/{key} of another type", copied
     for path, key in (((), "troupe"), (("populations", 0), "type"), (("populations", 0), "count"),
                       (("models", 0), "name")):
@@ -102,7 +102,7 @@ def spoilt(world, draws):
 
 
 def check_spoilt(validator, file, world, draws, folder):
-    """`folder`: with all that the world names beside it."""
+    """folder: contains the files to which the world refers."""
     for what, copied in spoilt(world, draws):
         if not findings(validator, copied):
             faults.append(f"the schema takes {file.name} with {what}")
@@ -132,7 +132,7 @@ def main():
         for file in worlds:
             world = json.loads(file.read_text())
             check_fits(validator, file.name, world)
-            if file.parent.name == "worlds":  # others may have kinds that no schema knows
+            if file.parent.name == "worlds":  # other worlds may have kinds of plug-ins, which the schema does not contain
                 check_spoilt(validator, file, world, draws, folder)
         for file in sorted((ROOT / "worlds").glob("*.world")):
             to = pathlib.Path(name) / f"{file.stem}.json"

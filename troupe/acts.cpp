@@ -34,14 +34,14 @@ Model body_of(Simulation& simulation, const Act& act) {
 
 void check_finite(const Pose& pose) {
   for (const double x : {pose.x, pose.y, pose.z, pose.heading})
-    if (!std::isfinite(x)) refuse_act("the pose is not finite");
+    if (!std::isfinite(x)) refuse_act("the pose must have finite x, y, z and heading");
 }
 
 void move(Model& model, const Pose& pose) {
   check_finite(pose);
   if (!model.is_free(pose))
     refuse_act(fmt::format(
-        "\"{}\" cannot be placed at x {:.6g} m, y {:.6g} m: a wall or another body is there, or it is "
+        "\"{}\" cannot be placed at x {:.6g} m, y {:.6g} m: a wall or another body is there, or the place is "
         "outside the world's bounds",
         model.name(), pose.x, pose.y));
   model.set_pose(pose);
@@ -123,11 +123,12 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
   if (act.kind == Kind::add) {
     check_finite(act.pose);
     if (simulation.unborn(act.whom) == 0)
-      refuse_act(fmt::format("the reserve of \"{}\" is used up", act.whom));
+      refuse_act(fmt::format("the reserve of population \"{}\" is used up: all its bodies have been born",
+                             act.whom));
     if (!simulation.spawn(act.whom, act.pose))
       refuse_act(fmt::format(
-          "no body of \"{}\" can be added at x {:.6g} m, y {:.6g} m: a wall or another body is there, "
-          "or it is outside the world's bounds",
+          "no body of population \"{}\" can be added at x {:.6g} m, y {:.6g} m: a wall or another body is "
+          "there, or the place is outside the world's bounds",
           act.whom, act.pose.x, act.pose.y));
     return;
   }
@@ -141,7 +142,8 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
       model.set_speed(act.speed[0], act.speed[1], act.speed[2]);  // throws if it has no drive
       return holds.set(model.id().value, act.speed);
     case Kind::release:
-      if (!holds.release(model.id().value)) refuse_act(fmt::format("\"{}\" is not held", act.whom));
+      if (!holds.release(model.id().value))
+        refuse_act(fmt::format("\"{}\" cannot be released: the robot is not held", act.whom));
       return;
     case Kind::command: return command(model, act);
     case Kind::remove: return simulation.remove(model);

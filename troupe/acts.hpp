@@ -26,8 +26,8 @@ class ActRefused : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The robots that are currently held. A held robot is commanded the same speed before every tick: from the
-/// act that holds it until another act releases it.
+/// The held robots of a simulation. From the act that holds a robot until the act that releases it, the robot
+/// is commanded the same speed before every tick. This overrides its controller.
 class Holds {
  public:
   /// Holds a robot from the next tick on. speed: forward and left in m/s, turn in rad/s. The body must exist
@@ -43,8 +43,8 @@ class Holds {
 
   /// The held robots and their speeds as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
-  /// Restores the bytes of memory(). bodies: number of bodies in the world. Returns false, and then holds no
-  /// robot, if the bytes are invalid.
+  /// Restores the held robots and speeds from the bytes of memory(). bodies: number of bodies in the world.
+  /// Returns false, and then holds no robot, if the bytes are invalid.
   bool remember(std::span<const std::byte> memory, std::size_t bodies);
 
  private:

@@ -114,8 +114,8 @@ Seen seen_from(const Transform& own, double dx, double dy) {
 }  // namespace
 
 struct BatchEnv::Impl {
-  /// How the columns of one part of an array are computed. plan() fills it, so that names are looked up only
-  /// once.
+  /// How the columns of one part of an array are computed. plan() creates it at the start, so that no step
+  /// has to look up names.
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
@@ -387,7 +387,10 @@ void BatchEnv::Impl::plan_actions(TeamData& team, Simulation& simulation, BodyId
         throw std::out_of_range(
             unknown_name("command of a drive", action.command, {k_commands.begin(), k_commands.end()}));
       if (!simulation.world().type(simulation.world().row(robot)).drive)
-        refuse(fmt::format("team \"{}\": its robots have no drive", team.spec->name));
+        refuse(
+            fmt::format("team \"{}\": an action without a device commands the drive, but the robots have "
+                        "no drive",
+                        team.spec->name));
       out.command = static_cast<std::size_t>(found - k_commands.begin());
       team.drives = true;
     } else {
@@ -429,7 +432,9 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
   return {static_cast<std::size_t>(&array - team.arrays.data()), column.column, false};
 }
 
-/// Stores the addresses of the readings and commands of the team's robots in the state of this copy.
+/// Looks up, in one copy of the world, what the columns and actions of a team refer to, and stores it in
+/// `bound`: the addresses of readings and commands, the rows of possible neighbours, and the ids of targets.
+/// Throws if the robots of the team differ.
 void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) const {
   engine::World& world = copy.simulation.world();
   std::vector<Model> robots;
@@ -492,8 +497,10 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) con
   if (team.drives)
     for (const Row row : bound.rows)
       if (!world.type(row).drive)
-        refuse(fmt::format("robot \"{}\" of team \"{}\" has no drive", world.spec().name(world.body(row)),
-                           team.spec->name));
+        refuse(
+            fmt::format("robot \"{}\" of team \"{}\" has no drive, but an action of the team commands the "
+                        "drive",
+                        world.spec().name(world.body(row)), team.spec->name));
   bound.before.resize(team.rewards_of.size() * robots.size());
   bound.was_terminated.resize(robots.size());
   bound.was_alive.resize(robots.size());
@@ -704,8 +711,8 @@ double BatchEnv::Impl::value(const TeamData& team, const Column& column, std::si
   return number_at(row + column.column * engine::element_size(array.element), array.element);
 }
 
-/// Computes the rewards of copy c, and which of its robots are finished, from the observed columns.
-/// has_stepped: false at the beginning of an episode; the rewards are then 0 and no end is tested.
+/// Computes the rewards of copy c, and which of its robots are finished, from the arrays that observe() has
+/// filled. has_stepped: false at the beginning of an episode; the rewards are then 0 and no end is tested.
 void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
   Copy& copy = *copies[c];
   const bool has_stopped = has_stepped && copy.simulation.stopped().has_value();

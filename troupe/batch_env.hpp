@@ -16,8 +16,8 @@
 
 namespace troupe {
 
-/// A group of columns of an observed array (BatchArraySpec): the numbers that one source provides for one
-/// robot.
+/// A group of columns of an array of observations (BatchArraySpec): the numbers that one source provides for
+/// one robot.
 struct BatchPart {
   /// The source of the columns.
   enum class Of : std::uint8_t {
@@ -28,7 +28,7 @@ struct BatchPart {
     stalled,    ///< 1 if the motion of the last tick was blocked or out of bounds, else 0
     nearest,    ///< the `count` nearest robots, nearest first: see `name`
     target,     ///< x, y (m, in the robot's frame) and distance (m) of a body: see `name`
-    time_left,  ///< remaining fraction of the episode, from 1 to 0
+    time_left,  ///< remaining fraction of BatchSpec::seconds, from 1 to 0
   };
   static constexpr std::size_t k_neighbour = 5;  ///< number of columns per nearest robot
 
@@ -47,7 +47,7 @@ struct BatchPart {
   /// world.
   std::string name;
   std::size_t count = 1;                                     ///< nearest: number of robots
-  double range_m = std::numeric_limits<double>::infinity();  ///< nearest: largest distance, m
+  double range_m = std::numeric_limits<double>::infinity();  ///< nearest: search radius, m
   /// Factor by which lengths, speeds and readings are multiplied. Cosines, sines, `time_left` and columns
   /// that are 0 or 1 are not scaled.
   double scale = 1;
@@ -68,15 +68,16 @@ struct BatchArraySpec {
 /// outside this range are clipped to it.
 struct BatchAction {
   std::string device;  ///< name of a device that takes commands (Model::asked); empty: the drive
-  /// Of a drive: "forward", "left" (m/s) or "turn" (rad/s). Of a device: the name of a field of its command.
+  /// Of a drive: "forward", "left" (m/s) or "turn" (rad/s). Of a device: a field of its command that has one
+  /// column (Model::asked).
   std::string command;
   /// Value for -1, in the unit of the command. Values of integer fields are rounded to the nearest integer.
   double low = -1;
   double high = 1;  ///< value for 1, in the unit of the command
 };
 
-/// A number that a reward or an end uses: either a column of an array, with one value per robot, or a
-/// measure, with one value per copy of the world.
+/// A number that a BatchReward or a BatchEnd uses: either a column of an array, with one value per robot, or
+/// a measure, with one value per copy of the world.
 struct BatchColumn {
   std::string array;       ///< name of an array of the team; empty: `measure` is used
   std::size_t column = 0;  ///< index of the column in the array
@@ -105,7 +106,7 @@ struct BatchEnd {
 /// A group of robots that learn one policy. They have the same observations, actions and rewards.
 struct BatchTeam {
   std::string name;                    ///< unique
-  std::string robots;                  ///< a type, a population or one robot, as in Simulation::swarm()
+  std::string robots;                  ///< name of a type, a population or a robot; empty: all robots
   std::vector<BatchArraySpec> arrays;  ///< observations, and arrays that only rewards and ends use
   std::vector<BatchAction> actions;    ///< actions of one robot
   std::vector<BatchReward> rewards;    ///< terms of the reward, summed in this order
@@ -143,7 +144,8 @@ struct BatchSpec {
 /// over     a copy is over when all robots of its teams that are in the world are finished, when its episode
 ///          reaches `seconds`, or when a condition of the world's `stop_when` holds, which finishes all
 ///          robots. step() begins the next episode of a copy only if the caller requests it
-/// begin    each episode begins with one tick without commands, so that sensors have readings
+/// begin    each episode begins with one tick in which the policies give no commands, so that sensors have
+///          readings
 /// seeds    the first episode of a copy has the seed given to reset(), or else the seed of the world plus the
 ///          index of the copy. Seeds of later episodes are derived from it
 /// threads  call all functions from one thread
@@ -199,15 +201,15 @@ class BatchEnv {
   /// which  one byte per copy: 0 does not change the copy, another value begins an episode; empty: all copies
   /// seeds  one element per copy: the seed of the episode, from which the seeds of later episodes are
   ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode
-  /// Throws std::invalid_argument for spans of other sizes, std::logic_error if a copy that `which` leaves
-  /// out has not begun its first episode, and InputError if the placement rules find no place for a robot.
+  /// Throws std::invalid_argument for spans of other sizes, std::logic_error if `which` is 0 for a copy that
+  /// has not yet begun its first episode, and InputError if the placement rules find no place for a robot.
   void reset(std::span<const std::uint8_t> which = {},
              std::span<const std::optional<std::uint64_t>> seeds = {});
   /// Advances all copies by one step. begins: one byte per copy; if it is not 0, the copy begins its next
-  /// episode instead of making a step, and its rewards are 0; empty: no copy does. Throws std::logic_error
-  /// before the first reset(), and std::invalid_argument, without a step, if an action is not finite. Throws
-  /// engine::StepError if the step of a copy throws: the other copies have then made their step, and the
-  /// failed copy must be reset before it can step again.
+  /// episode instead of making a step, and its rewards are 0; empty: all copies make a step. Throws
+  /// std::logic_error before the first reset(), and std::invalid_argument, without a step, if an action is
+  /// not finite. Throws engine::StepError if the step of a copy throws: the other copies have then made their
+  /// step, and the failed copy must be reset before it can step again.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

@@ -6,8 +6,8 @@
 
 namespace troupe {
 
-/// Whether an option of Simulation::effective_options() changes no result: it says how the run is computed,
-/// or from which tick on.
+/// Whether an option of Simulation::effective_options() changes no result. Such options say only how the run
+/// is computed, or at which tick it was resumed.
 constexpr bool changes_no_result(std::string_view option) {
   constexpr std::array<std::string_view, 5> k_options{"threads", "tile_m", "simd", "ranks",
                                                       "resumed_at_tick"};

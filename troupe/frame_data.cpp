@@ -25,8 +25,8 @@ using engine::StateField;
 using engine::StateTable;
 using engine::World;
 
-/// Returns for each body id the index of the body in Frame::mobile; the largest integer if the frame does not
-/// contain the body.
+/// Returns for each body id the index of the body in Frame::mobile, or 2^32 - 1 if the frame does not contain
+/// the body.
 std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
   std::vector<std::uint32_t> places(world.spec().bodies.size(), std::numeric_limits<std::uint32_t>::max());
   for (std::size_t i = 0; i < frame.mobile.size(); ++i)

@@ -11,25 +11,25 @@
 namespace troupe {
 
 /// Finds a value of the state by name: COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, such as `velocity.x` or
-/// `ranger/ir.ranges.3`. Instead of a component (`wander/0`) the name may have its kind
-/// (`wander.turn_left_s`). If there is no such value, the error lists the known ones; if only the column does
-/// not exist, it states the columns of the field.
+/// `ranger/ir.ranges.3`. COMPONENT may also be the kind alone, `wander` for the component `wander/0`, as in
+/// `wander.turn_left_s`. If there is no such value, the error lists the known ones; if only the column does
+/// not exist, the error states the columns of the field.
 Result<ChosenValue> find_value(const engine::World& world, const std::string& name);
 /// Returns one number per body of Frame::mobile: the chosen value of the body, or NaN if the body does not
 /// have it.
 std::vector<double> values_of(const engine::World& world, const ChosenValue& value,
                               const engine::Frame& frame);
 
-/// Describes all rangers of all body types, by type and then by device, for FrameScene::rangers. add_scans()
-/// refers to this order.
+/// Returns the poses and beams of all rangers of all body types, for FrameScene::rangers. They are ordered by
+/// type and then by device; the scans of add_scans() contain indices in this list.
 std::vector<engine::FrameRanger> frame_rangers(const engine::World& world);
-/// Fills Frame::scans and Frame::ranges with the readings of all running rangers. At tick 0 there are none
-/// yet.
+/// Fills Frame::scans and Frame::ranges with the readings of all running rangers. At tick 0, before any
+/// sensor has run, both stay empty.
 void add_scans(const engine::World& world, engine::Frame& frame);
 /// Fills Frame::sights, Frame::blobs or Frame::grips, depending on `layer`: calls DeviceKind::draw for each
 /// device of this layer, except sensors that do not run.
 void add_layer(const engine::World& world, engine::FrameLayer layer, engine::Frame& frame);
-/// Fills Frame::links with a line from each carrier to each body that it carries.
+/// Fills Frame::links with a line from each body that carries others to each body that it carries directly.
 void add_links(const engine::World& world, engine::Frame& frame);
 /// Fills Frame::charges: for each body of Frame::mobile the charge of its first power pack, as a fraction of
 /// the capacity; NaN for bodies without one.

@@ -42,9 +42,11 @@ class Covered {
  public:
   static constexpr double k_square_m = 1;  ///< edge length of the squares, m
 
+  /// Stores the squares of all robots of a frame. A frame with an earlier tick than the last one clears the
+  /// history.
   void see(const engine::FrameScene& scene, const engine::Frame& frame);
-  /// Fills Frame::covered with the visited squares and the times of their last visits, sorted by x and then
-  /// by y.
+  /// Fills Frame::covered with the visited squares, sorted by x and then by y. Each has the time of its last
+  /// visit as a number from 0 (first stored tick) to 1 (last stored tick).
   void add_to(engine::Frame& frame) const;
 
  private:

@@ -72,8 +72,8 @@ bool is_in(const ConvexPrism& piece, const Vec2& point) {
   return true;
 }
 
-/// Whether all beams of a ranger end inside `body`, the outline of the ranger's own robot. Such beams detect
-/// only bodies that overlap the robot.
+/// Whether all beams of a ranger end inside `body`, the outline of the robot that carries the ranger. Such
+/// beams detect only bodies that overlap the robot.
 bool stays_inside(const sensors::RangerBeams& ranger, const partition::ObstacleShape& body) {
   const auto stays = [&](const sensors::BeamGroup& group, std::size_t beam) {
     const Vec2 from = ranger.reference + Vec2(group.ox[beam], group.oy[beam]);
@@ -153,7 +153,7 @@ std::string heights_text(const ZInterval& z) {
 std::string missed_text(const Heights& there, const ZInterval& looks, std::string_view nothing,
                         std::string_view what) {
   if (there.empty() || there.extent().contains(looks.min))
-    return fmt::format("{} is at its height, {}", nothing, heights_text(looks));
+    return fmt::format("{} is at the height of the sensor, {}", nothing, heights_text(looks));
   return fmt::format("it is at a height of {}, but {} are at {}", heights_text(looks), what,
                      heights_text(there.extent()));
 }
@@ -257,7 +257,7 @@ Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& p
         robots = united(robots, z);
       }
   }
-  if (robots == k_no_heights) return Error{"no robot is an obstacle"};
+  if (robots == k_no_heights) return Error{"no robot is an obstacle, and only obstacles block one another"};
   ZInterval walls = robots;
   if (!plan.solids.empty()) walls = plan.solids.front().z.shifted(height);
   return Error{

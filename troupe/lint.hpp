@@ -13,9 +13,9 @@ namespace troupe {
 ///   - sensors that can never detect anything, floor plans that block no robot;
 ///   - unused definitions, properties without effect.
 /// Returns one line per finding, `file:line: warning: ...`, in the order of files and lines, and then the
-/// warnings about plug-ins. The list is empty if nothing was found. At most 100 overlaps of bodies are
-/// listed, and at most 100 robots in walls of floor plans that block no robot; one more line counts the
-/// remaining ones. Throws InputError if the world cannot be loaded.
+/// warnings about plug-ins. The list is empty if there are no findings. It contains at most 100 overlaps of
+/// bodies, and at most 100 robots that start in walls of floor plans without collisions; one more line counts
+/// the remaining ones. Throws InputError if the world cannot be loaded.
 std::vector<std::string> lint(const std::filesystem::path& world, const SimulationOptions& options = {});
 
 }  // namespace troupe

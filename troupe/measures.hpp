@@ -35,7 +35,7 @@ class Measures {
   Measures& operator=(Measures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
   /// Updates measures that depend on earlier ticks, such as the covered area. Call it after every step. After
-  /// Simulation::reset() they start again.
+  /// Simulation::reset() these measures start again from the state at tick 0.
   void see();
   /// Names of the values, with their units appended: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const;
@@ -46,7 +46,7 @@ class Measures {
   /// Throws std::out_of_range, with the known columns, if there is no such column.
   double value(std::string_view name);
 
-  /// Returns the data from earlier ticks that the measures store, as bytes, for a checkpoint.
+  /// Returns the data about earlier ticks that the measures store, as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
   /// Restores the bytes of memory(). The measures must be the same as those that returned the bytes, and the
   /// simulation must be in the state of that time. Returns false, and changes nothing, if the number of bytes

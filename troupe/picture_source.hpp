@@ -31,7 +31,7 @@ struct FrameWishes {
   bool links = false;                ///< which body carries which: Frame::links
   bool charges = false;              ///< charges of power packs: Frame::charges
   bool names = false;                ///< names of bodies: Frame::names
-  std::optional<ChosenValue> value;  ///< this value of each body: Frame::values; not given: none
+  std::optional<ChosenValue> value;  ///< the value by which bodies are coloured: Frame::values; empty: none
 };
 
 /// A state to draw: the current state of a simulation, or a frame of a recording.
@@ -52,8 +52,8 @@ class PictureSource {
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 
   /// Finds the value of this name (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN), for FrameWishes. If there is
-  /// no such value, the error lists the known ones; if only the column does not exist, it states the columns
-  /// of the field.
+  /// no such value, the error lists the known ones; if only the column does not exist, the error states the
+  /// columns of the field.
   virtual Result<ChosenValue> find_value(const std::string& name) const = 0;
   /// Returns success if this source has the data of all requested members, else an error that states which
   /// data are missing and why.

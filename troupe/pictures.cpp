@@ -53,8 +53,8 @@ constexpr std::array<PictureLayer, 24> k_layers = {{
     {"energy", false, "bars with the charges of power packs"},
     {"footprints", false, "outlines of bodies on the floor"},
     {"coverage", false, "squares of 1 m x 1 m that robots have visited, older visits paler"},
-    {"density", false, "number of robots per square of the floor"},
-    {"tiles", false, "number of robots per tile; tiles are the squares of the world that threads process"},
+    {"density", false, "squares of the floor, coloured by the number of robots in each"},
+    {"tiles", false, "number of robots per tile, the squares of the world that threads process in parallel"},
     {"cells", false, "cells of the spatial index that contain robots"},
 }};
 
@@ -275,7 +275,7 @@ struct Pictures::Impl {
     if (camera == "window") {
       if (!source.window())
         refuse(
-            "the camera \"window\" needs a world file with a window; other cameras: fit, follow:all, "
+            "the camera \"window\" needs a world file with the entry window; other cameras: fit, follow:all, "
             "follow:NAME, perspective, top");
       const Window window(*source.window());
       look_through(window, view);

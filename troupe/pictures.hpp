@@ -19,13 +19,13 @@ class PictureSource;
 
 /// How a picture of a simulation is drawn. No option changes a simulated result.
 struct PictureOptions {
-  /// Width, pixels. 0: 1280, or, with the camera `window`, the width of the window in the world file.
+  /// Width, pixels. 0: 1280, or, with the camera `window`, the width of the entry `window` of the world file.
   int width = 0;
-  int height = 0;  ///< height, pixels; 0: 720, or the height of that window
+  int height = 0;  ///< height, pixels; 0: 720, or the height of the entry `window`
   /// `top`: looks straight down at the whole world, as a map. `fit`: straight down at the region that
   /// contains the robots. `perspective`: from an oblique angle, with bodies as solids. `follow:all`:
   /// perspective view of the region that contains the robots. `follow:NAME`: perspective view centred on the
-  /// model NAME. `window`: the view that `window` in the world file describes.
+  /// model NAME. `window`: the view that the entry `window` of the world file describes.
   std::string camera = "top";
   /// Point at the centre of the picture, m, in the world frame. Not given: the camera chooses it.
   std::optional<std::array<double, 2>> center_m;
@@ -79,8 +79,9 @@ Result<> check_camera(const std::string& camera);
 /// call them while the simulation continues. No function changes the simulation.
 class Pictures {
  public:
-  /// Throws InputError for options that name something that the world does not have (a model to follow, a
-  /// window, a field to colour by), and std::runtime_error if the build has no renderer.
+  /// Throws InputError for unknown cameras, layers and backgrounds, and for options that name something that
+  /// the world does not have: a model to follow, an entry `window`, a field to colour by. Throws
+  /// std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
   /// Draws a recording or another source. Throws InputError also for layers and values that the source does
   /// not contain.
@@ -108,12 +109,12 @@ class Pictures {
   struct ShotData;
   using Shot = std::shared_ptr<const ShotData>;  ///< copy of the state of a tick, which draw() draws
   /// Copies the state of the current tick. times_real_time: the speed that the layer `speed` shows, simulated
-  /// time divided by real time; 0: no speed is shown.
+  /// time divided by wall time; 0: no speed is shown.
   Shot take(const Simulation& simulation, double times_real_time = 0);
   Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of another source
-  /// Interpolates between two ticks: the time, the poses of bodies, and what the camera shows. Everything
-  /// else is copied from `earlier`, but the metadata have no state hash. share: position between the two
-  /// ticks, from 0 (`earlier`) to 1 (`later`).
+  /// Interpolates between two ticks: the time, the poses of bodies, and the region that the camera shows. All
+  /// other data are copied from `earlier`, except the state hash in the metadata, which is left out. share:
+  /// position between the two ticks, from 0 (`earlier`) to 1 (`later`).
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
   /// Checks that write() can write a file of this name, by writing a small picture next to it and removing

@@ -47,9 +47,9 @@
 ///     };
 ///     TROUPE_MEASURE("crowding", Crowding)
 ///
-/// engine/sensing_view.hpp and engine/sight.hpp document the functions by which a device reads the world.
-/// engine/world.hpp documents those with which its functions `apply`, `born` and `draw` read and change it,
-/// and those with which a measure reads it.
+/// engine/sensing_view.hpp and engine/sight.hpp document the functions by which a sensor or another device
+/// reads the world. engine/world.hpp documents the functions by which `apply`, `born` and `draw` of a device
+/// read and change the world, and by which a measure reads it.
 
 namespace troupe {
 
@@ -92,8 +92,8 @@ namespace facts = engine::facts;
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// An element of the linked list of all controllers of this library, of all its devices or of all its
-/// measures, depending on `Kind`.
+/// An element of the linked list of all controllers, of all devices or of all measures of this library.
+/// `Kind` says of which.
 template <class Kind>
 struct Entry {
   using Make = Kind (*)(std::string_view name);  ///< returns the kind
@@ -151,9 +151,9 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
 }
 
 /// Whether the compiler contracts a product and a sum to one fused multiply-add, which changes bits of
-/// results. The exact product of x and y cannot be represented as a double. Rounded, it equals z, so that
-/// their difference is 0; a fused operation returns the remainder, 2^-54. The operands are volatile so that
-/// the expression is computed at run time, as the arithmetic of a controller is, and not folded by the
+/// results. The exact product x * y cannot be represented as a double. The rounded product equals z, so that
+/// x * y - z is 0; a fused operation returns the rounding error instead, 2^-54. The operands are volatile so
+/// that the expression is computed at run time, as the arithmetic of a controller is, and not folded by the
 /// compiler.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;

@@ -296,7 +296,7 @@ void Plugins::add(std::shared_ptr<const Script> script) {
                     script->file.string(), name));
   for (const auto& library : loaded_)
     if (library->name == name)
-      throw InputError(fmt::format("{}: error: there are two scripts or plug-ins of the name \"{}\"",
+      throw InputError(fmt::format("{}: error: another script or plug-in is also called \"{}\": rename one",
                                    script->file.string(), name));
   Loaded& library = *loaded_.emplace_back(std::make_unique<Loaded>());
   library.name = name;

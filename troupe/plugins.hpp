@@ -46,12 +46,13 @@ class Plugins {
   /// Returns the measure of this name; Registry::plugged_measures calls this. unknown: the error text if
   /// there is no such plug-in.
   Result<const engine::MeasureKind*> measure(std::string_view name, std::string unknown);
-  /// Adds the kinds of a script, as if they were those of a loaded library with its name. Throws InputError
-  /// if there is a library of this name, or as load() returns errors.
+  /// Adds the controllers and measures of a script, as if they came from a loaded library with the name of
+  /// the script. Throws InputError if this name is not valid or already in use, and if the script defines no
+  /// kind, two kinds of one name, or a kind with a name that Troupe uses.
   void add(std::shared_ptr<const Script> script);
-  /// Loads the library of this name. The pointer is never null. The error states why the library cannot be
-  /// used: `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0,
-  /// ...`.
+  /// Loads the library of this name, and returns it; the pointer is never null. The error states why the
+  /// library cannot be used: `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for
+  /// troupe 0.2.0, ...`.
   Result<const Library*> load(std::string_view name);
 
   /// The loaded libraries that this program can use, in the order of their names.

@@ -6,8 +6,9 @@ class Replica;
 
 namespace troupe {
 
-/// The other ranks of one world, which compute it together with the calling thread. Destroying this object
-/// destroys their replicas.
+/// The ranks (threads or processes, docs/cluster.md) that compute one world together with the calling thread.
+/// Each has a replica, its own copy of the world. Destroying this object destroys the replicas of these
+/// ranks.
 class RankGroup {
  public:
   RankGroup() = default;
@@ -15,8 +16,8 @@ class RankGroup {
   RankGroup& operator=(const RankGroup&) = delete;
   virtual ~RankGroup() = default;
 
-  virtual unsigned nodes() const = 0;                  ///< number of computers of the ranks
-  virtual const engine::Replica& replica() const = 0;  ///< that of the calling thread
+  virtual unsigned nodes() const = 0;                  ///< number of computers on which the ranks run
+  virtual const engine::Replica& replica() const = 0;  ///< the replica of the calling thread, which is rank 0
 };
 
 }  // namespace troupe

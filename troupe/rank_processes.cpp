@@ -68,7 +68,7 @@ engine::ReplicaOptions options_for(std::optional<std::uint64_t> seed,
   return {.cut_seed = seed, .verify = seed.has_value(), .keeps_references = false, .requests = requests};
 }
 
-/// A replica of a world of rank 0, with all that it needs.
+/// A replica (a copy) of a world of rank 0 in this process, with the registry and the plug-ins that it uses.
 struct Follower {
   engine::Registry registry = make_registry();
   std::shared_ptr<Plugins> plugins;

@@ -22,12 +22,12 @@ namespace troupe {
 
 class Plugins;
 
-/// The processes of one program, each of them a rank (docs/cluster.md). Rank 0 runs the program, and makes
-/// replicas of its worlds on the others, which only follow its orders.
+/// The processes of one program, each of them a rank (docs/cluster.md). Rank 0 runs the program, and makes a
+/// replica (a copy) of each of its worlds on the other ranks, which only carry out orders of rank 0.
 class RankProcesses {
  public:
-  /// transport: to the other processes; it must outlive this object
-  /// nodes: number of computers on which they run
+  /// transport: the connection to the other processes; it must outlive this object
+  /// nodes: number of computers on which the processes run
   RankProcesses(partition::Transport& transport, unsigned nodes) : transport_(transport), nodes_(nodes) {}
   /// On rank 0: tells the other processes that no order follows.
   ~RankProcesses();
@@ -38,14 +38,15 @@ class RankProcesses {
   /// result. Throws InputError, with the rank and the reason, if a process cannot make its replica, for
   /// example because it lacks a plug-in.
   ///
-  /// plugins: those that the world uses
-  /// seed: SimulationOptions::rank_seed; here it only says how robots change their ranks
+  /// plugins: the plug-ins that the world uses
+  /// seed: SimulationOptions::rank_seed; here it determines only how robots move between ranks
   std::unique_ptr<RankGroup> add(engine::World& world, const engine::Registry& registry,
                                  const Plugins& plugins, const engine::WorldOptions& options,
                                  std::optional<std::uint64_t> seed);
-  /// On all other ranks: obeys orders until rank 0 has no more. Throws partition::RankError if a rank fails.
+  /// On all other ranks: carries out orders of rank 0 until rank 0 destroys its RankProcesses. Throws
+  /// partition::RankError if a rank fails.
   ///
-  /// plugin_path: folders to search for the plug-ins of rank 0
+  /// plugin_path: folders to search for the plug-ins that rank 0 uses
   /// threads: number of worker threads of each replica
   /// requests: returns how often this process was asked for a checkpoint (RankStatistics::requests)
   void follow(const std::vector<std::filesystem::path>& plugin_path, unsigned threads,

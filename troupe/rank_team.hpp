@@ -15,7 +15,7 @@ struct WorldOptions;
 
 namespace troupe {
 
-/// The ranks of a simulation: SimulationOptions::ranks, rank_seed and rank_clock.
+/// How many ranks compute a simulation in this process: SimulationOptions::ranks, rank_seed and rank_clock.
 struct RankOptions {
   unsigned ranks = 1;
   std::optional<std::uint64_t> seed;
@@ -24,11 +24,12 @@ struct RankOptions {
 
 /// Throws std::invalid_argument, with the allowed numbers, if the number of ranks is not allowed.
 void check_ranks(const RankOptions& options);
-/// Number of worker threads of each rank. threads: the number that the user wants; 0: the processors that the
-/// process may use, divided by the number of ranks.
+/// Number of worker threads of each rank. threads: the number that the user wants per rank; 0: the processors
+/// that the process may use, divided by the number of ranks, but at least 1.
 unsigned threads_per_rank(unsigned threads, unsigned ranks);
 
-/// Replicas of a world on threads of this process (engine/replica.hpp). The calling thread is rank 0.
+/// Replicas (copies) of a world on threads of this process, one per rank (engine/replica.hpp). The calling
+/// thread is rank 0.
 class RankTeam : public RankGroup {
  public:
   /// Makes the replicas of `lead`, which is at tick 0 and becomes the replica of rank 0. `lead` and

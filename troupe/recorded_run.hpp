@@ -33,7 +33,8 @@ class RecordedRun : public PictureSource {
   std::span<const double> times_s() const;
   /// Index of the current frame; after construction, the last frame.
   std::size_t frame_index() const;
-  void go_to_frame(std::size_t frame);  ///< makes this frame (at most: the last one) the current frame
+  /// Makes the frame with this index the current frame. Indices after the last frame select the last frame.
+  void go_to_frame(std::size_t frame);
   /// Index of the earliest frame that is at most `history_s` seconds before the current frame.
   std::size_t first_within(double history_s) const;
 

@@ -75,9 +75,10 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
   if (tick != recording.ticks().end() &&
       recording.hashes()[static_cast<std::size_t>(tick - recording.ticks().begin())] !=
           simulation.state_hash())
-    throw std::runtime_error(fmt::format(
-        "{}: error: the state hash of tick {} differs from this run: the recording belongs to another run",
-        file.string(), simulation.tick()));
+    throw std::runtime_error(
+        fmt::format("{}: error: the state hash of tick {} differs from that of this run: the recording "
+                    "belongs to another run",
+                    file.string(), simulation.tick()));
 }
 
 /// Throws std::runtime_error if the options state another interval or other fields than the recording has,

@@ -21,14 +21,15 @@ struct RecordingOptions {
   /// Whether an existing file is replaced; if not, an existing file is an error.
   bool replace = false;
   /// Whether the recording writes the file on a thread of its own while the simulation continues. Frames are
-  /// collected in memory and written in batches. If the process is killed, up to two batches are lost instead
-  /// of one. Troupe never calls HDF5 from two threads at once. Other code in the process that uses the same
-  /// HDF5 library, such as h5py, must wait until the recording is closed, unless the library was built with
-  /// thread safety (H5is_library_threadsafe).
+  /// collected in memory and written in batches. If the process is killed, up to two batches are lost;
+  /// without this option, up to one. Troupe never calls HDF5 from two threads at once. Other code in the
+  /// process that uses the same HDF5 library, such as h5py, must wait until the recording is closed, unless
+  /// the library was built with thread safety (H5is_library_threadsafe).
   bool in_background = false;
 };
 
-/// A recording of a simulation: an HDF5 file (docs/recordings.md) that can be read while it is written.
+/// A recording of a simulation: an HDF5 file (docs/recordings.md). While it is written, readers that open it
+/// in HDF5's SWMR mode (h5py: `swmr=True`) can read it.
 ///
 ///     troupe::Recording recording("run.h5", simulation);
 ///     while (simulation.time_s() < 60) {
@@ -67,7 +68,8 @@ class Recording {
   /// Starts a flush(). With the option `in_background` it returns before the frames are written. Without the
   /// option it is the same as flush().
   void start_flush();
-  /// Flushes and closes the file: other HDF5 tools can then read it.
+  /// Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it, also
+  /// those without SWMR mode. Further calls of the functions of this recording do nothing.
   void close();
 
  private:

@@ -28,8 +28,8 @@ class SessionLog {
   SessionLog& operator=(const SessionLog&) = delete;
 
   const std::filesystem::path& file() const;  ///< path of the session file
-  /// Appends an act that was applied at the current tick of the simulation. Throws std::runtime_error if it
-  /// cannot be written.
+  /// Appends an act that was applied at the current tick of the simulation. Throws std::runtime_error if the
+  /// file cannot be written.
   void add(const Simulation& simulation, const engine::Act& act);
   /// Appends an entry which states that the session ended at this tick. Throws as add().
   void end(std::uint64_t tick);

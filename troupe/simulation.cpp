@@ -229,7 +229,8 @@ struct Model::Place {
     world->require_whole();
     const Row row = world->row(body);
     if (!row.valid())
-      throw std::logic_error(fmt::format("\"{}\" is static: it has no drive and no sensor", name));
+      throw std::logic_error(fmt::format(
+          "\"{}\" is static: it has no drive and no sensor, hence no motion, command or reading", name));
     return row;
   }
   /// Returns the row of the body in the state tables, for functions that do not apply to parts. Throws
@@ -653,7 +654,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
       holds != impl->memories.end() &&
       !impl->holds.remember(holds->second, impl->world->spec().bodies.size()))
     throw InputError(fmt::format(
-        "{}: error: it lists robots as held (docs/live.md) that its world does not have: the file is damaged",
+        "{}: error: the list of held robots (docs/live.md) in the checkpoint is invalid: the file is damaged",
         file.string()));
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
@@ -810,7 +811,7 @@ void Simulation::reset() {
 std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, std::string_view call) const {
   if (impl_->resumed_at)
     throw std::logic_error(
-        fmt::format("{}: this needs the rules by which bodies were placed, and the run was resumed from a "
+        fmt::format("{} needs the rules by which bodies are placed, but this run was resumed from a "
                     "checkpoint, which does not store these rules",
                     call));
   std::vector<engine::BodySpec> bodies = impl_->world->spec().bodies;
@@ -900,7 +901,8 @@ Model Simulation::model(BodyId id) {
 RayHit Simulation::cast(const Pose& from, double range_max, const Model* without) const {
   impl_->world->require_whole();
   for (const double value : {from.x, from.y, from.z, from.heading})
-    if (!std::isfinite(value)) throw std::invalid_argument("cast(): the start pose of the ray is not finite");
+    if (!std::isfinite(value))
+      throw std::invalid_argument("cast(): x, y, z and heading of the start of the ray must be finite");
   if (!(range_max >= 0 && range_max <= k_longest_ray_m))
     throw std::invalid_argument(
         fmt::format("cast(): range_max is {} m; allowed are 0 to {:g} m", range_max, k_longest_ray_m));

@@ -61,7 +61,7 @@ struct SimulationOptions {
   /// Edge length of the square tiles into which the world is divided for parallel work, m. 0: Troupe chooses
   /// it from body sizes and sensor ranges.
   double tile_size_m = 0;
-  /// Seed of all random draws; replaces the seed of the world file.
+  /// Seed of all random numbers of the run; replaces the seed of the world file.
   std::optional<std::uint64_t> seed;
   /// Replaces the ranging engine of the world file.
   std::optional<RangingEngine> ranging;
@@ -80,26 +80,26 @@ struct SimulationOptions {
   /// Scripts whose controllers replace those of the world, and whose measures can be used
   /// (troupe/script.hpp).
   std::vector<std::shared_ptr<const Script>> scripts;
-  /// Allows the program to remove, disable and enable bodies, as `"mortal": true` in the world does. The
-  /// state hash does not change while every body that existed at tick 0 is still in the world and enabled.
+  /// Allows the program to remove, disable and enable bodies, as `"mortal": true` in the world file does. The
+  /// option changes no state hash as long as the program does not use it to remove or disable a body.
   bool mortal = false;
   /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). These
   /// unborn robots are the reserve of the population; populations that declare a reserve keep their own.
   /// Their ids follow those of all other bodies. A world with a reserve has other state hashes than the same
   /// world without it.
   std::uint32_t spare = 0;
-  /// Number of ranks, at most 1,024; a larger number, or 0, throws std::invalid_argument. Each rank is a
-  /// thread of this process with a replica of the world and with worker threads of its own
-  /// (docs/cluster.md). With more than one rank, `threads` is the number per rank; 0: the available
-  /// processors, divided by the number of ranks.
+  /// Number of ranks among which the robots are divided, at most 1,024; a larger number, or 0, throws
+  /// std::invalid_argument. Each rank is a thread of this process that has its own copy of the world (its
+  /// replica) and its own worker threads (docs/cluster.md). With more than one rank, `threads` is the number
+  /// per rank; 0: the available processors, divided by the number of ranks.
   unsigned ranks = 1;
-  /// For tests of the ranks: if it is given, messages between ranks arrive late and shuffled, and each robot
-  /// changes its rank at random, as this seed says.
+  /// For tests of the ranks: if a seed is given, messages between ranks arrive late and shuffled, and robots
+  /// move to random ranks during the run. Delays, order and ranks follow from the seed.
   std::optional<std::uint64_t> rank_seed;
-  /// A clock by which ranks of this process measure how long their own robots take: returns the time of a
-  /// rank, s. It is called on the threads of all ranks. With it, robots change their ranks if the ranks take
-  /// unequal times, and rank_work() and rank_statistics() have times. Null: no clock. No result depends on
-  /// it.
+  /// A clock with which the ranks of this process measure how long the work for their own robots takes. It
+  /// returns the present time, s, from any fixed origin, and is called on the threads of all ranks. With a
+  /// clock, robots move to other ranks if the ranks take unequal times, and rank_work() and rank_statistics()
+  /// contain times. Null: no clock. No result depends on the clock.
   std::function<double(unsigned rank)> rank_clock;
   /// The processes that compute the world together, of which this is rank 0; only the program `troupe` sets
   /// this (docs/cluster.md). Null: this process alone.
@@ -124,7 +124,7 @@ struct ResumeOptions {
   std::vector<std::filesystem::path> plugin_path;
   /// The scripts that the run used.
   std::vector<std::shared_ptr<const Script>> scripts;
-  /// Accepts plug-ins whose files differ from those that the checkpoint was written with.
+  /// Accepts plug-ins whose files differ from those that were loaded when the checkpoint was written.
   bool across_plugins = false;
   unsigned ranks = 1;  ///< number of ranks, as in SimulationOptions; the saved run may have had another
   std::optional<std::uint64_t> rank_seed;           ///< for tests, as in SimulationOptions
@@ -151,19 +151,19 @@ struct Statistics {
 };
 
 /// What rank 0 has sent to the other ranks so far, and how long it has waited for them. With one rank, all
-/// numbers but `ranks` and `nodes` are 0.
+/// numbers except `ranks` and `nodes` are 0.
 struct RankStatistics {
   unsigned ranks = 1;          ///< number of ranks
-  unsigned nodes = 1;          ///< number of computers of the ranks
+  unsigned nodes = 1;          ///< number of computers on which the ranks run
   std::uint64_t messages = 0;  ///< messages sent
-  std::uint64_t bytes = 0;     ///< sum of their lengths
-  double waited_s = 0;  ///< time spent waiting, s; 0 without SimulationOptions::rank_clock or processes
-  /// How often robots changed their ranks because the slowest rank took more than 1.1 times the mean.
+  std::uint64_t bytes = 0;     ///< total length of these messages, bytes
+  double waited_s = 0;         ///< time spent waiting, s; 0 if neither rank_clock nor `processes` is given
+  /// How often robots moved to other ranks because the slowest rank took more than 1.1 times the mean time.
   std::uint64_t rebalanced = 0;
-  std::uint64_t requests = 0;  ///< how often SIGUSR1 asked other processes for a checkpoint
+  std::uint64_t requests = 0;  ///< checkpoints that users requested from the other processes (SIGUSR1)
 };
 
-/// What a rank has done for its own robots in the last tick (engine/rank_work.hpp).
+/// Number of robots of a rank, and the time that it took for them in the last tick (engine/rank_work.hpp).
 using engine::RankWork;
 
 class Recording;
@@ -278,7 +278,7 @@ class Model {
     const engine::StateField* field = nullptr;  ///< element type and unit; lives as long as the simulation
     std::span<const std::byte> bytes;           ///< all values of the field
   };
-  /// Returns a field of a device; the parameters and errors are those of readings().
+  /// Returns a field of a device. The parameters and errors are those of readings(), without a type T.
   Reading reading(std::string_view field, std::string_view device = {}) const;
   /// The fields of a device that readings() can return, with their names, element types, numbers of values
   /// and units. Throws std::out_of_range, with the known names, if there is no such device.
@@ -308,8 +308,8 @@ class Model {
   /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest part
   /// towards the root of the body. Empty if there is no such pack.
   std::optional<Energy> energy() const;
-  /// Number of flags (small objects that grippers carry) that this part holds itself, without the flags of
-  /// other parts of the body. 0 if it cannot hold flags.
+  /// Number of flags (coloured tokens that bodies exchange, docs/energy.md) in the list of this model; 0 if
+  /// it has no list. Lists of other parts of the body do not count, even if this model is the whole body.
   std::size_t flag_count() const;
 
  private:
@@ -481,7 +481,7 @@ class Simulation {
   double tick_s() const;       ///< length of a tick, s
   /// Number of robots that are in the world now.
   std::size_t robots() const;
-  std::uint64_t seed() const;  ///< seed of all random draws
+  std::uint64_t seed() const;  ///< seed of all random numbers of the run
   std::string title() const;   ///< title in the world file, or else the name of the file
   /// The time at which the world file ends the run (`quit_time_s`), s; empty if it states none. run_for() and
   /// step() do not end at this time.
@@ -553,8 +553,9 @@ class Simulation {
   /// the state.
   void set(std::string_view type, std::string_view setting);
   /// The parameters of a type, with the changes of set() and of the world file up to now, as JSON: a list of
-  /// objects like those for set(), one for the drive and for each device and controller. Infinite values and
-  /// lists of records are left out. Throws std::out_of_range, with the known names, if there is no such type.
+  /// objects like those for set(), one for the drive and one for each device and controller. Infinite values,
+  /// and lists of objects such as the transducers of a ranger, are left out. Throws std::out_of_range, with
+  /// the known names, if there is no such type.
   std::string parameters(std::string_view type) const;
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
@@ -592,14 +593,14 @@ class Simulation {
   /// with hashes as 16 hexadecimal digits.
   std::string hash_log_line() const;
 
-  Statistics statistics() const;  ///< numbers that describe the run; visits every robot
+  Statistics statistics() const;  ///< numbers that describe the run, computed in a loop over all robots
   /// The sums of the energies of all power packs, J. `infinite` and `charging` are true if they are true for
   /// at least one pack.
   Model::Energy energy() const;
-  unsigned threads() const;  ///< number of worker threads, per rank
-  unsigned ranks() const;    ///< number of ranks; 1 unless SimulationOptions::ranks says otherwise
+  unsigned threads() const;                ///< number of worker threads, per rank
+  unsigned ranks() const;                  ///< number of ranks, threads or processes, that compute the world
   RankStatistics rank_statistics() const;  ///< numbers that describe the messages between ranks
-  /// What each rank has done in the last tick; empty with one rank. Valid until the next step.
+  /// Robots and time of each rank in the last tick; empty with one rank. Valid until the next step.
   std::span<const RankWork> rank_work() const;
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
   /// a tick begins, and with std::nullopt when the tick ends. A null callback removes it.
@@ -613,8 +614,8 @@ class Simulation {
   /// between two steps, such as those of hashes and measures. Set it between two steps.
   void on_loop(std::function<void(bool begins)> callback);
 
-  /// The world as the engine stores it (engine/world.hpp): types, state tables and hooks, for tools that
-  /// compare or save states. The reference is valid while the simulation lives.
+  /// The world as the engine stores it (engine/world.hpp): its types, state tables and callbacks, for tools
+  /// that compare or save states. The reference is valid while the simulation lives.
   engine::World& world();
   const engine::World& world() const;  ///< the same world, read-only
   /// The registry of kinds of sensors, drives, controllers and other devices that this world was made with.

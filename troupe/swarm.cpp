@@ -330,7 +330,7 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
     robots_.reserve(size());
     for (const BodyId id : ids_) robots_.push_back(Model::of(*world_, id));
   }
-  world_->gather();  // here, because the calls below run in parallel
+  world_->gather();  // fetches the rows of other ranks before the calls below, which run in parallel
   world_->parallel().for_each((size() + k_batch - 1) / k_batch, [&](std::size_t batch) {
     std::exception_ptr error;
     for (std::size_t i = batch * k_batch; i < std::min(size(), (batch + 1) * k_batch); ++i) {

@@ -88,7 +88,8 @@ class Swarm {
   void readings(std::span<std::byte> out, std::string_view field, std::string_view device = {}) const;
   /// Returns the fields of the commands of the device named `device`. Throws as reading_field() does.
   std::span<const engine::StateField> command_fields(std::string_view device) const;
-  /// Writes a field of the present command of each robot's device, as readings() does.
+  /// Writes the current value of a field of the command of each robot's device named `device`: robots x
+  /// columns, row-major, in elements of the type of the field. Throws as readings() does.
   void commands(std::span<std::byte> out, std::string_view field, std::string_view device) const;
   /// Makes all sensors of the robots of this group run, as Simulation::subscribe() does for one robot. Throws
   /// std::logic_error after the first step.

@@ -38,8 +38,8 @@ Settings device_of(std::string_view name, std::string_view kind, const Settings&
   return device.set(parameters);
 }
 
-/// Marks, as its line number, a value whose members Layout shall write on separate lines. Layout replaces it
-/// by the real line number.
+/// A special line number: it marks a value whose members Layout must write on separate lines. Layout then
+/// replaces it by the real line number.
 constexpr std::uint32_t k_broken = 1;
 
 /// Writes a world as JSON text, and stores in each value the number of its line.

@@ -92,8 +92,8 @@ class Settings {
 ///     troupe::Simulation simulation(world);
 ///
 /// The names and values are those of a JSON world file, which docs/world-format.md and `troupe describe`
-/// document; json() returns this file as text. Unknown names and invalid values are reported by the
-/// constructor of Simulation, not by this class: it throws InputError, whose text lists all errors, each as
+/// document; json() returns this file as text. This class does not check whether names and values are
+/// allowed. The constructor of Simulation does: it throws InputError, whose text lists all errors, each as
 /// `world.json:7: error: /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
 class WorldBuilder {
  public:

@@ -40,7 +40,8 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
   if (ending != ".world" && ending != ".json") {
     diagnostics.error(
         {diagnostics.files()->add(to.string()), 0},
-        fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending));
+        fmt::format("the name of a world file must end in .world (Stage's syntax) or .json, found \"{}\"",
+                    ending));
     return {};
   }
   engine::WorldSpec spec = load_world(from, registry, options, diagnostics);

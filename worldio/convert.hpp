@@ -16,8 +16,8 @@ struct ConvertedWorld {
   std::size_t types = 0;   ///< number of types that these bodies use
 };
 
-/// Reads the world file `from` and converts it to the text of the world file `to`, which it does not write.
-/// Both names must end in `.world` (Stage's syntax) or `.json`. The ending selects the format. Paths of
+/// Reads the world file `from` and returns it as the text of a world file named `to`. Does not write this
+/// file. Both names must end in `.world` (Stage's syntax) or `.json`. The ending selects the format. Paths of
 /// images in the text are relative to the folder of `to`. Macros of a `.world` file and presets of a JSON
 /// world are expanded, and populations become one model per body. A run of the new world has the same hash
 /// log as a run of the old world. If the new format is `.world`, the function reports an error for everything

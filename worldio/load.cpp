@@ -19,8 +19,8 @@ engine::WorldSpec fail(const std::filesystem::path& file, Diagnostics& diagnosti
 Result<> check_ending(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
   if (ending == ".world" || ending == ".json") return {};
-  return Error{
-      fmt::format("a world's file name ends in .world (Stage's syntax) or .json, not in \"{}\"", ending)};
+  return Error{fmt::format(
+      "the name of a world file must end in .world (Stage's syntax) or .json, found \"{}\"", ending)};
 }
 
 }  // namespace

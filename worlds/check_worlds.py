@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Checks the plans: that the scripts still draw what lies here, that the plans are as intricate as they are meant
-to be, that their outer walls are closed, and that robots can reach everything. Exit code 1 when one fails.
+"""Checks the floor plans and the worlds that the make_*.py scripts write: that the scripts still write the files in this
+folder, that the numbers of contour edges of the plans are in the intended ranges, that their outer walls are closed,
+and that robots can reach the whole floor. Exit code 1 if a check fails.
 """
 
 import os
@@ -19,13 +20,14 @@ DARK = bytes(ord("1" if value <= 127 else "0") for value in range(256))
 
 
 def solid_rows(bitmap):
-    """Each row from the top as a whole number, a bit a pixel."""
+    """Returns each row, from the top, as a whole number with one bit per pixel; 1: solid."""
     return [int(row.translate(DARK), 2) for row in bitmap.rows]
 
 
 def count_edges(rows):
-    """Corners of the contours, which are as many as their edges once collinear runs are merged: a point of four
-    pixels is one corner where an odd number of them is solid, two where two that lie across are."""
+    """Returns the number of edges of the contours, with collinear edges merged. It equals the number of corners: a
+    point between four pixels is one corner if one or three of the pixels are solid, and two corners if exactly two
+    diagonally opposite pixels are solid."""
     corners = 0
     rows = [0] + [row << 1 for row in rows] + [0]
     for above, below in zip(rows, rows[1:]):
@@ -36,7 +38,8 @@ def count_edges(rows):
 
 
 def standing_room(rows, width, pixels):
-    """Where the corner of a square robot of `pixels` can be without touching what is solid."""
+    """Returns the pixels at which a corner of a square robot can be while the robot overlaps no solid pixel.
+    pixels: side of the robot."""
     whole = (1 << width) - 1
 
     def shrink(free, reach):
@@ -55,7 +58,8 @@ def standing_room(rows, width, pixels):
 
 
 def along(row, seed):
-    """The runs of a row that hold a bit of the seed; by doubling, a run of thousands of pixels in a dozen steps."""
+    """Returns the runs of 1 bits of a row that contain a bit of the seed. The span doubles in each step, so that a run
+    of thousands of pixels takes a dozen steps."""
     left = right = row
     span = 1
     while span < row.bit_length():
@@ -67,7 +71,7 @@ def along(row, seed):
 
 
 def unreached(room):
-    """Bits of the room that cannot be reached from its widest part, as (row, bits)."""
+    """Returns, for each row of the room, the bits that cannot be reached from a pixel of the row with the most bits."""
     start = max(range(len(room)), key=lambda i: room[i].bit_count())
     reached = [0] * len(room)
     lowest = room[start] & -room[start]
@@ -85,6 +89,8 @@ def unreached(room):
 
 
 def check(name, bitmap, edges, robot_m, pockets_m2):
+    """Returns the faults of a plan. edges: least and greatest number of contour edges; robot_m: side of a square
+    robot, m; pockets_m2: greatest allowed area that this robot cannot reach, m2."""
     rows = solid_rows(bitmap)
     whole = (1 << bitmap.width) - 1
     sides = 1 | 1 << (bitmap.width - 1)
@@ -104,7 +110,8 @@ def check(name, bitmap, edges, robot_m, pockets_m2):
 
 
 def content(data):
-    """Of a PNG what zlib packed, because versions of zlib pack differently; of other files, all."""
+    """Returns the content to compare: of a PNG, its header and uncompressed pixels, because versions of zlib compress
+    differently; of other files, all bytes."""
     if not data.startswith(b"\x89PNG"):
         return data
     at, packed = 8, b""
@@ -117,6 +124,7 @@ def content(data):
 
 
 def redrawn():
+    """Runs the scripts in a temporary folder, and yields the faults of files that differ from those in this folder."""
     with tempfile.TemporaryDirectory() as folder:
         for script in (*SCRIPTS, "drawing.py"):
             shutil.copy(os.path.join(HERE, script), folder)
@@ -124,15 +132,15 @@ def redrawn():
             subprocess.run([sys.executable, script], cwd=folder, check=True)
         for name in sorted(name for name in os.listdir(folder) if name.endswith((".png", ".json"))):
             if not os.path.exists(os.path.join(HERE, name)):
-                yield f"{name}, which a script makes, is not here"
+                yield f"{name}: the file is missing; a make_*.py script writes it"
                 continue
             with open(os.path.join(HERE, name), "rb") as ours, open(os.path.join(folder, name), "rb") as new:
                 if content(ours.read()) != content(new.read()):
-                    yield f"{name} is not what its script makes: run the script again"
+                    yield f"{name}: the file differs from what its make_*.py script writes: run the script again"
 
 
 if __name__ == "__main__":
-    # Pockets behind rows of chairs are no rooms.
+    # Small areas behind rows of chairs may be out of reach.
     found = [*check("hospital", make_hospital.hospital(), (14000, 18000), 0.25, 2.5),
              *check("cave", make_cave.cave(), (700, 1500), 0.5, 0.0), *redrawn()]
     for fault in found:

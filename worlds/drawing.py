@@ -1,10 +1,10 @@
-"""Drawing floor plans in pixels and writing them as PNG, with nothing but the standard library.
+"""Draws floor plans in pixels and writes them as PNG, with only the standard library.
 
-A world's floor plan is solid where a pixel is 127 or darker. That leaves the lighter greys for what a drawing
-needs and a robot does not meet: the swing of a door, paving, lawn.
+The floor plan of a world is solid where a pixel is 127 or darker. Lighter greys are for parts of the drawing that do
+not block a robot: the swing of a door, paving, lawn.
 
-Everything is rounded to pixels once and then drawn with whole numbers, so that a script gives the same picture
-on every machine.
+All lengths are rounded to pixels once and then drawn with whole numbers, so that a script draws the same picture on
+every machine.
 """
 
 import math
@@ -20,7 +20,10 @@ FLOOR = 255
 
 
 class Bitmap:
-    """A grey picture of width x height metres, +y up, origin at the lower left corner."""
+    """A grey picture of width x height metres; +x is right, +y is up, the origin is the lower left corner.
+
+    value: grey of all pixels, 0 (black) to 255 (white).
+    """
 
     def __init__(self, width_m, height_m, pixels_per_m, value=FLOOR):
         self.scale = pixels_per_m
@@ -29,10 +32,11 @@ class Bitmap:
         self.rows = [bytearray([value]) * self.width for _ in range(self.height)]
 
     def px(self, metres):
+        """Converts a length to whole pixels."""
         return math.floor(metres * self.scale + 0.5)
 
     def span(self, y, x0, x1, value):
-        """Pixels x0 <= x < x1 of row y (counted from the bottom); what lies outside is left out."""
+        """Sets the pixels x0 <= x < x1 of row y (counted from the bottom). Ignores pixels outside the picture."""
         x0, x1 = max(x0, 0), min(x1, self.width)
         if 0 <= y < self.height and x0 < x1:
             self.rows[self.height - 1 - y][x0:x1] = bytes([value]) * (x1 - x0)
@@ -45,7 +49,7 @@ class Bitmap:
             self.span(y, min(x0, x1), max(x0, x1), value)
 
     def line_px(self, x0, y0, x1, y1, value, pen=1, dash=0):
-        """Bresenham's line drawn with a square pen; `dash` pixels on, as many off."""
+        """Bresenham's line with a square pen of `pen` pixels. dash: length of dashes and gaps, pixels; 0: no gaps."""
         dx, dy = abs(x1 - x0), -abs(y1 - y0)
         sx, sy = (1 if x0 < x1 else -1), (1 if y0 < y1 else -1)
         error, low, step = dx + dy, -(pen // 2), 0
@@ -69,7 +73,7 @@ class Bitmap:
             self.span(cy + dy, cx - half, cx + half + 1, value)
 
     def ring_px(self, cx, cy, r, value, pen=1, sides=(True, True, True, True)):
-        """A circle; `sides` says which quarters are drawn (+x+y, -x+y, -x-y, +x-y)."""
+        """A circle with a line of `pen` pixels. sides: which quarters are drawn (+x+y, -x+y, -x-y, +x-y)."""
         outer, inner = r * r + r, (r - pen) * (r - pen) + (r - pen)
         for dy in range(-r, r + 1):
             reach = math.isqrt(max(outer - dy * dy, 0))
@@ -79,7 +83,7 @@ class Bitmap:
                     self.span(cy + dy, cx + dx, cx + dx + 1, value)
 
     def polygon_px(self, points, value):
-        """Fills by the even-odd rule: pixels whose centre lies inside."""
+        """Fills the pixels whose centre is inside the polygon, by the even-odd rule."""
         ys = [y for _, y in points]
         for y in range(min(ys), max(ys)):
             cuts = []
@@ -98,7 +102,7 @@ class Bitmap:
         raw = bytearray()
         above = bytes(self.width)
         for row in self.rows:
-            raw.append(2)  # filter "up": plans repeat from row to row
+            raw.append(2)  # filter "up" compresses best, because neighbouring rows are similar
             raw += bytes((a - b) & 255 for a, b in zip(row, above))
             above = row
 
@@ -112,10 +116,9 @@ class Bitmap:
 
 
 class Pen:
-    """Draws in metres in a frame of its own: (u, v) lies at origin + u * along + v * into.
+    """Draws in metres in a frame (u, v): the point (u, v) is at origin + u * along + v * into.
 
-    `along` and `into` are axis-aligned unit vectors, so that one description of a room serves on every side of
-    a corridor.
+    `along` and `into` are axis-aligned unit vectors. So one function for a room serves on every side of a corridor.
     """
 
     def __init__(self, bitmap, origin=(0, 0), along=(1, 0), into=(0, 1)):
@@ -129,7 +132,7 @@ class Pen:
         return Pen(self.bitmap, self.at(u, v), self.along, self.into)
 
     def mirrored(self, u):
-        """The frame at u that runs back along the wall."""
+        """Returns a pen at u whose `along` has the opposite direction."""
         return Pen(self.bitmap, self.at(u, 0), (-self.along[0], -self.along[1]), self.into)
 
     def px(self, u, v):
@@ -143,7 +146,7 @@ class Pen:
         self.rect(u0, v0, u1, v1, FLOOR)
 
     def body(self, u0, v0, u1, v1):
-        """A piece of furniture: outlined, filled, solid."""
+        """A piece of furniture: a solid rectangle with an outline."""
         (x0, y0), (x1, y1) = self.px(u0, v0), self.px(u1, v1)
         x0, x1, y0, y1 = min(x0, x1), max(x0, x1), min(y0, y1), max(y0, y1)
         self.bitmap.rect_px(x0, y0, x1, y1, EDGE)
@@ -162,7 +165,7 @@ class Pen:
         self.bitmap.ring_px(*self.px(u, v), self.bitmap.px(r), value, pen)
 
     def arc(self, u, v, r, towards_u, towards_v, value=SOFT, pen=1):
-        """The quarter of a circle that lies towards (+-u, +-v)."""
+        """A quarter of a circle. towards_u, towards_v: 1 or -1, the signs of u and v in the quarter."""
         dx = towards_u * self.along[0] + towards_v * self.into[0]
         dy = towards_u * self.along[1] + towards_v * self.into[1]
         quarter = (0 if dx > 0 else 1) if dy > 0 else (3 if dx > 0 else 2)

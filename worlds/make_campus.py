@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Writes campus.json: a million minibots of 0.1 m in a campus of sixteen hospitals, each like hospital-10cm.json's
-and filled in the same way. Another number of robots: `--robots a=N --robots b=N ...`, a population a house.
+"""Writes campus.json: a million minibots of 0.1 m in a campus of sixteen hospitals. Each hospital is that of
+hospital-10cm.json, and its robots are placed in the same way. `troupe run --robots a=N --robots b=N ...` runs the
+world with other numbers of robots; each hospital has one population, a to p.
 """
 
 import os
@@ -9,7 +10,7 @@ from make_crowd import lay_out
 
 COLUMNS, ROWS = 4, 4
 LENGTH, DEPTH = 140, 60   # of a hospital, m
-GAP = 10                  # between houses, m
+GAP = 10                  # between hospitals, m
 ROBOTS = 1000000
 
 
@@ -23,7 +24,7 @@ def minibot():
 
 
 def houses():
-    """Name and centre of each."""
+    """Yields the name and the centre (x, y, m) of each hospital."""
     for i in range(COLUMNS * ROWS):
         x = (LENGTH + GAP) * (i % COLUMNS - (COLUMNS - 1) / 2)
         y = (DEPTH + GAP) * (i // COLUMNS - (ROWS - 1) / 2)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Draws cave.png, a cave of 16 x 16 m: four chambers round a hall, joined by passages, all walls of rough rock;
-and writes the four worlds of Pioneers in it: cave-simple, cave-complex, and each with -laser.
+"""Draws cave.png, a cave of 16 x 16 m: four chambers around a hall, joined by passages, with walls of rough rock.
+Also writes the four worlds with Pioneer robots in this cave: cave-simple, cave-complex, and both with -laser.
 
-The rock is what remains when discs are swept along lines and their radius swells and shrinks with smooth noise.
+Discs are swept along lines, and their radius varies with smooth noise; the rock is all that the discs do not cover.
 Only + - * / and whole numbers are used, so that the picture is the same on every machine.
 """
 
@@ -14,7 +14,7 @@ from drawing import FLOOR, Bitmap
 SIZE = 16
 PIXELS_PER_M = 20
 
-# Hollows: ends of a line and the radius swept along it, metres.
+# Hollows: the two ends of a line, and the radius of the disc that is swept along the line, m.
 HOLLOWS = (
     ((3.6, 3.6), (4.6, 4.4), 3.3),     # the corner where robots start
     ((11.8, 3.5), (12.6, 4.2), 2.75),
@@ -30,7 +30,7 @@ HOLLOWS = (
     ((4.2, 12.8), (12.0, 13.1), 1.15),
     ((13.4, 4.0), (13.3, 12.0), 1.1),
 )
-# Rock left standing in them.
+# Rock inside the hollows, in the same form.
 PILLARS = (
     ((11.9, 3.7), (12.4, 3.3), 0.5),
     ((12.4, 11.9), (13.0, 12.3), 0.5),
@@ -39,7 +39,7 @@ PILLARS = (
 
 
 def lattice(i, j, salt):
-    """A number from -1 to 1 for each point of a lattice."""
+    """Returns a pseudo-random number from -1 to 1 for a point of a lattice. salt: selects one of several lattices."""
     h = (i * 0x9E3779B1 ^ j * 0x85EBCA77 ^ salt * 0xC2B2AE3D) & 0xFFFFFFFF
     for shift, factor in ((16, 0x7FEB352D), (15, 0x846CA68B)):
         h = ((h ^ (h >> shift)) * factor) & 0xFFFFFFFF
@@ -48,7 +48,7 @@ def lattice(i, j, salt):
 
 
 def noise(x, y, salt):
-    """Smooth in between: the lattice blended with 3 t^2 - 2 t^3."""
+    """Returns smooth noise from -1 to 1: the values of the lattice, interpolated with 3 t^2 - 2 t^3."""
     i, j = int(x), int(y)
     u, v = x - i, y - j
     u, v = u * u * (3 - 2 * u), v * v * (3 - 2 * v)
@@ -58,7 +58,7 @@ def noise(x, y, salt):
 
 
 def sweep(bitmap, line, rough, value_at):
-    """Sets every pixel nearer to the line than its radius, as the noise changes it."""
+    """Sets every pixel whose distance from the line is less than the radius plus the noise `rough` (m) at the pixel."""
     (ax, ay), (bx, by), radius = line
     dx, dy = bx - ax, by - ay
     reach, length2 = radius + 0.6, dx * dx + dy * dy
@@ -93,7 +93,7 @@ def cave():
         sweep(bitmap, line, rough, lambda px, py: FLOOR)
     for line in PILLARS:
         sweep(bitmap, line, rough, rock)
-    # A rim of rock all round, however the noise fell.
+    # A rim of rock on all four sides, so that the cave is closed for any noise.
     rim = bitmap.px(0.25)
     for py in range(bitmap.height):
         for px in range(bitmap.width):
@@ -102,24 +102,24 @@ def cave():
     return bitmap
 
 
-# --- the Pioneer, 0.44 x 0.38 x 0.22 m: its body's middle lies 0.04 m behind the point it turns about ---------
+# --- the Pioneer, 0.44 x 0.38 x 0.22 m: the centre of its body is 0.04 m behind the point about which it turns ---
 
 LENGTH, WIDTH, HEIGHT, SHIFT = 0.44, 0.38, 0.22, -0.04
 SONAR_Z, SONAR_RANGE = 0.195, 5
-# x, y (m) and heading (degrees) of the sixteen sonars.
+# x, y (m) and heading (degrees) of the sixteen sonars, in the frame of the robot.
 SONARS = (
     (0.075, 0.130, 90), (0.115, 0.115, 50), (0.150, 0.080, 30), (0.170, 0.025, 10),
     (0.170, -0.025, -10), (0.150, -0.080, -30), (0.115, -0.115, -50), (0.075, -0.130, -90),
     (-0.155, -0.130, -90), (-0.195, -0.115, -130), (-0.230, -0.080, -150), (-0.250, -0.025, -170),
     (-0.250, 0.025, 170), (-0.230, 0.080, 150), (-0.195, 0.115, 130), (-0.155, 0.130, 90),
 )
-# The laser stands on the robot; its rays pass over other robots and meet their lasers.
+# The laser is mounted on top of the robot; its rays pass over the bodies of other robots and meet their lasers.
 LASER_Z, LASER_RANGE = 0.33, 8
 LASER_SIZE = (0.156, 0.155, 0.19)
 
 
 def mirrored(half):
-    """An outline from its half with y >= 0, given from front to back; points on the axis stay single."""
+    """Completes a symmetric outline from its half with y >= 0, given from front to back."""
     return half + [(x, -y) for x, y in reversed(half) if y > 0]
 
 
@@ -133,7 +133,7 @@ def simple_pioneer():
 
 
 def complex_pioneer():
-    """Hull, two sonar cases, two wheels, castor and lid, drawn about the axle and fitted to the size."""
+    """Hull, two sonar cases, two wheels, castor and lid, drawn relative to the axle and scaled to LENGTH and HEIGHT."""
     lid = [(1, 0.16), (0.96, 0.44), (0.86, 0.68), (0.7, 0.86), (0.46, 0.97), (0, 1)]
     lid += [(-x, y) for x, y in reversed(lid[:-1])]
     prisms = [
@@ -215,7 +215,7 @@ if __name__ == "__main__":
     here = os.path.dirname(os.path.abspath(__file__))
     cave().write_png(os.path.join(here, "cave.png"))
     for name, body, boxes in (("simple", simple_pioneer(), 1), ("complex", complex_pioneer(), 4)):
-        title = f"Pioneers of {'one prism' if name == 'simple' else 'seven prisms'} spread through a cave"
+        title = f"Pioneer robots of {'one prism' if name == 'simple' else 'seven prisms'} spread through a cave"
         write_world(os.path.join(here, f"cave-{name}.json"), title, body, False)
         write_world(os.path.join(here, f"cave-{name}-laser.json"), title + ", each with a laser",
                     body + laser_body(boxes), True)

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Writes crowd.json: a dense crowd of unlike robots in a walled yard with pillars, for proofs that conflicts are
-settled alike everywhere. Small boxes and long planks, bodies of several blocks, canopies under which flat
-crawlers pass, robots of 2 m/s, every drive; all of them pushy, so that motions are refused all the time.
+"""Writes crowd.json: a dense crowd of different robots in a walled yard with pillars. It tests that conflicts between
+motions are resolved in the same way with any number of threads. There are small boxes and long planks, bodies of
+several blocks, canopies under which flat crawlers pass, robots of 2 m/s, and every kind of drive. All robots drive up
+close to obstacles, so that many motions are blocked.
 """
 
 import json
@@ -97,8 +98,8 @@ def populations():
 
 
 def lay_out(value, indent=0, width=112):
-    """JSON with every list and object on one line where it fits, one member a line where it does not; points always
-    stay on one."""
+    """Returns JSON text. A list or object is on one line if it fits into `width` columns, else it has one line per
+    member. Lists of lists (points) are always on one line."""
     flat = json.dumps(value)
     numbers = isinstance(value, list) and all(isinstance(v, list) for v in value)
     if indent + len(flat) <= width or numbers or not isinstance(value, (list, dict)):
@@ -111,7 +112,7 @@ def lay_out(value, indent=0, width=112):
 
 
 if __name__ == "__main__":
-    world = {"troupe": 1, "title": "A crowd of unlike robots", "quit_time_s": 30, "types": TYPES, "models": models(),
-             "populations": populations()}
+    world = {"troupe": 1, "title": "A crowd of robots of different kinds", "quit_time_s": 30, "types": TYPES,
+             "models": models(), "populations": populations()}
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "crowd.json"), "w", newline="\n") as file:
         file.write(lay_out(world) + "\n")

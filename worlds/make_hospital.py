@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Draws hospital.png, the plan of a hospital of 140 x 60 m.
+"""Draws hospital.png, the floor plan of a hospital of 140 x 60 m.
 
-A street, 3.7 m wide, runs the length of the house. South of it lie consulting rooms, north of it open waiting
-bays and the departments; behind those a second corridor leads to four wards with gardens between them. Every
-room has a door, every garden a way in, and the outer wall is closed: a robot can go everywhere but out.
+A street, the main corridor, 3.7 m wide, runs along the whole building. South of the street are consulting rooms, north
+of it open waiting bays and the departments. North of the departments a second corridor leads to four wards with gardens
+between them. Every room has a door, every garden has an entrance, and the outer wall is closed: a robot can reach all
+rooms but cannot leave the building.
 """
 
 import os
@@ -16,7 +17,7 @@ FACADE = 0.36      # thickness of outer walls, m
 INNER = 0.18       # walls along corridors
 PARTITION = 0.14   # walls between rooms
 
-# The horizontal bands of the plan: inner faces, y in metres.
+# The horizontal bands of the plan: y of the inner faces of their south and north walls, m.
 SOUTH_ROOMS = (FACADE, 7.6)
 STREET = (7.8, 11.5)
 BAYS = (11.5, 16.6)
@@ -31,10 +32,11 @@ WARD_WIDTH = 20.0
 # --- parts of a building ------------------------------------------------------------------------------------
 
 def door(pen, u, width=1.1, thickness=INNER, ajar=True):
-    """An opening in the wall behind v = 0 at u .. u + width, with its leaf standing in the room."""
+    """An opening of the wall below v = 0, from u to u + width, and its leaf, which opens into the room.
+    ajar: the leaf is half open, else fully open."""
     pen.clear(u, -thickness - 0.02, u + width, 0)
     leaf = width - 0.1
-    if ajar:  # the leaf at some 63 degrees: two pixels up for one along
+    if ajar:  # the leaf at about 63 degrees: two pixels in v for one pixel in u
         pen.line(u, 0, u + 0.45 * leaf, 0.9 * leaf, WALL, 2)
     else:
         pen.rect(u, -thickness, u + 0.08, leaf)
@@ -49,7 +51,7 @@ def double_door(pen, u, width=1.9, thickness=INNER):
 
 
 def window(pen, u, width, mullion=True):
-    """A niche in the facade before v = 0, and glass that is drawn but as solid as the wall."""
+    """A niche in the inside of the facade (v < 0), and glass in another grey, which is as solid as the wall."""
     pen.rect(u, 0.08 - FACADE, u + width, -0.18, BODY)
     pen.clear(u, -0.18, u + width, 0)
     if mullion:
@@ -63,7 +65,7 @@ def column(pen, u, v, r=0.32):
 # --- furniture ----------------------------------------------------------------------------------------------
 
 def rounded(pen, u, v, r):
-    """A round thing of few corners: furniture is many, and a true circle of r = 0.4 m has fifty edges."""
+    """Round furniture, as a polygon with few corners, because a circle of r = 0.4 m would have fifty edges."""
     steps = ((1.0, 0.45), (0.8, 0.8), (0.45, 1.0)) if r > 0.3 else ((1.0, 0.6), (0.6, 1.0))
     for a, b in steps:
         pen.rect(u - a * r, v - b * r, u + a * r, v + b * r, EDGE)
@@ -76,7 +78,7 @@ def stool(pen, u, v):
 
 
 def chair(pen, u, v, back=1):
-    """0.46 m wide, centred on (u, v), its back towards +v or -v."""
+    """A chair, 0.46 m wide, with its centre at (u, v). back: 1: its back is towards +v; -1: towards -v."""
     pen.body(u - 0.23, v - 0.22, u + 0.23, v + 0.22)
     pen.rect(u - 0.23, v + back * 0.22, u + 0.23, v + back * 0.15, WALL)
 
@@ -94,7 +96,7 @@ def table(pen, u, v, r, places):
 
 
 def bed(pen, u, v):
-    """Its head against the wall at u, 2.05 m towards smaller u, 0.95 m wide from v."""
+    """A bed with its head at the wall at u. It covers u - 2.05 m to u, and v to v + 0.95 m."""
     pen.body(u - 2.05, v, u, v + 0.95)
     pen.rect(u - 0.5, v + 0.15, u - 0.12, v + 0.8, EDGE)
     pen.line(u - 0.65, v, u - 0.65, v + 0.93, WALL)
@@ -124,14 +126,14 @@ def shelves(pen, u, v, length, count, pitch=1.25):
 
 
 def cross(pen, u0, v0, u1, v1):
-    """A shaft: a box with its diagonals."""
+    """A lift shaft: a box with its diagonals."""
     pen.body(u0, v0, u1, v1)
     pen.line(u0, v0, u1, v1, WALL)
     pen.line(u0, v1, u1, v0, WALL)
 
 
 def stairs(pen, u0, v0, u1, v1):
-    """Two flights with an open landing at the far end; a tread of solid and one of floor alternate."""
+    """Two flights of stairs with an open landing at the far end. Solid treads and treads of floor alternate."""
     middle = (u0 + u1) / 2
     pen.rect(middle - 0.06, v0, middle + 0.06, v1 - 1.2)
     v = v0
@@ -152,7 +154,7 @@ def shrub(pen, u, v, r):
 
 
 def tree(pen, u, v, r):
-    """A trunk that stands in the way under a crown that does not."""
+    """A solid trunk under a crown that is drawn but not solid."""
     x, y = pen.px(u, v)
     pen.bitmap.disc_px(x, y, pen.bitmap.px(r), 208)
     for part in (1.0, 0.72, 0.45):
@@ -160,7 +162,7 @@ def tree(pen, u, v, r):
     pen.body(u - 0.2, v - 0.2, u + 0.2, v + 0.2)
 
 
-# --- rooms: u along the corridor, v into the room, w x d metres ---------------------------------------------
+# --- rooms of w x d metres: u runs along the corridor, v into the room --------------------------------------
 
 def consulting(pen, w, d):
     desk(pen, 0.3, d - 2.6)
@@ -260,7 +262,7 @@ def chapel(pen, w, d):
 
 
 def lecture(pen, w, d):
-    """Rows that widen from the desk, each broken by two aisles."""
+    """A lecture hall: rows of seats, longer with the distance from the desk, each interrupted by two aisles."""
     for i in range(3):
         v = 2.7 + 1.3 * i
         half = 2.7 + 0.9 * i
@@ -319,7 +321,7 @@ def store(pen, w, d):
 
 
 def patient(pen, w, d):
-    """A room of a ward: a bath beside the door, a bed, a chair at the window."""
+    """A room of a ward: a bathroom next to the door, a bed, a chair at the window."""
     pod_u, pod_v = 1.85, 2.1
     pen.rect(0, pod_v - PARTITION, pod_u, pod_v)
     pen.rect(pod_u - PARTITION, 0, pod_u, 0.25)
@@ -336,7 +338,11 @@ def patient(pen, w, d):
 # --- bands of rooms -----------------------------------------------------------------------------------------
 
 def rooms(bitmap, y_wall, into, x, depth, plan):
-    """A row of rooms along a corridor wall at y_wall: (kind, width, door's place, ajar); returns the end."""
+    """Draws a row of rooms along the corridor wall at y_wall, beginning at x; returns the x of its end.
+
+    into: 1: the rooms are north of the wall; -1: south of it. plan: for each room its function, its width, the
+    position of its door, and whether the door is half open.
+    """
     for fill, width, place, ajar in plan:
         pen = Pen(bitmap, (x, y_wall), (1, 0), (0, into))
         pen.rect(-PARTITION / 2, 0, PARTITION / 2, depth)
@@ -349,7 +355,7 @@ def rooms(bitmap, y_wall, into, x, depth, plan):
 
 
 def waiting(bitmap, x, y, width, depth, into):
-    """An open bay: seats along its back, a planter, a desk with a round end."""
+    """An open waiting bay: rows of seats and a planter."""
     pen = Pen(bitmap, (x, y), (1, 0), (0, into))
     count = int((width - 2.6) / 0.62)
     seats(pen, 1.9, depth - 0.4, count, 1)
@@ -362,7 +368,7 @@ def waiting(bitmap, x, y, width, depth, into):
 def street(bitmap):
     pen = Pen(bitmap)
     south, north = SOUTH_ROOMS[1], DEPARTMENTS[0]
-    # South wall of the street, departments' two long walls, and the wall towards the gardens.
+    # The south wall of the street, the two long walls of the departments, and the wall towards the gardens.
     pen.rect(0, south, LENGTH, STREET[0])
     pen.rect(0, BAYS[1], LENGTH, north)
     pen.rect(0, DEPARTMENTS[1], LENGTH, BACK_CORRIDOR[0])
@@ -396,7 +402,7 @@ def street(bitmap):
             window(Pen(bitmap, (u, FACADE)), 0, 1.5)
         u += 2.8
 
-    # Pilasters along the street's south wall; a rail of posts where it is open, and along the bays.
+    # Pilasters along the south wall of the street; posts where this wall is open, and along the waiting bays.
     u = FACADE + 0.55
     while u < LENGTH - FACADE - 0.5:
         x, y = bitmap.px(u), bitmap.px(south) + 1
@@ -439,7 +445,7 @@ def departments(bitmap):
         for i, (fill, width) in enumerate(plan):
             rooms(bitmap, y0, 1, x, depth, ((fill, width, 0.4, i % 3 == 0),))
             x += width
-            # A second door, to the corridor behind.
+            # A second door, to the back corridor.
             if width > 6:
                 back = Pen(bitmap, (x - 0.3, y1), (-1, 0), (0, -1))
                 if fill in (pharmacy, chapel, recovery):
@@ -459,7 +465,7 @@ def entrance_hall(bitmap):
     pen.rect(left - FACADE, FACADE, left, STREET[0])
     pen.rect(right, FACADE, right + FACADE, STREET[0])
     middle = (left + right) / 2
-    # The revolving door, a draught lobby with cut corners round it.
+    # The revolving door, in a lobby with cut corners.
     pen.rect(middle - 3.4, 0.12, middle + 3.4, 0.24, BODY)
     bitmap.ring_px(*pen.px(middle, 1.75), bitmap.px(1.3), WALL, 3, (True, False, True, False))
     pen.rect(middle - 0.05, 0.95, middle + 0.05, 2.55, EDGE)
@@ -480,7 +486,8 @@ def entrance_hall(bitmap):
 
 
 def garden(bitmap, x0, x1, gate):
-    """Lawn, paths that cross at a fountain, shrubs along the walls, trees."""
+    """A garden from x0 to x1: a lawn, paths that cross at a fountain, shrubs along the walls, trees.
+    gate: x of the middle of its door, m."""
     y0, y1 = GARDENS
     pen = Pen(bitmap, (x0, y0))
     w, d = x1 - x0, y1 - y0
@@ -510,7 +517,7 @@ def garden(bitmap, x0, x1, gate):
     for v in (d / 4, 3 * d / 4) if broad else ():
         for side in (-1, 1):
             pen.body(w / 2 + side * 1.35 - 0.22, v - 0.8, w / 2 + side * 1.35 + 0.22, v + 0.8)
-    # The way in, from the back corridor.
+    # The entrance from the back corridor.
     double_door(Pen(bitmap, (gate - 0.95, y0)), 0, 1.9, FACADE + 0.02)
     for u in (1, int(w) - 3):
         if broad:
@@ -518,7 +525,7 @@ def garden(bitmap, x0, x1, gate):
 
 
 def ward(bitmap, x0):
-    """Patients' rooms on both sides of a ring of corridors; stairs, the nurses' base and stores in its middle."""
+    """A ward: patients' rooms on both sides of a ring of corridors, with stairs, nurses' base and stores inside it."""
     y0, y1 = BACK_CORRIDOR[1], DEPTH
     pen = Pen(bitmap, (x0, 0))
     pen.rect(0, y0, WARD_WIDTH, y1)
@@ -544,7 +551,7 @@ def ward(bitmap, x0):
             door(room, 2.35, 1.25, INNER + 0.02, i == 4 - 3 * side)
             facade = FACADE if side == 0 else WARD_WIDTH - FACADE
             window(Pen(bitmap, (x0 + facade, y), (0, 1), (-into, 0)), 1.0, 2.2, mullion=False)
-    # The lobby: the way in from the back corridor, an office and a linen store beside it.
+    # The lobby: the entrance from the back corridor, with an office and a linen store next to it.
     middle = WARD_WIDTH / 2
     pen.clear(middle - 1.5, y0 - 0.02, middle + 1.5, y0 + FACADE)
     for side in (-1, 1):
@@ -561,7 +568,7 @@ def ward(bitmap, x0):
         else:
             for k in range(4):
                 room.body(0.1, 1.5 + 1.0 * k, 1.7, 1.9 + 1.0 * k)
-    # The core.
+    # The stairs and lifts inside the ring of corridors.
     left, right = middle - 1.45, middle + 1.45
     pen.rect(left, 32.4, right, 38.6)
     pen.clear(left + PARTITION, 32.4 + PARTITION, right - PARTITION, 38.6)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes perception.json: a floor of 20 x 20 tiles of 0.1 m, of which 136 are black and 264 white, and 20 robots that decide
-together which colour is the more frequent one: the easy case (66 % white) of Valentini, Brambilla, Hamann and Dorigo, Collective
-perception of environmental features in a robot swarm, ANTS 2016.
+"""Writes perception.json: a floor of 20 x 20 tiles of 0.1 m, of which 136 are black and 264 white, and 20 robots that
+decide together which colour is more frequent. This is the easy case (66 % white) of Valentini, Brambilla, Hamann and
+Dorigo, Collective perception of environmental features in a robot swarm, ANTS 2016.
 """
 
 import json

@@ -25,8 +25,8 @@
 namespace troupe::apps {
 namespace {
 
-// Values of FilledStorage, so that results that depend on uninitialised storage differ. Variants are
-// constructed with these bytes in turn; decisions are repeated with the second byte.
+// Bytes with which FilledStorage fills new memory, so that results that depend on uninitialised memory
+// differ. Variants are constructed with the two bytes in turn; decisions are repeated with the second byte.
 constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 
 /// What a variant does with the data of its world that are not part of the state, such as caches and the
@@ -43,8 +43,8 @@ struct Variant {
   Simulation simulation;
   engine::WorldOptions options;
   Memory memory = Memory::kept;
-  std::unique_ptr<engine::World> remade = nullptr;  // replaces the simulation's world
-  bool differs = false;
+  std::unique_ptr<engine::World> remade = nullptr;  // if not null, replaces the simulation's world
+  bool differs = false;                             // from the first variant
 
   engine::World& world() { return remade ? *remade : simulation.world(); }
   void step() {
@@ -63,9 +63,10 @@ std::string variant_name(unsigned ranks, unsigned threads, double tile_size_m) {
                      tile_size_m > 0 ? fmt::format("tiles of {} m", tile_size_m) : "automatic tiles");
 }
 
-/// The check delays messages in any case.
+/// Returns the seed of the delays between ranks: that of --rank-seed, else 1, because `check` always delays.
 std::uint64_t rank_seed_of(const CheckOptions& options) { return options.simulation.rank_seed.value_or(1); }
 
+/// Loads the world once for each variant.
 std::vector<Variant> load(const CheckOptions& options, const engine::Registry& registry) {
   std::vector<Variant> variants;
   SimulationOptions simulation = with_environment(options.simulation);
@@ -120,6 +121,8 @@ class Decisions {
     check_ = std::make_unique<engine::ControllerCheck>(world_, variant.simulation.registry());
   }
 
+  /// Initialises the memory of every controller twice. Returns the differences and the fields that stay unset
+  /// as lines of text. Call it once, before the first step.
   std::vector<std::string> start_twice() { return texts(check_->start_twice()); }
 
   /// Repeats the decisions of the last step. Returns the differences as lines of text. Call it after each
@@ -200,7 +203,8 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
         "-");
 }
 
-/// Names the measures of the world whose values nothing is known about.
+/// Prints a note for each measure of the world that is computed in Python, because the check says nothing
+/// about its values.
 void print_foreign_measures(const Simulation& simulation) {
   const engine::WorldSpec& world = simulation.world().spec();
   std::vector<std::string> kinds;
@@ -211,7 +215,7 @@ void print_foreign_measures(const Simulation& simulation) {
   kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
   for (const std::string& name : kinds)
     if (const auto kind = simulation.registry().find_measure(name); kind && (*kind)->is_foreign)
-      fmt::print("note: {} is a measure in Python, outside the promise of equal bits\n", name);
+      fmt::print("note: {} is a measure in Python, for which Troupe does not guarantee equal bits\n", name);
 }
 
 ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {

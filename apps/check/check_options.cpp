@@ -13,26 +13,29 @@ constexpr const char* k_check_footer = R"(
 Checks that the results of a world depend neither on the number of threads or ranks nor on the size of the tiles, the
 squares of the world that threads process. Runs one variant of the world for each combination of --threads, --tile-size
 and --ranks, all side by side, and compares every component of the state after each tick. Stops at the first tick at
-which a variant differs from the first variant, and prints the component, the robot, the field and both values.
+which a variant differs from the first variant. Prints the component, the robot, the field, the value in the variant and
+the value in the first variant.
 
-With --ranks, each number of ranks is a further variant (docs/cluster.md). The ranks are threads of this process. Their
-messages arrive late and in a shuffled order, and in each tick robots change their ranks at random, both as --rank-seed
-says. After each tick, the data that all ranks compute are compared, too.
+With --ranks, the world also runs on each given number of ranks, which are replicas of the world that divide its robots
+among themselves (docs/cluster.md). The ranks are threads of this process. Their messages arrive late and in a shuffled
+order, and in each tick robots move to other ranks, both at random with the seed --rank-seed (default: 1). After each
+tick, the data that every rank computes are compared between the ranks.
 
 --amnesia adds two variants. In one, all data that are not part of the state are overwritten with junk after each tick
 and computed again. In the other, the world is discarded after each tick and rebuilt from its description and its state,
 as in a resumed run. These variants find data that influence a later tick but are not part of the state.
 
---reach adds a variant in which every device computes one robot at a time, while the bodies beyond the reach that the
-device declares are removed from the world and their state is junk. Of the other bodies, only the state that the device
-declares to read is kept. This variant finds a device that reads further or more than it declares, and an effect that
-changes other bodies than its kind declares. Slow, and only for worlds with "ranging": "exact".
+--reach adds a variant in which every device computes one robot at a time. The kind of a device declares its reach (the
+distance up to which it reads other bodies), the state of other bodies that it reads, and the bodies that it changes.
+While a device computes, bodies beyond its reach are removed from the world and their state is junk; of the nearer
+bodies, only the declared state is kept. This variant finds devices that read or change more than their kind declares.
+It is slow, and only possible for worlds with "ranging": "exact".
 
 --controllers computes every decision of the first variant twice more, from the same readings and memory: once in
-another order, on another thread and in storage filled with junk, and once with a newly constructed controller. The
+another order, on another thread and in memory filled with junk, and once with a newly constructed controller. The
 option finds controllers that call rand(), keep a static variable, read the clock or leave a member uninitialised, and
-prints the field that differs. It waits one second after the first decision, to detect clocks that count seconds.
-docs/determinism.md describes what it cannot detect.
+prints the field that differs. The command waits one second after the first decision, to detect clocks that count
+seconds. docs/determinism.md describes what --controllers cannot detect.
 
 The run ends as in troupe run: at --for S, else at the quit_time of the world.
 
@@ -86,7 +89,7 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
       ->disable_flag_override();
   check
       .add_flag("--reach", options.reach,
-                "Also compare a run in which devices see only bodies and state that they declare to read")
+                "Also compare a run in which devices can read only the bodies and state that they declare")
       ->disable_flag_override();
   check
       .add_flag("--controllers", options.controllers,

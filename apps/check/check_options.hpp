@@ -10,12 +10,12 @@ namespace troupe::apps {
 /// Options of `troupe check`.
 struct CheckOptions : WorldOptions {
   std::vector<unsigned> threads{1, 2, 8};  ///< numbers of threads, each of which is a variant
-  /// Edge lengths of tiles, m; 0: the automatic choice. The default of 1.7 m is less than the range of most
-  /// sensors, so that their beams cross several tiles.
+  /// Edge lengths of tiles, m, each of which is a variant; 0: the automatic choice. The default of 1.7 m is
+  /// less than the range of most sensors, so that their beams cross several tiles.
   std::vector<double> tile_sizes_m{0, 1.7};
   std::vector<unsigned> ranks{1};  ///< numbers of ranks, each of which is a variant
   bool amnesia = false;      ///< also check variants that discard caches or rebuild the world in each tick
-  bool reach = false;        ///< also check a variant that hides bodies beyond the reach of a robot
+  bool reach = false;        ///< also check a variant that hides bodies beyond the reach of a device
   bool controllers = false;  ///< also repeat each decision of the controllers and compare the results
 };
 

@@ -28,7 +28,7 @@ controller. If one log begins later than the other, earlier ticks are not compar
 differ.
 
 Also compares two recordings (troupe run --record), in the ticks and fields that both recordings have. Prints the first
-frame that differs, with the component, the robot, the field, and both values in hexadecimal and decimal.
+frame that differs, with the component, the robot, the field, and the values in B and A, in hexadecimal and decimal.
 
 Two files of different versions, compilers, flags or instruction sets are compared only with --across-domains, and two
 files of different worlds, seeds or options only with --across-runs. Numbers of threads and tile sizes may differ,
@@ -49,8 +49,8 @@ std::string groups_that_differ(const HashLogReader::Line& a, const HashLogReader
   return comma_list(names);
 }
 
-/// Reads lines of a log until `line` is the first one whose tick is at least `tick`. `line` becomes empty if
-/// the log has no such line.
+/// Reads lines of a log into `line` until its tick is at least `tick`. `line` becomes empty if the log has no
+/// such line.
 void skip_to(HashLogReader& log, std::optional<HashLogReader::Line>& line, std::uint64_t tick) {
   while (line && line->tick < tick) line = log.next();
 }
@@ -101,7 +101,7 @@ void add_diff_options(CLI::App& command, DiffOptions& options) {
         ->required();
   };
   add_file("A", options.first, "A hash log or a recording");
-  add_file("B", options.second, "The file to compare it with, of the same kind");
+  add_file("B", options.second, "Another file of the same type as A");
   const auto add_switch = [&command](const char* name, bool& on, const char* help) {
     command.add_flag(name, on, help)->disable_flag_override();
   };

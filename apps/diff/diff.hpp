@@ -14,8 +14,8 @@ namespace troupe::apps {
 struct DiffOptions {
   std::filesystem::path first;
   std::filesystem::path second;
-  bool across_domains = false;  ///< also compare other versions, compilers, flags or instruction sets
-  bool across_runs = false;     ///< also compare other worlds, seeds or options
+  bool across_domains = false;  ///< versions, compilers, flags and instruction sets may differ
+  bool across_runs = false;     ///< worlds, seeds and options may differ
 };
 
 /// Adds the options of `diff`; parsing fills `options`, which must outlive `command`.

@@ -60,14 +60,14 @@ std::string components_of(const std::vector<Pair>& pairs) {
   return names.empty() ? "nothing but hashes" : comma_list(names);
 }
 
-/// The differences of one component in one frame: the body with the lowest index that differs, its first
-/// differing field with both values, and the body of each differing value.
+/// The differences of one component in one frame. `field`, `first` and `second` are the first field that
+/// differs in the body `body`, with its values in the two recordings.
 struct Difference {
   std::string component;
-  std::size_t body = 0;  ///< index in the list of recorded bodies
+  std::size_t body = 0;  ///< lowest index, in the list of recorded bodies, of a body that differs
   std::string field;
   engine::StateValue first, second;
-  std::vector<std::size_t> bodies;
+  std::vector<std::size_t> bodies;  ///< index of the body of each differing value
 };
 
 void compare(const Pair& pair, std::vector<Difference>& found) {
@@ -94,6 +94,7 @@ void compare(const Pair& pair, std::vector<Difference>& found) {
   }
 }
 
+/// Returns the number of different values.
 std::size_t distinct(std::vector<std::size_t> values) {
   std::ranges::sort(values);
   return static_cast<std::size_t>(std::unique(values.begin(), values.end()) - values.begin());
@@ -115,8 +116,8 @@ void print_differences(const RecordingReader& first, std::size_t i, const Record
         hex(second.hashes()[j]), hex(first.hashes()[i]));
 }
 
-/// Returns the recording that ends at least one recording interval before the other one; null if neither
-/// does.
+/// Returns the recording that ends at least one of its recording intervals before the other recording ends;
+/// null if neither does.
 const RecordingReader* shorter(const RecordingReader& first, const RecordingReader& second) {
   const auto ends_before = [](const RecordingReader& a, const RecordingReader& b) {
     return a.ticks().back() + a.every_ticks() <= b.ticks().back();
@@ -151,8 +152,8 @@ ExitCode compare_frames(const RecordingReader& first, const RecordingReader& sec
     ++j;
   }
   if (frames == 0)
-    throw InputError(fmt::format("{}: error: it has no tick in common with {}", second.file().string(),
-                                 first.file().string()));
+    throw InputError(fmt::format("{}: error: the recording has no tick in common with {}",
+                                 second.file().string(), first.file().string()));
   if (const RecordingReader* ended = shorter(first, second)) {
     fmt::print("differs in length: {} ends at tick {}, {} continues; same bits from tick {} until then\n",
                ended->file().string(), ended->ticks().back(),
@@ -177,15 +178,15 @@ ExitCode diff_recordings(const DiffOptions& options) {
   for (const auto& [one, other] :
        {std::pair(options.first, options.second), std::pair(options.second, options.first)})
     if (!is_hdf5(one) && worldio::check_readable(one))
-      throw InputError(fmt::format("{}: error: this is not a recording, but {} is (troupe run --record)",
+      throw InputError(fmt::format("{}: error: not a recording (troupe run --record), but {} is a recording",
                                    one.string(), other.string()));
   try {
     const RecordingReader first(options.first);
     const RecordingReader second(options.second);
     refuse_unlike(header_of(first), header_of(second), options.across_domains, options.across_runs);
     if (!std::ranges::equal(first.ids(), second.ids()))
-      throw InputError(fmt::format("{}: error: its bodies differ from those of {}", second.file().string(),
-                                   first.file().string()));
+      throw InputError(fmt::format("{}: error: the recorded bodies differ from those of {}",
+                                   second.file().string(), first.file().string()));
     return compare_frames(first, second);
   } catch (const worldio::Hdf5Error& error) {
     throw InputError(error.what());

@@ -43,6 +43,7 @@ Examples:
 
 constexpr std::size_t k_start_bytes = 4096;
 
+/// Returns the first bytes of a file, at most k_start_bytes. Throws InputError if it cannot be read.
 std::string start_of(const fs::path& file) {
   if (const Result<> readable = worldio::check_readable(file); !readable)
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
@@ -54,6 +55,7 @@ std::string start_of(const fs::path& file) {
   return start;
 }
 
+/// Returns the content of a file. Throws InputError if the file cannot be read or is too large.
 std::string all_of(const fs::path& file) {
   if (const Result<> readable = worldio::check_readable(file, worldio::k_most_input_bytes); !readable)
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
@@ -64,7 +66,8 @@ std::string all_of(const fs::path& file) {
   return text;
 }
 
-/// Returns the first word of a text in the syntax of Stage worlds, skipping comments; empty if it has none.
+/// Returns the first word of a text in the syntax of Stage worlds, skipping comments; empty if the text
+/// begins with no word.
 std::string first_word(std::string_view text) {
   constexpr std::string_view k_letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
   for (;;) {
@@ -74,6 +77,7 @@ std::string first_word(std::string_view text) {
   }
 }
 
+/// Whether the first word of a file is a keyword, a model or a property of a Stage world.
 bool begins_like_a_stage_world(std::string_view start) {
   if (start.find('\0') != start.npos) return false;
   const std::string word = first_word(start);
@@ -86,7 +90,7 @@ bool begins_like_a_stage_world(std::string_view start) {
 
 bool is_json_world(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
-  // Invalid JSON counts as a world if it has the key "troupe": its reader then reports the error.
+  // Invalid JSON counts as a world if it has the key "troupe": the reader of worlds then reports the error.
   if (json.is_discarded()) return text.find("\"troupe\"") != text.npos;
   return json.is_object() && json.contains("troupe");
 }
@@ -117,7 +121,7 @@ void add_info_options(CLI::App& command, InfoOptions& options) {
   command
       .add_option_function<std::string>(
           "FILE", [&options](const std::string& text) { options.file = text; },
-          "File written or read by Troupe")
+          "File that Troupe has written or can read")
       ->option_text(" ")
       ->required();
   add_plugin_path_option(command, options.plugin_path);

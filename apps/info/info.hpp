@@ -21,7 +21,7 @@ struct InfoOptions {
 void add_info_options(CLI::App& command, InfoOptions& options);
 
 /// `troupe info FILE`: prints the type of a Troupe file, detected from its content, and a summary of it on
-/// standard output. Throws InputError if it is not a Troupe file or cannot be read.
+/// standard output. Throws InputError if the file is not a Troupe file or cannot be read.
 ExitCode info(const InfoOptions& options);
 
 }  // namespace troupe::apps

@@ -27,7 +27,7 @@ Summary summary_of_checkpoint(const std::filesystem::path& file);
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
                          const std::vector<std::filesystem::path>& plugins);
 
-/// Returns a range of ticks and its times as text: "0 to 20, 0 to 2 s".
+/// Returns a range of ticks and the range of their world times, s, as text: "0 to 20, 0 to 2 s".
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s);
 /// Returns a count with its noun `what`: "1 robot", "2 robots".
 std::string counted(std::size_t count, std::string_view what);

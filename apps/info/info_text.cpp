@@ -38,6 +38,7 @@ class Lines {
   }
   std::size_t number() const { return number_; }
   bool cut_off() const { return cut_off_; }
+  /// The value of "complete" in the summary.
   std::string whole_text() const {
     return cut_off_ ? fmt::format("no: cut off in line {}", number_) : k_whole;
   }
@@ -48,7 +49,8 @@ class Lines {
   bool cut_off_ = false;
 };
 
-/// Returns the first `count` cells of a line (fewer if it has fewer), which must have no quotes.
+/// Returns the first `count` cells of a line of a table, or all cells if it has fewer. The cells must have no
+/// quotes.
 std::vector<std::string_view> first_cells(std::string_view line, std::size_t count) {
   std::vector<std::string_view> cells;
   while (cells.size() < count) {
@@ -70,8 +72,8 @@ Span span_of(const fs::path& file, const Lines& lines, const std::vector<std::st
   const auto tick = number<std::uint64_t>(cells[0]);
   const auto time_s = cells.size() > 1 ? finite(cells[1]) : std::nullopt;
   if (!tick || !time_s)
-    throw InputError(fmt::format("{}:{}: error: the line must begin with a tick and a time", file.string(),
-                                 lines.number()));
+    throw InputError(fmt::format("{}:{}: error: the line must begin with a tick and a time in seconds",
+                                 file.string(), lines.number()));
   return {*tick, *time_s};
 }
 

@@ -13,8 +13,8 @@
 namespace troupe::apps {
 namespace {
 
-/// Returns the line of the summary for a type of bodies: the number of its bodies, its drive, devices and
-/// controllers: "2000: diff, ranger ir, expand".
+/// Returns the line of the summary for a type of bodies: the number of bodies, then the kinds of the drive,
+/// the devices (with their names) and the controllers: "2000: diff, ranger ir, expand".
 std::string type_text(const engine::TypeSpec& type, std::size_t bodies) {
   std::vector<std::string> parts;
   if (type.drive) parts.push_back(type.drive->kind);
@@ -99,7 +99,8 @@ Summary summary_of_world(const std::filesystem::path& file, const std::string& t
   if (left_out > 0) summary.emplace_back("  ...", fmt::format("and {}", counted(left_out, "more type")));
   if (!reserves.empty()) summary.emplace_back("in reserve", reserves);
   summary.emplace_back("other models", fmt::format("{}", spec.bodies.size() - 1 - robots - in_reserve));
-  summary.emplace_back("bounds", spec.bounds ? box_text(*spec.bounds) : "none: 100 km in each direction");
+  summary.emplace_back(
+      "bounds", spec.bounds ? box_text(*spec.bounds) : "none: the world reaches 100 km in each direction");
   std::string measures;
   for (const engine::MeasureSpec& measure : spec.measures)
     measures += fmt::format("{}{}{}{}", measures.empty() ? "" : ", ", measure.kind,

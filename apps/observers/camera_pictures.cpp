@@ -28,7 +28,7 @@ namespace {
 
 using Text = std::vector<std::pair<std::string, std::string>>;
 
-/// A camera of a robot. slot: the row of the robot in the state table of the camera.
+/// A camera of a robot. slot: the row of the robot in the table of the camera's readings.
 struct RobotCamera {
   std::string name;  ///< "r0.eye"
   const engine::BodyType::Device* device;
@@ -36,7 +36,7 @@ struct RobotCamera {
   engine::Camera pictures;
 };
 
-/// Returns the cameras that run, in the order of body ids.
+/// Returns the cameras that run in this tick, in the order of body ids.
 std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   std::vector<RobotCamera> cameras;
@@ -53,8 +53,8 @@ std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   return cameras;
 }
 
-/// Returns the camera's name as part of a file name: with `_` for `/`, and with a number appended if `taken`
-/// contains the result, to which it is then added.
+/// Returns the name of a camera in a form for file names: `/` is replaced by `_`, and a number is appended if
+/// `taken` already contains the name. Adds the result to `taken`.
 std::string file_stem(std::string name, std::set<std::string>& taken) {
   std::ranges::replace(name, '/', '_');
   std::string stem = name;
@@ -62,8 +62,8 @@ std::string file_stem(std::string name, std::set<std::string>& taken) {
   return stem;
 }
 
-/// Returns the world time in seconds as text, with enough digits to distinguish ticks, and with leading zeros
-/// so that file names sort by time.
+/// Returns the world time as text, such as "000012.300s", with enough digits to distinguish ticks, and with
+/// leading zeros so that file names sort by time.
 std::string time_of(const Simulation& simulation) {
   const double tick_ms = simulation.tick_s() * 1000;
   const int digits = std::abs(tick_ms - std::round(tick_ms)) < 1e-9 ? 3 : 6;
@@ -99,7 +99,7 @@ void CameraPictures::observe(const Simulation& simulation) {
   std::set<std::string> taken;
   for (const RobotCamera& camera : running_cameras(simulation)) {
     const std::string stem = file_stem(camera.name, taken);
-    if (tick < camera.device->period) continue;  // it has no reading yet
+    if (tick < camera.device->period) continue;  // the camera has no reading yet
     const engine::StateTable& state = simulation.world().percepts(*camera.device);
     const engine::Camera& pictures = camera.pictures;
     const auto color = state.cell<std::uint8_t>(camera.slot, pictures.color);

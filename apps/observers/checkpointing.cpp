@@ -96,7 +96,7 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
   std::vector<fs::path> files(const RunOptions& options) const override {
     const fs::path resumed_from = options.is_checkpoint ? options.world : "";
     check_checkpoint(options.checkpoint, resumed_from, options.force);
-    // The checkpoint is then also an input, and check_outputs() would refuse it.
+    // A checkpoint that replaces the resumed one is also an input; check_outputs() would refuse it.
     if (same_file(options.checkpoint, resumed_from)) return {};
     return {options.checkpoint};
   }

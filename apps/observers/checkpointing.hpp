@@ -12,11 +12,11 @@
 
 namespace troupe::apps {
 
-/// The requests for a checkpoint: SIGUSR1 at any process of the run.
+/// Detects requests of users for a checkpoint: the signal SIGUSR1 to any process of the run.
 class SaveRequests {
  public:
-  /// Whether a request has arrived since the last call that returned true. Requests that arrive within a
-  /// second after that call belong to it, because a launcher passes a signal on to all processes.
+  /// Whether a request has arrived since the last call that returned true. Requests within one second after
+  /// that call are ignored, because a launcher passes a single signal on to all processes.
   bool has_new(const Simulation& simulation);
 
  private:
@@ -24,7 +24,7 @@ class SaveRequests {
   std::optional<std::chrono::steady_clock::time_point> last_;
 };
 
-/// Saves the run in a checkpoint periodically, on SIGUSR1, and when it ends or is stopped.
+/// Saves checkpoints of a run: periodically, on SIGUSR1, and when the run ends or is stopped.
 class Checkpointing : public Observer {
  public:
   /// file: the checkpoint, which each save replaces. every_s: the period in simulated seconds; not given: a
@@ -44,14 +44,14 @@ class Checkpointing : public Observer {
 
   std::filesystem::path file_;
   std::vector<Observer*> others_;
-  std::uint64_t period_ = 0;  // ticks; 0: only at the end
-  std::uint64_t first_tick_;
+  std::uint64_t period_ = 0;            // ticks; 0: only at the end
+  std::uint64_t first_tick_;            // at which the run began or was resumed; needs no checkpoint
   std::optional<std::uint64_t> saved_;  // the tick of the last checkpoint
   SaveRequests requests_;
 };
 
-/// Returns the output that --checkpoint, --checkpoint-every and --wall-limit add to a run. Parsing stores
-/// their values in RunOptions::checkpoint, checkpoint_every_s and wall_limit_s.
+/// Returns the output of --checkpoint and --checkpoint-every, which also adds the option --wall-limit.
+/// Parsing stores the values in RunOptions::checkpoint, checkpoint_every_s and wall_limit_s.
 std::unique_ptr<RunOutput> checkpoint_output();
 
 }  // namespace troupe::apps

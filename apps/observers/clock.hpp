@@ -7,9 +7,9 @@
 
 namespace troupe::apps {
 
-/// Prints the world time on standard error during a run, one line for every tick that is a multiple of
-/// `every_ticks`: the title of the world, the time, and the mean speed since the run began, `arena: 60 s,
-/// 812.4 x real time`.
+/// Prints the progress of a run on standard error, one line for every tick that is a multiple of
+/// `every_ticks`: the title of the world, the world time, and the mean speed since the run began: `arena: 60
+/// s, 812.4 x real time`.
 class ClockLines : public Observer {
  public:
   ClockLines(std::uint64_t every_ticks, const Simulation& simulation);
@@ -19,7 +19,7 @@ class ClockLines : public Observer {
  private:
   using WallClock = std::chrono::steady_clock;
   std::uint64_t every_ticks_;
-  double first_s_;
+  double first_s_;  // world time at which the run began
   WallClock::time_point start_ = WallClock::now();
 };
 

@@ -12,8 +12,8 @@
 namespace troupe::apps {
 namespace {
 
-// Largest number of pictures that wait while one is being drawn. Each waiting picture is a copy of the state,
-// so more would need more memory.
+// Largest number of pictures that wait while another picture is being drawn. Each waiting picture is a copy
+// of the state, so more waiting pictures would need more memory.
 constexpr std::size_t k_most_waiting = 2;
 
 /// Returns the options for the pictures of a film. By default a film whose speed is not real time shows the
@@ -89,7 +89,7 @@ void Filming::observe(const Simulation& simulation) {
 void Filming::observe(const PictureSource& source, double next_s) {
   pictures_.see(source);
   const double now = source.time_s();
-  // A frame between this time and the next is interpolated from the states at both.
+  // A frame between this call and the next call needs the states at both, from which it is interpolated.
   const bool is_needed = due_s() < next_s;
   const Pictures::Shot shot = is_needed ? pictures_.take(source, speed_) : nullptr;
   for (; shot && due_s() <= now; ++frames_) {

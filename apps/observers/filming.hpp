@@ -45,13 +45,13 @@ class Snapshots : public Observer {
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
-  /// Draws the last tick if no times were given. Throws if drawing fails.
+  /// Draws the end of the run if --snapshot-at was not given. Throws if drawing fails.
   void after_summary(const Simulation& simulation) override;
 
  private:
   std::vector<std::pair<std::uint64_t, std::filesystem::path>> due_;  // ticks and files, by tick
   std::filesystem::path first_;                                       // the first of all files
-  std::filesystem::path last_;  // picture of the end of the run; empty: times were given instead
+  std::filesystem::path last_;  // picture of the end of the run; empty: --snapshot-at was given
   std::optional<RunSpeed> speed_;
   Pictures pictures_;
   partition::JobThread thread_;
@@ -80,6 +80,7 @@ class Filming : public Observer {
 
  private:
   void add(Pictures::Shot shot);
+  /// Simulated time of the next frame, s.
   double due_s() const { return begin_s_ + static_cast<double>(frames_) * step_s_; }
 
   std::filesystem::path film_;
@@ -95,7 +96,7 @@ class Filming : public Observer {
   partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// Returns the output that --snapshot, --film and the options for the look of pictures add to a run.
+/// Returns the output of --snapshot and --film, with the options that set how pictures look.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

@@ -13,16 +13,16 @@ namespace troupe::apps {
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;
-  /// A phase begins, or, with std::nullopt, the tick ends.
+  /// Called when a phase begins, or, with std::nullopt, when the tick ends.
   virtual void phase(std::optional<Phase> phase) = 0;
-  /// A task of a parallel loop begins (`begins` is true) or ends (false). It is called on the thread that
-  /// runs the task, so several threads may call it at once. index: index of the task in its loop.
+  /// Called when a task of a parallel loop begins (`begins` is true) or ends (false), on the thread that runs
+  /// the task. Several threads may call it at once. index: index of the task in its loop.
   virtual void task(std::size_t index, bool begins) = 0;
 };
 
 /// Base class of objects that observe a run between ticks, most of which write a file: a log, a recording, a
 /// profile. An observer must not change the state. It throws std::runtime_error, whose text names the file,
-/// for write errors, which end the run.
+/// if writing fails; the run then ends.
 class Observer {
  public:
   Observer() = default;
@@ -42,12 +42,12 @@ class Observer {
   virtual void save_at_least(const Simulation& /*simulation*/) {}
   /// Called after the summary was printed, for slow work that may fail: the summary is then not lost.
   virtual void after_summary(const Simulation& /*simulation*/) {}
-  /// A warning about the file for the user, one line; empty: none.
+  /// Returns a warning for the user about the written file, as one line; empty: none.
   virtual std::string warning() const { return {}; }
-  /// The name of the file and the amount written, as a line for the summary; empty: the summary has no such
-  /// line.
+  /// Returns the name of the written file and the amount written, for the summary; empty: the summary does
+  /// not mention the file.
   virtual std::string result() const { return {}; }
-  /// This object if it needs notifications of phases and tasks, else null.
+  /// Returns this object if it needs notifications of phases and tasks, else null.
   virtual TickWatcher* tick_watcher() { return nullptr; }
 };
 

@@ -9,8 +9,8 @@ namespace {
 
 // Longest time between two calls of is_over(), so that Ctrl-C takes effect soon.
 constexpr std::chrono::milliseconds k_nap{50};
-constexpr std::chrono::seconds k_most_behind{1};
-constexpr double k_longest_s = 1e9;  // fits into a clock's count of nanoseconds
+constexpr std::chrono::seconds k_most_behind{1};  // longest delay that a run catches up
+constexpr double k_longest_s = 1e9;               // as nanoseconds, fits into the 64 bits of a duration
 
 }  // namespace
 

@@ -13,8 +13,8 @@ namespace troupe::apps {
 /// at its rate.
 class Pacer : public Observer {
  public:
-  /// rate: largest speed, in multiples of real time, above 0. is_over: returns true if the run was asked to
-  /// stop; a wait then ends early.
+  /// rate: largest speed, in multiples of real time, above 0. is_over: a function that returns true if the
+  /// run was asked to stop; waiting then ends early.
   Pacer(double rate, std::function<bool()> is_over);
 
   void observe(const Simulation& simulation) override;

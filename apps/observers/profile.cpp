@@ -17,15 +17,16 @@
 namespace troupe::apps {
 namespace {
 
-// The groups of tracks, which the format calls processes.
+// Groups of tracks. The Trace Event Format calls them processes.
 constexpr int k_this_process = 1;
 constexpr int k_ranks = 2;
-constexpr std::size_t k_tick_track = 0;  // the track of ticks; the tracks of workers follow it
+constexpr std::size_t k_tick_track = 0;  // the track of ticks; the tracks of worker threads follow it
 
 double microseconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double, std::micro>(d).count();
 }
 
+/// Returns the size of the memory of this process that is in RAM, bytes.
 std::uint64_t resident_bytes() {
   std::ifstream statm("/proc/self/statm");
   std::uint64_t pages = 0;
@@ -125,8 +126,8 @@ std::string Profile::load(Phase phase) const {
     workers += busy > 0;
   }
   if (!(sum > 0)) return {};
-  // The thread pool may replace a thread by another one within a phase, so more than threads_ may have
-  // worked.
+  // The thread pool may replace a thread by another one within a phase, so more than `threads_` threads may
+  // have run tasks.
   workers = std::max(workers, threads_);
   return fmt::format(",\"imbalance\":{:.3f},\"busy_us\":{:.1f}", most * workers / sum, sum);
 }

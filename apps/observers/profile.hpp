@@ -25,8 +25,8 @@ inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",
 
 /// The ticks that a profile contains, counted from 1, and limits on the size of its file.
 struct ProfileLimits {
-  std::uint64_t first_tick = 1;
-  std::uint64_t last_tick = ~std::uint64_t{0};
+  std::uint64_t first_tick = 1;                 ///< first tick in the profile
+  std::uint64_t last_tick = ~std::uint64_t{0};  ///< last tick in the profile
   /// Largest number of tasks in the file, about 100 bytes each. A tick whose tasks would exceed this number
   /// is written without its tasks.
   std::size_t most_tasks = 1'000'000;
@@ -41,8 +41,9 @@ struct ProfileLimits {
 /// file    valid after each tick: it can be read during the run, and after the program was killed
 /// tasks   the argument of a task is its index in its parallel loop; in the sense phase, tasks are batches of
 ///         neighbouring robots, in the order of the tiles. A phase may run several parallel loops
-/// ranks   each tick shows the times that a rank spent in the phases sense, actuate and decide for its own
-///         robots. The first of them begins when it began on rank 0, because the clocks of processes differ
+/// ranks   in each tick, the track of a rank shows the times that the rank spent in the phases sense, actuate
+///         and decide for its own robots. The phase sense is drawn at the time at which it began on rank 0,
+///         because the clocks of processes differ
 /// load    the argument `imbalance` of a phase is the time that the busiest worker spent in tasks, divided by
 ///         the mean over all workers (1: equal work; the number of threads: one worker did everything). It is
 ///         absent if the phase ran no task
@@ -86,6 +87,7 @@ class Profile : public Observer, public TickWatcher {
   void add_counter(const std::string& name, Clock::time_point at, std::uint64_t value);
   void write_tasks(std::span<const RankWork> ranks);
   void write_rank(std::size_t rank, const RankWork& work);
+  /// Returns the arguments `imbalance` and `busy_us` of a phase as JSON; empty if the phase ran no task.
   std::string load(Phase phase) const;
   /// Writes the pending events over the closing brackets of the file, and then the brackets again, so that
   /// the file is complete.
@@ -99,9 +101,9 @@ class Profile : public Observer, public TickWatcher {
   bool first_event_ = true;
 
   ProfileLimits limits_;
-  std::size_t tasks_left_;
-  std::size_t ticks_left_;
-  std::string left_out_;
+  std::size_t tasks_left_;  // number of tasks that may still be written
+  std::size_t ticks_left_;  // number of ticks that may still be written
+  std::string left_out_;    // what was omitted because of the limits; empty: nothing
 
   Clock::time_point start_ = Clock::now();
   std::uint64_t start_tick_;
@@ -114,7 +116,7 @@ class Profile : public Observer, public TickWatcher {
   PerThread<Track> tracks_;
 };
 
-/// Returns the output that --profile and --profile-ticks add to a run.
+/// Returns the output of --profile and --profile-ticks.
 std::unique_ptr<RunOutput> profile_output();
 
 }  // namespace troupe::apps

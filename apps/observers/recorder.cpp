@@ -15,10 +15,10 @@
 namespace troupe::apps {
 namespace {
 
-constexpr std::chrono::seconds k_flush_period{2};
+constexpr std::chrono::seconds k_flush_period{2};  // of wall time
 
-/// Throws InputError if the recording that a world file names is outside the working folder, because running
-/// a world of unknown origin must not create or (with --force) replace files elsewhere.
+/// Throws InputError if the world file names a recording outside the working folder, because a world file
+/// from an unknown source must not create or (with --force) replace files elsewhere.
 void refuse_outside(const engine::RecordSpec& record, const Simulation& simulation) {
   const std::filesystem::path file = record.file;
   if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;

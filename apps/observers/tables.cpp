@@ -33,20 +33,20 @@ std::string header_of(const Measures& measures) {
 /// 6.6000000000000005 s if ticks are 0.1 s long.
 std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
 
-/// Whether the run was resumed and its table `file` exists, so that the table is continued.
+/// Whether the table `file` is continued: the run was resumed from a checkpoint, and the file exists.
 bool goes_on(const fs::path& file, const Simulation& simulation) {
   std::error_code ignored;
   return simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
 }
 
-/// Returns the key under which a checkpoint stores the data of these measures. Measures with other columns
-/// have another key.
+/// Returns the key under which a checkpoint stores the data that these measures keep between ticks. Measures
+/// with other columns have another key.
 std::string memory_name(const Measures& measures) {
   return fmt::format("measures {}", hex(hash_text(header_of(measures))));
 }
 
-/// Returns `measures`. If the run was resumed, their data from earlier ticks are restored from the
-/// checkpoint. Throws OutputError, which names the table `file`, if the checkpoint does not have these data.
+/// Returns `measures`. If the run was resumed, the data that they keep from earlier ticks are restored from
+/// the checkpoint. Throws OutputError, which names the table `file`, if the checkpoint lacks these data.
 Measures remembering(const fs::path& file, const Simulation& simulation, Measures measures) {
   const auto fail = [&file](std::string_view reason) {
     throw OutputError(fmt::format("{}: error: {}", file.string(), reason));
@@ -116,7 +116,7 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* measures =
         add_value(app, "--measures", "FILE.csv",
-                  "Write a table of measures, one line per simulated second unless --measure-every is given",
+                  "Write a table of measures, by default with one line per simulated second",
                   [this](const std::string& text) { file_ = file_name("--measures", text); });
     add_values(app, "--measure", "NAME[:OF],...",
                "Measures, optionally of a type or population; repeatable (default: the world's, else all)",
@@ -159,7 +159,7 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
 
   fs::path file_;
   std::vector<std::string> names_;  // in the syntax of Measures; empty: those of the world
-  std::optional<double> every_s_;   // not given: the interval of the world
+  std::optional<double> every_s_;   // --measure-every; not given: the interval of the world file
 };
 
 class EventsOutput : public ClonedOutput<EventsOutput> {

@@ -54,15 +54,15 @@ class EventsTable : public Observer {
   CsvFile csv_;
 };
 
-/// The beginnings of the first lines of the two tables, by which `troupe info` detects their type.
+/// The beginnings of the first lines of the two tables, by which `troupe info` detects the type of a file.
 inline constexpr std::string_view k_measures_mark = "tick,time_s,";
 inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
-/// Returns the output that --measures, --measure and --measure-every add to a run.
+/// Returns the output of --measures, --measure and --measure-every.
 std::unique_ptr<RunOutput> measures_output();
-/// Returns the output that --events adds to a run.
+/// Returns the output of --events.
 std::unique_ptr<RunOutput> events_output();
 
 }  // namespace troupe::apps

@@ -25,8 +25,8 @@ namespace {
 constexpr const char* k_no_ffmpeg =
     "ffmpeg is not installed (Debian, Ubuntu: apt install ffmpeg); --film frames/%06d.png writes single "
     "pictures instead";
-constexpr int k_last_open_file = 1023;
-constexpr int k_pipe_bytes = 1 << 20;
+constexpr int k_last_open_file = 1023;  // file descriptors up to this one are closed in ffmpeg's process
+constexpr int k_pipe_bytes = 1 << 20;   // requested capacity of the pipe to ffmpeg
 
 void close_if_open(int& file) {
   if (file >= 0) close(file);

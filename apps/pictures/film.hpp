@@ -13,9 +13,9 @@
 
 namespace troupe::apps {
 
-/// A film that a child process, ffmpeg, encodes from pictures. ffmpeg writes a temporary file in the folder
-/// of the film, which is renamed when the film is complete. The temporary file of an unfinished film is
-/// removed, unless the program is killed by SIGKILL; the next film with the same name then replaces it.
+/// Writes a film, which ffmpeg, a child process, encodes from pictures. ffmpeg writes a temporary file in the
+/// folder of the film, which is renamed when the film is complete. The temporary file of an unfinished film
+/// is removed, unless the program is killed by SIGKILL; the next film with the same name then replaces it.
 class Ffmpeg {
  public:
   /// Starts ffmpeg. film: file to write; width, height: size of the pictures, pixels; fps: pictures per
@@ -47,8 +47,8 @@ class Ffmpeg {
 /// Returns the path of ffmpeg, which is searched in the folders of the environment variable PATH; empty: not
 /// found.
 std::string find_ffmpeg();
-/// Throws OutputError if the requested film cannot be made, for example because ffmpeg is missing. Does
-/// nothing if no film is requested. Writes nothing.
+/// Throws OutputError if the film that `pictures` requests cannot be made, for example because ffmpeg is
+/// missing. Does nothing if no film is requested. Writes nothing.
 void check_film(const PictureFiles& pictures);
 
 }  // namespace troupe::apps

@@ -17,8 +17,8 @@ namespace {
 
 // Largest width and height, pixels, of a picture that OSMesa can draw.
 constexpr int k_max_pixels = 16384;
-constexpr double k_farthest_m = 1e6;
-constexpr double k_least_fps = 0.001;  // ffmpeg accepts no rate below 1e-6
+constexpr double k_farthest_m = 1e6;   // largest coordinate and width that options accept
+constexpr double k_least_fps = 0.001;  // ffmpeg accepts no frame rate below 1e-6
 constexpr double k_most_fps = 1000;
 constexpr double k_least_speed = 0.001;  // at lower speeds films become days long
 constexpr double k_most_speed = 1e6;
@@ -54,7 +54,7 @@ void set_center(PictureOptions& look, const std::string& text) {
   const auto center = two_numbers(text, false);
   if (!center || std::max(std::abs((*center)[0]), std::abs((*center)[1])) > k_farthest_m)
     refuse("--center", text,
-           fmt::format("x and y in metres, at most {:g}, as in --center 2.5,-4", k_farthest_m));
+           fmt::format("x and y in metres, from -{0:g} to {0:g}, as in --center 2.5,-4", k_farthest_m));
   look.center_m = center;
 }
 
@@ -157,7 +157,7 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--size", "WxH", "Size of pictures in pixels (default: 1280x720)",
             [&look](const std::string& text) { set_picture_size(look, text); });
   add_value(app, "--camera", "C",
-            "top (default), fit, perspective, follow:all, follow:NAME, or window (as in the world file)",
+            "top (default), fit, perspective, follow:all, follow:NAME or window; see below",
             [&look](const std::string& text) {
               look.camera = text;
               if (const Result<> known = check_camera(text); !known)
@@ -169,7 +169,8 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--angle", "PITCH[,YAW]",
             "View angles in degrees: pitch 0 (straight down) to 90 (level), yaw counter-clockwise",
             [&look](const std::string& text) { set_angle(look, text); });
-  add_value(app, "--across", "M", "Width of the region that the picture shows, measured at its centre, m",
+  add_value(app, "--across", "M",
+            "Width of the region that the picture shows, measured at the centre of the picture, m",
             [&look](const std::string& text) {
               look.across_m = number_within("--across", text, k_farthest_m, "a length in metres");
             });
@@ -186,7 +187,7 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
               if (const Result<> known = check_background(text); !known)
                 throw CLI::ValidationError("--background", known.error().text);
             });
-  add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a value of the state",
+  add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a field of the state",
             [&look](const std::string& text) { look.color_by = text; });
   add_value(app, "--color-range", "LOW,HIGH",
             "Values at the ends of the colour scale (default: smallest and largest of each picture)",

@@ -15,10 +15,10 @@ namespace troupe::apps {
 /// The pictures and the film that a run writes.
 struct PictureFiles {
   std::filesystem::path snapshot;     ///< picture file, which may contain {time}; empty: none
-  std::vector<double> snapshot_at_s;  ///< world times, s; empty: at the end
+  std::vector<double> snapshot_at_s;  ///< simulated times of the pictures, s; empty: only the end of the run
   std::filesystem::path film;         ///< film file, or picture files with `%06d`; empty: none
-  double fps = 30;                    ///< frames per second of film
-  double film_speed = 1;              ///< simulated seconds per second of film
+  double fps = 30;                    ///< frames per second of the film
+  double film_speed = 1;              ///< simulated seconds per second of the film
   PictureOptions look;                ///< how all pictures and frames are drawn
 };
 
@@ -29,14 +29,14 @@ std::vector<std::filesystem::path> snapshot_files(const PictureFiles& pictures);
 /// Whether a film with this name is written as one PNG file per frame: the name contains `%06d` and ends in
 /// `.png`.
 bool is_frames(const std::filesystem::path& film);
-/// Returns the file of a frame of such a film. Frames are counted from 0.
+/// Returns the file of a frame of a film for which is_frames() is true. Frames are counted from 0.
 std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame);
 
 /// Adds --snapshot, --snapshot-at, --film and the options of add_look_options(); `pictures` must outlive
 /// `app`. Parsing throws CLI::ParseError for invalid values.
 void add_picture_options(CLI::App& app, PictureFiles& pictures);
 
-// Parts of add_picture_options() for other commands that draw, in which options may have other names.
+// Parts of add_picture_options(), for commands whose options for pictures have other names, such as --output.
 
 /// Adds the options that set how pictures look: --size, --camera, --layers, ... Parsing fills `look`, which
 /// must outlive `app`.

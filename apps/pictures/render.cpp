@@ -34,16 +34,16 @@ namespace {
 
 constexpr const char* k_render_footer = R"(
 Draws a world, a checkpoint or a recording. By default, a world is drawn at its start, a checkpoint at the time at which
-it was saved, and a recording at its end. --at draws other times: a world is run and a checkpoint is resumed until then;
-of a recording, the last frame at or before the time is drawn. For worlds and checkpoints, --for S has the effect of
---at S, and a film (--film) ends at S. A recording needs no other file, but its pictures show only recorded fields
-(troupe run --record-fields): the layer scans needs the field ranges, and outlines of stalled robots need the field
-stall.
+it was saved, and a recording at its end. --at draws other times: a world is run, or a checkpoint resumed, until these
+times; of a recording, the last frame at or before each time is drawn. For worlds and checkpoints, --for S has the
+effect of --at S, and a film (--film) ends at S. A recording needs no other file, but its pictures show only recorded
+fields (troupe run --record-fields): the layer scans needs the field ranges, and outlines of stalled robots need the
+field stall.
 )";
 
 constexpr const char* k_examples = R"(
-Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM; all
-files that were written until then are complete.
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM; the
+files that exist then are complete.
 
 Examples:
   troupe render worlds/cave-simple.json -o cave.png --camera perspective
@@ -52,9 +52,9 @@ Examples:
   troupe render day.h5 --film day.mp4 --film-speed 60 --layers trails
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
-/// Draws one picture for each time of the option --at, in order, or a single picture if no time is given.
-/// take_at(time) returns the state at a time, s; NaN: no time is given. After Ctrl-C or SIGTERM the remaining
-/// pictures are not drawn.
+/// Draws one picture for each time of the option --at, in order, or a single picture if --at is not given.
+/// take_at(time) returns the state at a simulated time, s; the time is NaN if --at is not given. After Ctrl-C
+/// or SIGTERM the remaining pictures are not drawn.
 template <class TakeAt>
 void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
   const std::vector<fs::path> files = snapshot_files(options.pictures);
@@ -66,8 +66,8 @@ void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_a
   }
 }
 
-/// Steps to the simulated time `time_s`, s, or until Ctrl-C or SIGTERM arrives. Calls after_each() after each
-/// step.
+/// Steps the simulation until the simulated time `time_s`, s, or until Ctrl-C or SIGTERM arrives. Calls
+/// after_each() after each step.
 void run_until(Simulation& simulation, double time_s, Progress& progress,
                const std::function<void()>& after_each) {
   while (simulation.tick() < engine::ticks_until(time_s, simulation.tick_s()) && !stop_requested()) {
@@ -118,8 +118,9 @@ void see_history(RecordedRun& run, Pictures& pictures) {
   }
 }
 
-/// Throws InputError for the layer "speed": a recording does not contain the speed of its run. A film of a
-/// recording shows its own speed.
+/// Throws InputError if the layer "speed" is requested for a recording, which does not contain the speed of
+/// its run. (In films whose --film-speed is not 1, Filming adds the layer, which then shows the film's
+/// speed.)
 void refuse_speed(const RenderOptions& options) {
   const std::string list = "," + options.pictures.look.layers + ",";
   if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;
@@ -165,8 +166,8 @@ void refuse_given(const RenderOptions& options, std::span<const std::string_view
                   std::string_view what) {
   for (const std::string& option : options.given)
     if (std::ranges::find(allowed, option) == allowed.end())
-      throw InputError(fmt::format("{}: error: {} is only for worlds, and this is a {}",
-                                   options.world.string(), option, what));
+      throw InputError(
+          fmt::format("{}: error: {} cannot be used with a {}", options.world.string(), option, what));
 }
 
 Simulation load(const RenderOptions& options, bool is_checkpoint) {

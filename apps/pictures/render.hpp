@@ -15,14 +15,14 @@ namespace troupe::apps {
 
 /// Options of `troupe render`.
 struct RenderOptions : WorldOptions {
-  PictureFiles pictures;           ///< pictures of `world`: a world, a checkpoint or a recording
-  std::vector<std::string> given;  ///< names of the given options that apply only to running a world
+  PictureFiles pictures;  ///< pictures of the file `world`, which is a world, a checkpoint or a recording
+  std::vector<std::string> given;  ///< names of the given options that not all types of input allow
 };
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.
 void add_render_options(CLI::App& command, RenderOptions& options);
-/// `troupe render`: draws pictures of a world, a checkpoint or a recording, and makes a film of it, as the
-/// options request.
+/// `troupe render`: draws the requested pictures of a world, a checkpoint or a recording, and makes the
+/// requested film.
 ExitCode render_pictures(const RenderOptions& options);
 
 }  // namespace troupe::apps

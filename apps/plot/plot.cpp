@@ -43,12 +43,13 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
   command.footer(k_plot_footer);
   command
       .add_option_function<std::string>(
-          "DIR", [&options](const std::string& text) { options.folder = text; }, "Folder of a sweep")
+          "DIR", [&options](const std::string& text) { options.folder = text; },
+          "Folder with the results of troupe sweep")
       ->option_text(" ")
       ->required();
   add_text(command, "--measure", "NAME", "Measure to plot (default: the first)", options.measure);
   add_text(command, "--by", "NAME,...",
-           "Parameters with one line per combination of their values (default: those that vary)", options.by);
+           "Parameters: one line per combination of their values (default: those that vary)", options.by);
   add_text(command, "--title", "TEXT", "Title above the plot", options.title);
   add_value(command, "-o,--out", "FILE", "Output, a .png, .svg or .pdf (default: DIR/MEASURE.png)",
             [&options](const std::string& text) { options.out = file_name("--out", text); });

@@ -11,13 +11,13 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe plot`. Options that are empty have the defaults of python/troupe/plot.py.
+/// Options of `troupe plot`. Empty options are not passed to python/troupe/plot.py, which has defaults.
 struct PlotOptions {
-  std::filesystem::path folder;
-  std::string measure;
-  std::string by;
-  std::string title;
-  std::filesystem::path out;
+  std::filesystem::path folder;  ///< folder with the results of a sweep
+  std::string measure;           ///< name of the measure
+  std::string by;                ///< names of parameters, separated by commas
+  std::string title;             ///< title above the plot
+  std::filesystem::path out;     ///< picture to write
 };
 
 /// Adds the options of `plot`; parsing fills `options`, which must outlive `command`.

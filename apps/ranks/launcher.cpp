@@ -16,14 +16,16 @@ std::optional<unsigned> number_in(const char* variable) {
   return text == nullptr ? std::nullopt : number<unsigned>(text);
 }
 
-/// The environment variables of a launcher: the number of a process, and the number of processes.
+/// A launcher and the environment variables that it sets: `rank` contains the number of the process, `ranks`
+/// the number of processes. name, mpi: as in Launcher.
 struct Variables {
   const char* rank;
   const char* ranks;
   const char* name;
   const char* mpi;
 };
-// Slurm's own variables are also set in a batch script, which no launcher started. Those of its step are not.
+// Slurm's variables for a job (SLURM_NTASKS) are not used, because they are also set in a batch script, which
+// no launcher started. Its variables for a job step are not set there.
 constexpr std::array<Variables, 4> k_variables{{
     {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "mpirun of Open MPI", "openmpi"},
     {"PMIX_RANK", "SLURM_STEP_NUM_TASKS", "srun --mpi=pmix", "openmpi"},
@@ -42,7 +44,7 @@ std::optional<Launcher> find_launcher() {
   if (const auto tasks = number_in("SLURM_STEP_NUM_TASKS"); tasks && *tasks > 1)
     throw InputError(
         fmt::format("troupe: error: srun started {} processes, but not for MPI: give srun the option "
-                    "--mpi=pmix (srun --mpi=list shows which it has), or -n 1",
+                    "--mpi=pmix (srun --mpi=list shows the available values), or -n 1",
                     *tasks));
   return {};
 }

@@ -7,14 +7,15 @@ namespace troupe::apps {
 
 /// A program such as mpirun that started this process as one of several.
 struct Launcher {
-  std::string name;    ///< for errors: "mpirun of Open MPI"
-  unsigned rank = 0;   ///< number of this process
+  std::string name;    ///< name for error messages: "mpirun of Open MPI"
+  unsigned rank = 0;   ///< number of this process, from 0
   unsigned ranks = 1;  ///< number of processes
-  std::string mpi;     ///< the MPI that the launcher belongs to: "openmpi" or "mpich"
+  std::string mpi;     ///< the MPI implementation that the launcher belongs to: "openmpi" or "mpich"
 };
 
-/// Returns the launcher of this process, as its environment says; std::nullopt if there is none. Throws
-/// InputError if Slurm's srun started several processes that cannot find one another.
+/// Returns the launcher that started this process, which is detected from environment variables; std::nullopt
+/// if there is none. Throws InputError if Slurm's srun started several processes without MPI, which therefore
+/// cannot connect.
 std::optional<Launcher> find_launcher();
 
 }  // namespace troupe::apps

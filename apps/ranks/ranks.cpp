@@ -66,8 +66,8 @@ std::unique_ptr<MpiTransport> connect(const Launcher& launcher) {
   }
   if (transport->ranks() != launcher.ranks)
     throw InputError(fmt::format(
-        "troupe: error: {} started {} processes, but {} ({}) finds {}: it belongs to another MPI; set "
-        "TROUPE_MPI to a module of the MPI of the launcher",
+        "troupe: error: {} started {} processes, but {} ({}) finds {}: this module belongs to another "
+        "MPI; set TROUPE_MPI to a module that was built with the MPI of the launcher",
         launcher.name, launcher.ranks, module.string(), transport->library(), transport->ranks()));
   return transport;
 }
@@ -91,8 +91,8 @@ std::shared_ptr<const Message> letter_of(MessageWriter message) {
   return std::make_shared<const Message>(message.take());
 }
 
-/// Compares the program and its arguments on all ranks. Throws InputError on all of them if they differ.
-/// Returns the hosts of the ranks.
+/// Compares the version of the program and its arguments on all ranks. Throws InputError on all ranks if they
+/// differ. Returns the host names of the ranks, by rank.
 std::vector<std::string> meet(MpiTransport& transport) {
   std::vector<std::string> hosts{host()};
   const std::string version = version_line();
@@ -140,13 +140,15 @@ std::vector<std::string> meet(MpiTransport& transport) {
   return hosts;
 }
 
+/// Returns the number of different hosts.
 unsigned nodes_of(std::vector<std::string> hosts) {
   std::ranges::sort(hosts);
   return static_cast<unsigned>(std::unique(hosts.begin(), hosts.end()) - hosts.begin());
 }
 
-/// Number of worker threads of this rank, unless the user gave one: that of Slurm, or the processors to which
-/// the launcher has bound this process, or its part of all processors of the host.
+/// Returns the default number of worker threads of this rank: SLURM_CPUS_PER_TASK if it is set, else the
+/// number of processors to which the launcher has bound this process, else an equal part of all processors of
+/// the host.
 unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
   if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
     if (const auto cpus = number<unsigned>(slurm); cpus && *cpus > 0) return *cpus;
@@ -156,8 +158,8 @@ unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
   if (rank == 0 && allowed == 1 && all > here)
     fmt::print(
         stderr,
-        "troupe: warning: each rank may use 1 of the {} processors of {}: for threads within a rank, give "
-        "mpirun the option --bind-to none\n",
+        "troupe: warning: each rank may use 1 of the {} processors of {}: for several threads per rank, "
+        "give mpirun the option --bind-to none\n",
         all, hosts[rank]);
   return allowed < all ? allowed : std::max(1u, all / here);
 }
@@ -167,7 +169,8 @@ void ignore_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGUSR2, SIGHUP}) std::signal(signal, SIG_IGN);
 }
 
-/// Connects this process with the others, and calls work() with the transport and the hosts of the ranks.
+/// Connects this process with the other processes of the launcher. Then calls work() with the transport and
+/// the host names of the ranks, and returns its result.
 ExitCode with_others(const Launcher& launcher,
                      const std::function<ExitCode(MpiTransport&, const std::vector<std::string>&)>& work) {
   const std::unique_ptr<MpiTransport> transport = connect(launcher);
@@ -176,7 +179,7 @@ ExitCode with_others(const Launcher& launcher,
   ExitCode code = k_finished;
   try {
     code = work(*transport, hosts);
-  } catch (const InputError&) {  // of rank 0, which has ended the others
+  } catch (const InputError&) {  // thrown on rank 0, which has already ended the other ranks
     transport->finish();
     throw;
   }
@@ -201,15 +204,15 @@ ExitCode on_processes(MpiTransport& transport, const std::vector<std::string>& h
   return run(simulation);
 }
 
-/// Ends this process without waiting for threads or other ranks.
+/// Prints an error and ends this process without waiting for threads or other ranks.
 [[noreturn]] void end_at_once(const Launcher& launcher, std::string_view error) {
   fmt::print(stderr, "troupe: error: rank {} on {}: {}\n", launcher.rank, host(), error);
   std::fflush(nullptr);
   _exit(k_failed);
 }
 
-/// Prints an error that all ranks have: rank 0 prints it, and the others give it the time. A launcher ends
-/// all processes as soon as one of them has ended with an error.
+/// Prints an error that occurs on all ranks. Only rank 0 prints it. The other ranks wait for two seconds,
+/// because a launcher ends all processes, also rank 0, as soon as one of them has ended with an error.
 void print_common_error(unsigned rank, std::string_view text) {
   if (rank == 0)
     fmt::print(stderr, "{}", text);
@@ -217,17 +220,18 @@ void print_common_error(unsigned rank, std::string_view text) {
     std::this_thread::sleep_for(std::chrono::seconds(2));
 }
 
-/// Calls work() and reports its errors.
+/// Calls work(), prints its errors and returns the exit code. Errors other than InputError end the process.
 ExitCode reported(const Launcher& launcher, const std::function<ExitCode()>& work) {
   try {
     return work();
-  } catch (const InputError& error) {  // all ranks have the same one
+  } catch (const InputError& error) {  // the same error on all ranks
     print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const std::exception& error) {
     end_at_once(launcher, error.what());
   } catch (...) {
-    end_at_once(launcher, "an exception that is not a std::exception; plug-ins may throw such");
+    end_at_once(launcher,
+                "unknown exception (not derived from std::exception); a plug-in may have thrown it");
   }
 }
 
@@ -276,7 +280,7 @@ RankDeal::~RankDeal() {
 
 void RankDeal::share(Message message) {
   has_shared_ = true;
-  message.push_back(std::byte{0});  // an empty message says that there is none
+  message.push_back(std::byte{0});  // because an empty message means that share() was not called
   if (transport_ != nullptr) transport_->send_to_all(std::make_shared<const Message>(std::move(message)));
 }
 
@@ -304,7 +308,7 @@ bool is_refused_on_ranks(std::string_view command) {
   print_common_error(
       launcher->rank,
       fmt::format(
-          "troupe {}: error: {} started {} processes, but this command runs in one: start it without the "
+          "troupe {}: error: {} started {} processes, but this command uses only one: start it without the "
           "launcher; the commands run, resume, check and sweep use all processes\n",
           command, launcher->name, launcher->ranks));
   return true;

@@ -12,33 +12,35 @@
 namespace troupe::apps {
 
 /// Runs a command on all processes that a launcher such as mpirun has started (docs/cluster.md). Rank 0 calls
-/// run() with options that contain the other processes; these only compute their ranks of its worlds.
+/// run() with options that refer to the other processes (SimulationOptions::processes). The other processes
+/// only compute their parts of the worlds that rank 0 loads.
 /// Without a launcher, or with a single process, calls run(options). If an error concerns all processes, only
 /// rank 0 prints it. If this process fails, it prints the error and ends at once, because other processes may
 /// wait for it.
 ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
-/// The processes of a command that makes independent runs, each process some of them. All processes must call
-/// the functions in the same order.
+/// Divides independent runs, such as those of a sweep, among the processes of a launcher. All processes must
+/// call the functions in the same order.
 class RankDeal {
  public:
-  /// transport: to the other processes; null: this process is the only one
+  /// transport: the connection to the other processes; null: this process is the only one
   explicit RankDeal(partition::Transport* transport = nullptr) : transport_(transport) {}
-  /// On rank 0: tells the others if share() was not called.
+  /// On rank 0: if share() was not called, tells the other ranks, whose shared() then returns std::nullopt.
   ~RankDeal();
   RankDeal(const RankDeal&) = delete;
   RankDeal& operator=(const RankDeal&) = delete;
 
   unsigned rank() const;
   unsigned ranks() const;
-  /// On rank 0: sends a message to all other ranks; they may now begin. Called once.
+  /// On rank 0: sends a message to all other ranks, whose shared() returns it. Call it once.
   void share(partition::Message message);
-  /// On the other ranks: waits for the message of rank 0 and returns it. std::nullopt if rank 0 has ended
-  /// without one.
+  /// On the other ranks: waits for the message that rank 0 passes to share(), and returns it. Returns
+  /// std::nullopt if rank 0 has ended without share().
   std::optional<partition::Message> shared();
-  bool has_shared() const { return has_shared_; }  ///< whether all ranks have begun
-  /// Returns the messages of all ranks on rank 0, and nothing on the others.
+  bool has_shared() const { return has_shared_; }  ///< whether share() was called or shared() got a message
+  /// Sends `own` to rank 0. On rank 0, waits for the messages of all ranks and returns them, by rank; on
+  /// other ranks, returns nothing.
   std::vector<partition::Message> gather(partition::Message own) const;
 
  private:
@@ -50,11 +52,11 @@ class RankDeal {
 /// as in on_ranks().
 ExitCode on_each_rank(const std::function<ExitCode(RankDeal& deal)>& run);
 
-/// Whether a launcher started several processes; for commands that run in one process. Rank 0 then prints an
-/// error. command: its name, for the error.
+/// For commands that run in one process: whether a launcher started several processes. If it did, rank 0
+/// prints an error. command: name of the command, for the error.
 bool is_refused_on_ranks(std::string_view command);
 
-/// Prints an error that all processes of a launcher have, such as one of usage, once.
+/// Prints an error that occurs on all processes of a launcher, such as wrong usage. Only rank 0 prints it.
 void print_common_error(std::string_view text);
 
 }  // namespace troupe::apps

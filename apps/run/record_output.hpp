@@ -4,8 +4,8 @@
 
 namespace troupe::apps {
 
-/// Returns the output that --record, --record-every and --record-fields add to a run. Parsing stores their
-/// values in RunOptions::record and RunOptions::recording, with which make_recorder() opens the recording.
+/// Returns the output of --record, --record-every and --record-fields. Parsing stores the values of these
+/// options in RunOptions::record and RunOptions::recording, with which make_recorder() opens the recording.
 std::unique_ptr<RunOutput> record_output();
 
 }  // namespace troupe::apps

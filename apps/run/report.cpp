@@ -12,6 +12,7 @@
 namespace troupe::apps {
 namespace {
 
+/// Returns a / b, or 0 if b is not positive.
 double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
@@ -140,7 +141,7 @@ std::string summary_json(const Report& report) {
   json["velocity_hash"] = hash_text(report.hashes.velocity);
   json["sensor_hash"] = hash_text(report.hashes.sensor);
   json["memory_hash"] = hash_text(report.hashes.memory);
-  // Options that are numbers or truth values have this type in JSON as well: a seed is a number, not a text.
+  // Option values that are numbers or truth values keep this type in JSON: a seed is a number, not a string.
   for (const auto& [key, value] : report.options) {
     if (json.contains(key)) continue;
     const auto parsed = nlohmann::ordered_json::parse(value, nullptr, false);

@@ -14,26 +14,26 @@ namespace troupe::apps {
 struct Report {
   std::string world;             ///< name of the world file
   std::string title;             ///< title of the world
-  Statistics statistics;         ///< at the end of the run
+  Statistics statistics;         ///< of the state at the end of the run; counts since tick 0
   Simulation::Hashes hashes;     ///< of the state at the end of the run
-  std::uint64_t first_tick = 0;  ///< tick at which the run began or was resumed; counters are since tick 0
-  double tick_s = 0;
-  double end_s = 0;        ///< requested end, world time, s
-  bool stopped = false;    ///< stopped before end_s by a signal or --wall-limit
-  std::string stopped_by;  ///< the condition of the world's `stop_when` that ended the run; empty: none
-  unsigned threads = 0;    ///< per rank
-  RankStatistics ranks;    ///< of the ticks of this run
-  double load_s = 0;       ///< wall time of loading
-  double wall_s = 0;       ///< wall time of all ticks, including the observers (hash log, ...)
-  double rate = 0;         ///< limit of the speed, times real time; 0: no limit
-  double waited_s = 0;     ///< part of wall_s spent waiting because of `rate`
+  std::uint64_t first_tick = 0;  ///< tick at which the run began or was resumed
+  double tick_s = 0;             ///< length of a tick, s
+  double end_s = 0;              ///< requested end, world time, s
+  bool stopped = false;          ///< stopped before end_s by a signal or --wall-limit
+  std::string stopped_by;        ///< the condition of the world's `stop_when` that ended the run; empty: none
+  unsigned threads = 0;          ///< worker threads per rank
+  RankStatistics ranks;          ///< messages and waiting of the ranks during this run
+  double load_s = 0;             ///< wall time of loading the world, s
+  double wall_s = 0;             ///< wall time of all ticks, including the observers (hash log, ...), s
+  double rate = 0;               ///< limit of the speed, times real time; 0: no limit
+  double waited_s = 0;           ///< part of wall_s that was spent waiting because of `rate`, s
   /// Part of wall_s that each phase took, s. The rest was spent waiting and in observers.
   std::array<double, k_phases> phase_s{};
-  double serial_share = 0;  ///< fraction of the ticks' time outside parallel loops, 0 to 1 (LoadClock)
-  double imbalance = 0;     ///< how unevenly threads were loaded, 1: evenly (LoadClock::imbalance())
+  double serial_share = 0;  ///< fraction of the time of ticks outside parallel loops, 0 to 1 (LoadClock)
+  double imbalance = 0;     ///< how unevenly the threads were loaded; 1: evenly (LoadClock::imbalance())
   std::uint64_t peak_rss_bytes = 0;  ///< largest resident memory of the process, bytes
   std::string checkpoint;            ///< file with the last state; empty: none
-  std::vector<std::pair<std::string, std::string>> options;  ///< effective options
+  std::vector<std::pair<std::string, std::string>> options;  ///< effective options: names and values
 
   // The following ratios are 0 if their denominator is 0: no ticks, no robots, no measurable time.
   double times_real_time() const;    ///< simulated time of this run divided by wall_s

@@ -51,9 +51,8 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
   return each;
 }
 
-/// Checks, as check_outputs() does, that the outputs of all worlds can be written and are neither inputs nor
-/// the same file. It is called before loading, and again after loading, because a world file may name a
-/// recording.
+/// Calls check_outputs() for the inputs and outputs of all worlds. It is called before loading, and again
+/// after loading, because a world file may name a recording.
 void check_files(const std::vector<RunOptions>& each) {
   std::vector<Input> inputs;
   std::vector<fs::path> outputs;
@@ -80,8 +79,8 @@ Runs load(const std::vector<RunOptions>& each) {
   return runs;
 }
 
-/// Returns the world whose next tick ends first, because tick lengths may differ between worlds. Null if all
-/// worlds have reached their ends.
+/// Returns the world whose next tick ends first in simulated time; tick lengths may differ between worlds.
+/// Null if all worlds have reached their ends.
 WorldRun* next_of(const Runs& runs) {
   WorldRun* next = nullptr;
   for (const auto& run : runs)
@@ -108,7 +107,8 @@ void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool sh
 ExitCode run_checked(const RunOptions& options) {
   const auto start = Clock::now();
   if (options.view && (options.worlds.size() > 1 || !options.session.empty()))
-    throw InputError("--view: error: shows the run of one world, and not together with --session");
+    throw InputError(
+        "--view: error: --view shows the run of one world, and cannot be combined with --session");
   count_save_requests();
   std::vector<RunOptions> each = one_for_each_world(options);
   check_files(each);
@@ -129,7 +129,7 @@ ExitCode run_checked(const RunOptions& options) {
     const bool tells_time = std::ranges::any_of(runs, [](const auto& run) { return run->tells_time(); });
     step_to_end(runs, is_over, !options.quiet && !tells_time);
   } catch (...) {
-    // A failing output ends the run, but the state is still saved.
+    // An output that fails ends the run, but the checkpoint is still saved.
     for (const auto& run : runs) run->save_at_least();
     throw;
   }

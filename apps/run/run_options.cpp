@@ -19,36 +19,38 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_run_footer = R"(
-End: --for S is a world time in seconds, counted from tick 0. It overrides the quit_time of the world; one of the two
-must be given. The run ends with the first tick whose time is S or later.
+End: --for S is a simulated time (world time) in seconds, counted from tick 0. It overrides the quit_time of the world;
+one of the two must be given. The run ends with the first tick whose time is S or later.
 
---session repeats a session of troupe view: the acts of its user (moving, removing or steering robots) are applied at
-the same ticks as in the session. Without --for the run ends at the tick at which the session ended. The program exits
-with an error if the first line of the session describes another run, or if an act is not possible.
+--session repeats a session of troupe view: the actions of its users (moving, removing or steering robots) are applied
+at the same ticks as in the session. Without --for the run ends at the tick at which the session ended. The program
+exits with an error if the first line of the session file describes another world, seed or other options than those of
+this run, or if an action is not possible.
 
---view prints the address of a page that shows the run and lets its user pause and change it, as troupe view does. The
-acts are written to a session file in the working folder.
+--view prints the address of a web page in which users can watch, pause and change the run, as with troupe view. Their
+actions are written to a session file in the working folder.
 
 Several worlds run side by side, each to its own end, and do not interact. All worlds are loaded before the first tick.
-Then, again and again, the world with the earliest simulated time makes its next tick. With several worlds, the names
-of outputs must contain {world}, which is replaced by the name of the world: --hash-log {world}.log. A summary is
-printed for each world; with --json, each summary is one line.
+The world with the earliest simulated time always makes the next tick. With several worlds, the names of outputs must
+contain {world}, which is replaced by the name of the world: --hash-log {world}.log. A summary is printed for each
+world; with --json, each summary is one line.
 
 A run is as fast as possible by default. --rate 1 limits it to real time, and --rate world to the speed that the world
 file sets (rate in JSON, speedup in Stage's syntax).
 
-Whether outputs can be written is checked before the first tick. Errors and warnings name the file and the line, as in
-maze.world:41: error: ...
+Before the first tick, the program checks that all outputs can be written. Errors and warnings name the file and the
+line, as in maze.world:41: error: ...
 Results depend only on the world, --seed, --raytracer, --robots, --spare, --session and --set. They do not depend on
 --threads, --ranks, --tile-size or --simd.
 
-With --ranks N, this process computes N replicas of the world on threads of their own, which exchange messages. It is
-for testing a world before it runs on several processes (docs/cluster.md); on one computer, --threads is faster.
+With --ranks N, this process runs N ranks, each on threads of its own. A rank is a replica of the world that computes a
+part of the robots and exchanges messages with the other ranks. --ranks is for testing a world before it runs on several
+processes (docs/cluster.md); on one computer, --threads is faster.
 
 A checkpoint contains the state and the world. troupe resume needs no other file and continues with the same bits as an
-uninterrupted run. Each checkpoint is written to a temporary file that then replaces the previous one, so a valid
-checkpoint exists even if the program is killed at any time. If the file exists before the run, --force is required.
-On SIGUSR1 (kill -USR1), a run with --checkpoint saves it after the current tick and goes on.
+uninterrupted run. Each checkpoint is written to a temporary file that then replaces the previous checkpoint, so a valid
+checkpoint exists even if the program is killed at any time. If the checkpoint file exists before the run, --force is
+required. On SIGUSR1 (kill -USR1), a run with --checkpoint saves the checkpoint after the current tick and goes on.
 
 Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or
 --wall-limit: the current tick was finished, and the summary and all files, including the checkpoint, were written.
@@ -70,19 +72,21 @@ Examples:
   troupe run worlds/minimal.world --for 60 --rate 1 --clock
   troupe run worlds/minimal.world worlds/crowd.json --for 10 --hash-log {world}.log)";
 
+/// Returns the text below the options of `resume`, in which the list k_changeable is broken into lines.
 std::string resume_footer() {
   std::string changeable(worldio::k_changeable);
-  for (std::size_t at = 0; (at = changeable.find("; ", at)) != changeable.npos;)
-    changeable.replace(at, 2, ";\n  ");
+  for (const std::string_view end_of_line : {"; ", "/sensors/N/active, "})
+    if (const std::size_t at = changeable.find(end_of_line); at != changeable.npos)
+      changeable.replace(at + end_of_line.size() - 1, 1, "\n  ");
   return fmt::format(R"(
 Continues a run from its checkpoint with the same bits as an uninterrupted run, on any number of threads and without the
-files of the world. --for S is a world time in seconds, counted from tick 0 as in troupe run. The outputs are those of
-troupe run. An existing hash log, recording or table is continued after the tick of the checkpoint, without gaps or
+files of the world. --for S is a simulated time in seconds, counted from tick 0 as in troupe run. The outputs are those
+of troupe run. An existing hash log, recording or table is continued after the tick of the checkpoint, without gaps or
 repetitions; a new file begins at that tick. --checkpoint may name the checkpoint that is resumed, without --force.
-SIGUSR1 saves it after the current tick, as in troupe run.
+On SIGUSR1, the file of --checkpoint is saved after the current tick, as in troupe run.
 
---set changes values of the stored world from this tick on. The command h5dump -d /world CHECKPOINT prints the stored
-world. Only values that do not change the layout of the state can be changed:
+--set changes values of the stored world from the tick of the checkpoint on. The command h5dump -d /world CHECKPOINT
+prints the stored world. Only values that do not change the layout of the state can be changed:
   {}
 
 The program exits with an error if the file is not a checkpoint, was cut off, is damaged, or was written by a newer
@@ -103,7 +107,7 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--threads", "N", "Worker threads of each rank (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   add_value(app, "--ranks", "N",
-            "Ranks: replicas of the world that divide its robots among themselves (default: 1)",
+            "Ranks: replicas of the world, each of which computes a part of the robots (default: 1)",
             [&options](const std::string& text) { options.simulation.ranks = rank_count(text); });
   add_value(app, "--tile-size", "M",
             "Edge length of the tiles (squares of the world that threads process), m (default: automatic)",
@@ -122,14 +126,14 @@ void add_output_options(CLI::App& app, RunOptions& options) {
 
 void add_session_option(CLI::App& app, RunOptions& options) {
   add_value(app, "--session", "FILE.jsonl",
-            "Repeat the user's acts from a session file of troupe view (docs/live.md)",
+            "Repeat the users' actions in a session file of troupe view (docs/live.md)",
             [&options](const std::string& text) { options.session = text; });
 }
 
 /// Adds the options that relate simulated time to real time (--rate, --clock).
 void add_clock_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--rate", "R|world",
-            "Limit to R times real time, or with world to the speed set in the world file (default: none)",
+            "Limit the speed to R times real time; world: the speed in the world file (default: no limit)",
             [&options](const std::string& text) {
               constexpr double k_least = 0.001;
               const std::optional<double> rate = finite(text);

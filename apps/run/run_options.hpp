@@ -17,23 +17,23 @@ struct RunOptions : WorldOptions {
   /// All worlds of the command line, or the checkpoint. Each of them is run with a copy of these options, in
   /// which `world` is the world to run.
   std::vector<std::filesystem::path> worlds;
-  RunOutputs outputs;                ///< all outputs with their own options
+  RunOutputs outputs;                ///< all outputs, which also contain the values of most of their options
   std::filesystem::path checkpoint;  ///< file of the checkpoint; empty: none
   /// Simulated time between checkpoints, s; not given: only at the end.
   std::optional<double> checkpoint_every_s;
   std::optional<double> wall_limit_s;  ///< wall time after which the run stops, s; not given: no limit
-  std::filesystem::path record;        ///< recording; empty: the one that the world file names, if any
+  std::filesystem::path record;        ///< recording; empty: that of the world file, if it names one
   RecordingOptions recording;
   std::filesystem::path session;  ///< session to repeat; empty: none
-  bool view = false;              ///< show the run in browsers (docs/live.md)
+  bool view = false;              ///< --view: show the run in browsers (docs/live.md)
   bool force = false;             ///< replace existing outputs
-  bool clock = false;             ///< print the time even if the world does not ask for it
+  bool clock = false;             ///< print the time even if the world file does not request it
   double rate = 0;                ///< limit of the speed, times real time; 0: as fast as possible
-  bool world_rate = false;        ///< use the speed that the world file states instead of `rate`
+  bool world_rate = false;        ///< limit the speed as the world file states, not to `rate`
   // For `troupe resume`. `world` is then a checkpoint, and of `simulation` only the number of threads, the
   // tile size, `set` and the plug-in path are used.
-  bool across_versions = false;  ///< as ResumeOptions::across_versions
-  bool across_plugins = false;   ///< as ResumeOptions::across_plugins
+  bool across_versions = false;  ///< resume although another version of Troupe wrote the checkpoint
+  bool across_plugins = false;   ///< resume although plug-ins were rebuilt since the checkpoint
 
   bool json = false;   ///< print the summary as JSON
   bool quiet = false;  ///< print neither progress, warnings nor the summary as text

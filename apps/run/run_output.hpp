@@ -17,7 +17,8 @@ namespace troupe::apps {
 struct RunOptions;
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
-/// A function that opens the files of an output and appends the observers that write them to the given list.
+/// A function that opens the files of an output, and appends the observers that write these files to its
+/// argument.
 using OpenOutput = std::function<void(Observers&)>;
 
 /// A kind of output of a run, such as the hash log, with its command-line options. To add a kind, write a
@@ -55,7 +56,7 @@ class ClonedOutput : public RunOutput {
   }
 };
 
-/// All outputs of a run, one of each kind. Its functions call the function of the same name of each output.
+/// All outputs of a run, one of each kind. Each function calls the function of the same name of all outputs.
 class RunOutputs {
  public:
   RunOutputs();

@@ -16,8 +16,8 @@
 namespace troupe::apps {
 namespace {
 
-/// A kind of output. make: creates it. order: observers of outputs with lower numbers observe a tick first.
-/// The checkpoint is last, because the other outputs must be flushed before it is saved.
+/// A kind of output. make: creates the output. order: observers of outputs with lower numbers observe a tick
+/// first. The checkpoint is last, because the other outputs must be flushed before it is saved.
 struct OutputRow {
   std::unique_ptr<RunOutput> (*make)();
   int order;

@@ -24,6 +24,7 @@ std::uint64_t peak_rss_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
 }
 
+/// Returns the present time, s, for SimulationOptions::rank_clock.
 double rank_clock(unsigned) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -48,8 +49,8 @@ Simulation load(const RunOptions& options) {
   return Simulation(options.world, given);
 }
 
-/// Returns the world time at which the run ends, s. If a session is repeated and --for is not given, this is
-/// the end of the session, if the session states it; else the result of end_of().
+/// Returns the world time at which the run ends, s: without --for, the end of the repeated session, if there
+/// is a session and its file states the end; else the result of end_of().
 double end_of_run(const RunOptions& options, const Simulation& simulation, const SessionReplay* session) {
   if (!options.for_s && session && session->end_tick())
     return static_cast<double>(*session->end_tick()) * simulation.tick_s();
@@ -159,10 +160,11 @@ void WorldRun::step() {
   is_intact_ = true;
   for (const auto& observer : observers_) observer->observe(simulation_);
   if (options_.checkpoint.empty() && requests_.has_new(simulation_) && !options_.quiet)
-    fmt::print(stderr,
-               "{}: warning: SIGUSR1 asks for a checkpoint, but the run has no file for it: give it one with "
-               "--checkpoint FILE.h5\n",
-               options_.world.string());
+    fmt::print(
+        stderr,
+        "{}: warning: SIGUSR1 requests a checkpoint, but the run has no checkpoint file: give one with "
+        "--checkpoint FILE.h5\n",
+        options_.world.string());
   report_.wall_s += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
@@ -200,7 +202,7 @@ void WorldRun::print_summary(bool is_one_of_several) const {
     if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
       fmt::print(stderr, "{}\n", warning);
   if (session_ && session_->left() > 0 && !options_.quiet)
-    fmt::print(stderr, "{}: warning: the run ended before the last {} acts of the session were applied\n",
+    fmt::print(stderr, "{}: warning: the run ended before the last {} actions of the session were applied\n",
                options_.session.string(), session_->left());
   if (options_.json)
     fmt::print("{}", summary_json(report_));

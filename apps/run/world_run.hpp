@@ -25,8 +25,8 @@ class Pacer;
 /// print_summary(), after_summary().
 class WorldRun {
  public:
-  /// Loads or resumes the world and prints its warnings. `options` names one world, and outputs without
-  /// {world}. Throws InputError.
+  /// Loads or resumes the world and prints its warnings. options: of one world; {world} is already replaced
+  /// in the names of outputs. Throws InputError.
   explicit WorldRun(RunOptions options);
   ~WorldRun();
   WorldRun(const WorldRun&) = delete;
@@ -34,20 +34,21 @@ class WorldRun {
 
   const RunOptions& options() const { return options_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Adds the names of output files that only the world file states to the options, and returns the options.
-  /// Throws InputError if a name is not allowed.
+  /// Adds to the options the names of output files that the world file states and the command line does not.
+  /// Returns the options. Throws InputError if a name is not allowed.
   const RunOptions& take_names_from_world();
 
   /// Prepares the outputs (RunOutput::prepare()), so that errors in them are reported before any file is
   /// opened.
   void rehearse();
-  /// Opens the outputs. is_over: returns true if the run was asked to stop; a wait because of
-  /// RunOptions::rate then ends early.
+  /// Opens the outputs. is_over: a function that returns true if the run was asked to stop; waiting because
+  /// of RunOptions::rate then ends early.
   void open_outputs(std::function<bool()> is_over);
-  /// Shows the run in browsers and prints the addresses on standard error. is_over: as for open_outputs(); a
-  /// wait because a user has paused the run then ends.
+  /// Shows the run in browsers and prints the addresses on standard error. is_over: as for
+  /// open_outputs(); if it returns true, a run that a user has paused goes on, and ends.
   void open_view(const std::function<bool()>& is_over);
-  /// Whether the run prints lines with the time; a progress bar would interfere with them.
+  /// Whether the run prints lines with the simulated time (--clock); a progress bar would interfere with
+  /// them.
   bool tells_time() const;
   /// Prints the effective options on standard output.
   void print_options() const;
@@ -61,8 +62,8 @@ class WorldRun {
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
   /// Calls finish() of all observers and fills the report.
   void finish();
-  /// Writes the checkpoint, if one was requested and the last step did not fail. Called if another part of
-  /// the run failed. Ignores further errors.
+  /// Writes the checkpoint, if one was requested and the last step did not fail. The caller calls it if
+  /// another part of the run failed. Errors of writing are ignored.
   void save_at_least() const;
 
   const Report& report() const { return report_; }
@@ -88,7 +89,7 @@ class WorldRun {
   PhaseClock phases_;
   LoadClock load_;
   std::unique_ptr<live::View> view_;  // null without RunOptions::view
-  SaveRequests requests_;             // of a run without a checkpoint
+  SaveRequests requests_;             // for the warning of a run without a checkpoint file
   bool is_intact_ = true;             // false after a failed step, because the state is then invalid
 };
 

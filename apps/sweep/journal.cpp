@@ -32,7 +32,7 @@ std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {
 
 [[noreturn]] void refuse_other_study(const fs::path& file) {
   throw OutputError(fmt::format(
-      "{}: error: the folder contains runs of another study, of an earlier content of the world file, or of "
+      "{}: error: the folder contains runs of another study, of an earlier version of the world file, or of "
       "another version of the program: choose another folder with -o, or remove this folder",
       file.string()));
 }
@@ -116,14 +116,14 @@ std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::s
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(k_prefix) || !name.ends_with(k_ending)) continue;
     const std::vector<std::string> lines = whole_lines(entry.path());
-    if (lines.empty()) continue;  // its process was killed before the first line
+    if (lines.empty()) continue;  // the process was killed before it wrote the first line
     if (lines.front() != head_of(study)) refuse_other_study(entry.path());
     for (std::size_t i = 1; i < lines.size(); ++i) try {
         SweepOutcome outcome = outcome_of(lines[i]);
         outcomes.insert_or_assign(outcome.run, std::move(outcome));
       } catch (const Json::exception&) {
         throw OutputError(
-            fmt::format("{}:{}: error: this is not a line that troupe sweep writes: the file is damaged",
+            fmt::format("{}:{}: error: not a result that troupe sweep writes: the file is damaged",
                         entry.path().string(), i + 1));
       }
   }

@@ -14,16 +14,16 @@ namespace troupe::apps {
 struct SweepOutcome {
   std::size_t run = 0;         ///< index of the run in the study
   std::uint64_t seed = 0;      ///< seed of the run
-  std::uint64_t ticks = 0;     ///< number of ticks
+  std::uint64_t ticks = 0;     ///< number of ticks of the run
   double time_s = 0;           ///< world time at the end, s
   std::string stopped_by;      ///< the condition of the world's `stop_when` that ended the run; empty: none
   std::vector<double> values;  ///< one per column of measures; NaN: no value
   std::string state_hash;      ///< hash of the last state, as hexadecimal digits
 };
 
-/// A file with the results of the finished runs of one process, one line of JSON per run. Each line is on the
-/// disk before the thread that made the run starts another one, so that a killed sweep loses only its
-/// unfinished runs.
+/// A file (journal) with the results of the finished runs of one process of a sweep, one line of JSON per
+/// run. Each line is on the disk before the thread that made the run starts another run, so that a killed
+/// sweep loses only its unfinished runs.
 class SweepJournal {
  public:
   /// Opens or creates a journal, and removes an incomplete last line. study: a text that identifies the
@@ -44,8 +44,8 @@ class SweepJournal {
   int descriptor_ = -1;
 };
 
-/// Returns the outcomes in all journals of a folder, by run. study: as for SweepJournal. Throws OutputError
-/// if a journal stores another text.
+/// Returns the outcomes in all journals of a folder, by index of the run. study: the text that identifies the
+/// study, as for SweepJournal. Throws OutputError if a journal stores another text.
 std::map<std::size_t, SweepOutcome> read_journals(const std::filesystem::path& folder,
                                                   std::string_view study);
 

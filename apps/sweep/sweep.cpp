@@ -120,6 +120,8 @@ class Statistics {
   std::vector<Column> columns_;
 };
 
+/// Returns the end of a run in simulated time, s. Throws InputError if neither the study nor the world has
+/// one.
 double end_of(const Study& study, const Simulation& simulation) {
   if (study.for_s) return *study.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
@@ -210,6 +212,7 @@ class Count {
   bool visible_;
 };
 
+/// Writes the samples of a run to its file of series_file(). Throws std::runtime_error if writing fails.
 void keep_series(const fs::path& file, const std::string& rows) {
   try {
     worldio::write_whole(file, {rows});
@@ -239,7 +242,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       } catch (const std::exception& thrown) {
         error = thrown.what();
       } catch (...) {  // a plug-in may throw anything
-        error = "an exception that is not a std::exception";
+        error = "unknown exception (not derived from std::exception)";
       }
       const std::lock_guard lock(mutex);
       if (!error.empty()) failed.emplace(runs[i], error);
@@ -268,6 +271,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
   return failed;
 }
 
+/// Prints the list of runs as comma-separated values (--list).
 void print_runs(const Study& study) {
   fmt::print("run");
   for (const Study::Parameter& parameter : study.parameters) fmt::print(",{}", parameter.name);
@@ -280,7 +284,7 @@ void print_runs(const Study& study) {
   }
 }
 
-/// Returns those of the runs of this part that are not finished yet.
+/// Returns the indices of the runs of this part (--part) that are not finished yet.
 std::vector<std::size_t> runs_to_make(const Study& study, const SweepOptions& options,
                                       const std::string& identity) {
   const auto done = read_journals(options.folder, identity);
@@ -290,8 +294,8 @@ std::vector<std::size_t> runs_to_make(const Study& study, const SweepOptions& op
   return runs;
 }
 
-/// Returns the runs that rank 0 deals to this rank: those at `rank`, `rank` + number of ranks, ... of its
-/// list.
+/// Returns the runs of this rank. list: the indices of all runs to make, of which rank r makes those at the
+/// positions r, r + number of ranks, ...
 std::vector<std::size_t> dealt(const partition::Message& list, const RankDeal& deal) {
   partition::MessageReader reader(list);
   std::vector<std::size_t> own;
@@ -300,7 +304,9 @@ std::vector<std::size_t> dealt(const partition::Message& list, const RankDeal& d
   return own;
 }
 
-/// Returns the failed runs of all ranks on rank 0. The other ranks have then finished their runs.
+/// Sends the errors of the failed runs of this rank, `failed`, to rank 0. On rank 0, waits until all ranks
+/// have finished their runs, and returns the errors of all ranks by index of the run; on other ranks, returns
+/// nothing.
 std::map<std::size_t, std::string> gathered(const std::map<std::size_t, std::string>& failed,
                                             const RankDeal& deal) {
   partition::MessageWriter own;
@@ -318,7 +324,7 @@ std::map<std::size_t, std::string> gathered(const std::map<std::size_t, std::str
 }
 
 ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
-  partition::Message list;  // of all runs to make
+  partition::Message list;  // the indices of all runs to make
   if (deal.rank() > 0) {
     std::optional<partition::Message> shared = deal.shared();  // first, so that rank 0 reports errors
     if (!shared) return k_finished;
@@ -338,7 +344,8 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
     return k_finished;
   }
   if (options.folder.empty())
-    throw InputError("troupe sweep: error: -o DIR is required, the folder for the runs and the table");
+    throw InputError(
+        "troupe sweep: error: -o DIR is required: the folder for the results of the runs and the tables");
   const auto [identity, measures] = identify(study, options, deal.rank() == 0);
   check_folder(options.folder);
   const fs::path csv = options.folder / "table.csv";
@@ -398,7 +405,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
           "STUDY", [&options](const std::string& text) { options.study = text; }, "Study, in JSON")
       ->option_text(" ")
       ->required();
-  add_value(command, "-o,--out", "DIR", "Folder for the runs and the table; may exist",
+  add_value(command, "-o,--out", "DIR", "Folder for the results of the runs and the tables; may exist",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--out", text, "the name of a folder");
               options.folder = text;
@@ -431,7 +438,7 @@ ExitCode sweep(const SweepOptions& options) {
     try {
       return sweep_checked(options, deal);
     } catch (const OutputError& error) {
-      if (deal.ranks() > 1 && deal.has_shared()) throw;  // of this rank alone
+      if (deal.ranks() > 1 && deal.has_shared()) throw;  // an error of this rank alone
       fmt::print(stderr, "{}\n", error.what());
       return k_bad_input;
     }

@@ -19,11 +19,11 @@ struct SweepOptions {
   std::filesystem::path study;   ///< study file
   std::filesystem::path folder;  ///< folder for journals and tables
   unsigned runs_at_once = 0;     ///< number of runs that are made in parallel; 0: one per available processor
-  std::size_t part = 1;  ///< from 1 to parts: this process makes the runs part - 1, part - 1 + parts, ...
-  std::size_t parts = 1;
-  bool list = false;  ///< only print the runs
-  bool quiet = false;
-  std::vector<std::filesystem::path> plugin_path;
+  std::size_t part = 1;   ///< from 1 to parts: this process makes the runs part - 1, part - 1 + parts, ...
+  std::size_t parts = 1;  ///< number of parts (--part)
+  bool list = false;      ///< only print the list of runs
+  bool quiet = false;     ///< print only errors
+  std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins
   std::vector<std::shared_ptr<const Script>> scripts;  ///< --controller
 };
 

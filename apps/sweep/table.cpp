@@ -32,6 +32,7 @@ struct Column {
   std::variant<Numbers, Counts, Texts> cells;  // one per run
 };
 
+/// Returns the number that a JSON text represents; nothing if it is not a number.
 std::optional<double> number_of(const std::string& json) {
   double value = 0;
   const auto [end, error] = std::from_chars(json.data(), json.data() + json.size(), value);
@@ -59,6 +60,7 @@ Column parameter_column(const std::string& name, const Texts& values) {
   return {name, std::move(texts)};
 }
 
+/// Returns the columns of the table, with one cell per run.
 std::vector<Column> columns_of(const SweepTable& table) {
   constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
   const std::size_t runs = table.study.run_count();

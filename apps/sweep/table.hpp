@@ -19,7 +19,7 @@ std::vector<std::string> measure_columns(const std::vector<std::string>& measure
 /// The results of all runs of a study, from which the tables are written.
 struct SweepTable {
   const worldio::Study& study;                   ///< study to which the runs belong
-  std::vector<std::string> measures;             ///< names of the columns of measures (measure_columns())
+  std::vector<std::string> measures;             ///< names of the columns of SweepOutcome::values
   std::map<std::size_t, SweepOutcome> outcomes;  ///< results of finished runs, by index of the run
   std::map<std::size_t, std::string> failed;     ///< errors of failed runs, which have no outcome
 };
@@ -33,8 +33,8 @@ void write_csv(const SweepTable& table, const std::filesystem::path& file);
 /// (Measures::columns()). Replaces the file only when it is complete. Throws OutputError.
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
                   const std::filesystem::path& folder);
-/// Returns the path of the file that contains the samples of one run, without a line of column names, until
-/// write_series() concatenates these files.
+/// Returns the path of the file with the samples of one run, without a line of column names. write_series()
+/// concatenates these files.
 std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
 /// Appends the row of one sample of a run, as in write_series(), to `rows`.
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);

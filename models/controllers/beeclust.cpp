@@ -38,7 +38,7 @@ struct Beeclust {
                                   "waits max_wait S^2 / (S^2 + half)");
       d.member<&Params::half>(
           "half", above(0), at_most(1e6),
-          "square of the brightness (0 to 1) at which a robot waits for half of `max_wait`");
+          "square of the ground's brightness (0 to 1) at which a robot waits for half of `max_wait`");
       d.member<&Params::meet>(
           "meet", meters, at_least(0),
           "distance between two radios within which a robot meets another robot that is ahead of it");

@@ -16,7 +16,7 @@ namespace troupe::models {
 ///           brightness of the ground below it, 0 to 1, which it reads when it stops. Then it turns by 90 to
 ///           180 degrees and walks on.
 /// LED       If the robot has an LED, the LED is blue while the robot walks and amber while the robot waits.
-/// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
+/// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Schmickl, Thenius, Moeslinger, Radspieler, Kernbach, Szymanski, Crailsheim: Get in touch:
 ///           cooperative decision making based on robot-to-robot collisions, Autonomous Agents and
 ///           Multi-Agent Systems 18, 2009; the name and the law of waiting: Schmickl, Hamann: BEECLUST: a

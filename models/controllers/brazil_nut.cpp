@@ -33,21 +33,26 @@ struct BrazilNut {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::radius>("radius", meters, required, above(0), at_most(1000),
-                                "radius of the disc as which the robot acts");
+                                "radius of the disc that the robot behaves like: robots keep apart by about "
+                                "the sum of their radii");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "greatest speed");
       d.member<&Params::gain>("gain", per_second, at_least(0),
                               "turn rate per radian of the angle to the direction in which the robot aims");
-      d.member<&Params::taxis>("taxis", at_least(0), "weight of the direction to the light");
-      d.member<&Params::noise>("noise", at_least(0), "weight of the random direction");
+      d.member<&Params::taxis>(
+          "taxis", at_least(0),
+          "weight of the direction to the light in the direction in which the robot aims");
+      d.member<&Params::noise>("noise", at_least(0),
+                               "weight of a random direction in the direction in which the robot aims");
       d.member<&Params::push>(
           "push", at_least(0),
-          "weight of the repulsion by a robot in the same place; it falls to 0 at the sum of both radii");
+          "weight of the repulsion by a robot at distance 0; the repulsion falls linearly to 0 at a distance "
+          "of the sum of both radii");
       d.member<&Params::shake>("shake", seconds, within(0, 1e6),
-                               "time after which a new random direction is drawn");
+                               "time after which the robot chooses a new random direction");
     }
   };
   struct Memory {
-    std::uint32_t updates_left = 0;  ///< decisions until a new random direction is drawn
+    std::uint32_t updates_left = 0;  ///< decisions until the robot chooses a new random direction
     double heading = 0;              ///< present random direction, rad, in the frame of the estimated pose
     TROUPE_FIELDS(updates_left, heading)
   };

@@ -10,7 +10,7 @@ namespace troupe::models {
 /// large ones.
 ///
 /// aims      The robot aims along the vector a = `taxis` g + `noise` u + p in its own frame. g is the unit
-///           vector towards the light. u is a unit vector of random direction, drawn again every `shake`
+///           vector towards the light. u is a unit vector of random direction, which changes every `shake`
 ///           seconds. p is the repulsion. Let R be the sum of the radii of the robot and a robot that it
 ///           hears. If the distance r between them is below R, p has a term of length `push` (1 - r / R) that
 ///           points away from that robot.

@@ -24,7 +24,7 @@ constexpr double k_turn = 1.0;  // rad/s, away from obstacles ahead
 constexpr double k_gain = 2.0;  // 1/s: turn rate per radian of the bearing of the goal
 // Distances as fractions of the spacing:
 constexpr double k_tolerance_share = 0.15;  // a robot this near to the place for a link is at the place
-constexpr double k_home_share = 0.75;       // radius of the circle on which a robot drives around the nest
+constexpr double k_home_share = 0.75;       // radius of the circle on which robots drive around the nest
 constexpr double k_same_place_share = 0.5;  // two links of one number that are this near are in one place
 
 constexpr double k_longest_round_s = 30;  // longest time of circling around the nest
@@ -48,16 +48,18 @@ struct Chain {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::role>(
-          "role", "robot: searches and forms chains; nest, prey: stands still as one end of the chains");
+          "role",
+          "robot: searches for the prey and forms chains; nest, prey: stands still as one end of the chains");
       d.member<&Params::spacing>("spacing", meters, above(0), at_most(10'000),
-                                 "distance between neighbouring links of a chain");
+                                 "distance between neighbouring links (standing robots) of a chain");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       describe_min_front(d);
       d.member<&Params::joins>(
           "joins", within(0, 1),
-          "probability per decision that a robot becomes a link, once it is at the place for the next link");
+          "probability per decision that a robot at the place for the next link becomes this link");
       d.member<&Params::leaves>("leaves", within(0, 1),
-                                "probability per decision that the last link of a chain leaves the chain");
+                                "probability per decision that the last link of a chain leaves the chain, as "
+                                "long as the chain has not reached the prey");
     }
   };
   struct Memory {

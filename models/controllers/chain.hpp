@@ -26,7 +26,7 @@ namespace troupe::models {
 /// LED       If the robot has an LED, the LED is grey while the robot explores. The LEDs of the links of a
 ///           chain are blue, green and yellow in turn.
 /// needs     a radio with a payload of 2 bytes or more; a robot (role `robot`) also needs a drive and a
-///           scanner of more than 8 beams
+///           ranger with more than 8 beams that sees ahead
 /// source    Nouyan, Campo, Dorigo: Path formation in a robot swarm: self-organized strategies to find your
 ///           way home, Swarm Intelligence 2, 2008; Nouyan, Gross, Bonani, Mondada, Dorigo: Teamwork in
 ///           self-organized robot colonies, IEEE Transactions on Evolutionary Computation 13, 2009. In the

@@ -7,13 +7,14 @@ namespace troupe::models {
 /// `clustering`: pushes pucks together without sensing them.
 ///
 /// A robot drives straight on and pushes the pucks in its way. If it stalls because there are too many pucks
-/// to push, it drives backwards, which leaves the pucks behind, and turns by a random angle. Its scanner must
-/// be mounted above the pucks. It sees walls and other robots, from which the robot turns away.
+/// to push, it drives backwards, which leaves the pucks behind, and turns by a random angle. It turns away
+/// from walls and other robots that its ranger sees ahead.
 ///
+/// needs   a drive, a ranger with more than 8 beams that sees ahead and is mounted above the pucks
 /// source  Beckers, Holland, Deneubourg: From local actions to global tasks: stigmergy and collective
 ///         robotics, Artificial Life IV, 1994. In the paper, a switch behind the gripper senses a load of
-///         three or more pucks. Here, the world sets the parameter `pushes` of the drive to 2, so that a
-///         larger load blocks the robot, which notices that it does not move
+///         three or more pucks. Here, the world file sets the parameter `pushes` of the drive to 2, so that a
+///         larger load blocks the robot. The robot notices this because its estimated pose does not change
 engine::ControllerKind clustering_controller();
 
 }  // namespace troupe::models

@@ -21,7 +21,7 @@ using sensors::RadioPort;
 constexpr double k_listen_s = 3;      // only messages heard in this time before the end of sharing count
 constexpr double k_straight_s = 10;   // mean time of driving straight on
 constexpr double k_turn = 0.8;        // rad/s
-constexpr double k_stop_share = 0.6;  // the scanner's stop distance, as a fraction of `min_front`
+constexpr double k_stop_share = 0.6;  // stop distance for Scanner::ahead(), as a fraction of `min_front`
 constexpr float k_middle = 0.5f;      // brightness below which ground is black
 
 enum class Rule : std::uint8_t { majority, voter };
@@ -43,11 +43,13 @@ struct CollectivePerception {
           "explore", seconds, above(0), at_most(1e6),
           "mean time for which a robot explores the floor before it shares its opinion");
       d.member<&Params::share>("share", seconds, above(0), at_most(1e6),
-                               "mean time for which a robot broadcasts an opinion of quality 1; it is "
-                               "proportional to the quality (0 to 1)");
-      d.member<&Params::rule>("rule",
-                              "how a robot adopts an opinion. majority: the most frequent one of those "
-                              "received and its own; voter: a random one of those received");
+                               "mean time for which a robot broadcasts an opinion of quality 1; for other "
+                               "qualities, from 0 to 1, this time is multiplied by the quality, the fraction "
+                               "of the floor readings that agree with the opinion");
+      d.member<&Params::rule>(
+          "rule",
+          "how a robot adopts an opinion. majority: the most frequent opinion among those "
+          "received and its own; voter: a random one of the opinions received");
       describe_min_front(d);
     }
   };

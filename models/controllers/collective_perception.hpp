@@ -27,7 +27,7 @@ enum class FloorOpinion : std::uint8_t {
 ///           it turns on the spot by up to 180 degrees. It turns away from obstacles ahead.
 /// LED       If the robot has an LED, the LED is grey while the robot explores. While the robot shares its
 ///           opinion, the LED has the colour of this opinion, black or white.
-/// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
+/// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Valentini, Brambilla, Hamann, Dorigo: Collective perception of environmental features in a robot
 ///           swarm, ANTS 2016: direct modulation of majority-based (DMMD) and of voter-based decisions (DMVD)
 engine::ControllerKind collective_perception_controller();

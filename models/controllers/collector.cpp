@@ -52,21 +52,21 @@ double bearing_of(const Pose& from, const Vec2& to) {
 struct Collector {
   enum Mode : std::uint8_t { seeking, gripping, carrying, releasing, leaving, charging };
   struct Memory {
-    std::int32_t avoid_updates = 0;
-    std::uint32_t still_updates = 0;
-    std::uint32_t escape_updates = 0;
-    std::uint32_t updates = 0;  ///< decisions since the robot entered the mode
-    std::uint32_t goal = 0;     ///< index of the robot's present goal in `sinks` or `chargers`
-    double x = 0;
-    double y = 0;
-    double heading = 0;
-    std::uint8_t mode = seeking;
+    std::int32_t avoid_updates = 0;    ///< decisions that remain of the present turn
+    std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot
+    std::uint32_t escape_updates = 0;  ///< decisions that remain of backing out
+    std::uint32_t updates = 0;         ///< decisions since the robot entered the mode
+    std::uint32_t goal = 0;            ///< index of the robot's present goal in `sinks` or `chargers`
+    double x = 0;                      ///< estimated x at the last decision, m
+    double y = 0;                      ///< estimated y at the last decision, m
+    double heading = 0;                ///< estimated heading at the last decision, rad
+    std::uint8_t mode = seeking;       ///< a Mode
     TROUPE_FIELDS(avoid_updates, still_updates, escape_updates, updates, goal, x, y, heading, mode)
   };
-  /// A puck in sight.
+  /// A puck in sight of the fiducial finder.
   struct Puck {
-    double range = 0;
-    double bearing = 0;
+    double range = 0;    ///< m
+    double bearing = 0;  ///< rad, from straight ahead of the drive
   };
   static constexpr std::size_t k_scanner = 0, k_finder = 1, k_gripper = 2, k_pack = 3;
 
@@ -78,13 +78,14 @@ struct Collector {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       constexpr double k_most_mark = 1e9;
-      d.member<&Params::sink>("sink",
-                              "name of the models to which pucks are brought; names that continue with "
-                              "digits, such as sink2, count too");
+      d.member<&Params::sink>(
+          "sink",
+          "name of the sinks, the models to which pucks are brought; models whose name is "
+          "this name followed by digits, such as sink2, are also sinks");
       d.member<&Params::puck>("puck", within(-k_most_mark, k_most_mark),
-                              "fiducial_return by which pucks are recognised");
+                              "fiducial_return of the pucks, by which the fiducial finder recognises them");
       d.member<&Params::charger>("charger", within(-k_most_mark, k_most_mark),
-                                 "fiducial_return by which chargers are recognised");
+                                 "fiducial_return of the models at which robots charge");
     }
   };
 

@@ -15,7 +15,7 @@ namespace troupe::models {
 /// charges  If its power pack holds less than 25 % of its capacity, it goes to the nearest model whose
 ///          fiducial_return is `charger` and stands there until the pack holds 95 %. A robot without a pack,
 ///          or in a world without a charger, never charges.
-/// needs    a drive, a scanner of more than 8 beams, a fiducial finder, a gripper
+/// needs    a drive, a ranger with more than 8 beams that sees ahead, a fiducial finder, a gripper
 /// source   none: written for Troupe. Stage has the devices, but no example that combines them
 engine::ControllerKind collector_controller();
 

@@ -37,7 +37,8 @@ class DeviceChoice {
   /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable) and returns its Scanner. It takes the
   /// first such ranger that has a transducer (fan of beams) with k_least_samples or more beams, as in Stage.
   /// If there is none, it takes the first such ranger whose transducers have that many beams together. If no
-  /// ranger can be used, the error says for each ranger of the robot why. share: the argument for Scanner.
+  /// ranger can be used, the error says for each ranger of the robot why. share: the second argument of the
+  /// constructor of Scanner.
   Result<Scanner> take_scanner(std::size_t share) {
     Scanner scanner;
     const auto is_usable = [&](const engine::DeviceInfo& device) {
@@ -51,7 +52,7 @@ class DeviceChoice {
     return scanner;
   }
   /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order, and returns the scanner.
-  /// Returns an error if one of the three is missing. share: the argument for Scanner.
+  /// Returns an error if one of the three is missing. share: as for take_scanner().
   Result<Scanner> take_ground_radio_scanner(std::size_t share) {
     if (!take_kind("ground")) return Error{"needs a ground sensor"};
     if (!take_kind("radio")) return Error{"needs a radio"};

@@ -20,7 +20,7 @@ struct Evasion {
   double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
   double back_speed = 0.1;    ///< speed of backing out
   /// The robot backs out after more than this number of consecutive decisions in which a command did not move
-  /// it. Every command takes fewer decisions than this to act.
+  /// it. The number is larger than the number of decisions after which a command takes effect.
   std::uint32_t stuck = 5;
   /// The argument `share` with which the Scanner of the controller must be made.
   static constexpr std::size_t window_share = 4;

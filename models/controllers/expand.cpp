@@ -36,7 +36,8 @@ struct Expand {
       d.member<&Params::speed>("speed", meters_per_second, "speed while the way is clear");
       d.member<&Params::gain>(
           "gain", per_second,
-          "turn rate per radian of the angle from the heading to the vector sum of the ranges");
+          "turn rate per radian of the angle from the heading to the vector sum of the ranges, each range "
+          "being a vector along its beam");
       d.member<&Params::clearance>("clearance", meters, at_least(0),
                                    "free distance that the robot needs to drive: the reading of a beam at "
                                    "angle a from straight ahead must exceed clearance * cos(a)");
@@ -54,6 +55,7 @@ struct Expand {
                                       "exactly along its x or y axis, as in Stage's examples");
     }
   };
+  /// A beam of the ranger, and the range that it must exceed for the robot to drive.
   struct Feeler {
     std::size_t reading;
     SinCos direction;

@@ -29,6 +29,7 @@ constexpr double k_least_turn = 0.1;
 
 struct Flocking {
   static constexpr std::size_t k_ring = 8;  // least number of transducers of a ring of sonars
+  /// A beam of the ranger, and the range that it must exceed for the robot to drive.
   struct Sonar {
     std::size_t reading;
     SinCos direction;

@@ -58,8 +58,8 @@ class WaysTo {
   WaysTo(const FloorPlan& plan, std::span<const int> goals);
   /// The next cell on the cheapest path from this cell. At a goal, it is the cell itself.
   int next(int cell) const { return next_[static_cast<std::size_t>(cell)]; }
-  /// Centre of the cell that is `steps` steps ahead on the cheapest path from the point `from`, or of the
-  /// goal if it is nearer. Both points are in m, world frame.
+  /// Centre of the cell that is `steps` steps ahead on the cheapest path from the point `from`. If the path
+  /// has fewer steps, the centre of the goal's cell. Both points are in m, world frame.
   Vec2 ahead(const Vec2& from, int steps) const;
 
  private:

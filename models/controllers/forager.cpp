@@ -301,8 +301,9 @@ void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Acti
 }
 
 constexpr const char* k_map_text =
-    "name of the model that is the floor plan; if no model has this name, the first model whose outline is "
-    "an image";
+    "name of the model whose walls robots plan their paths around; if no model has this name, the first "
+    "model "
+    "whose outline is an image";
 
 struct Fasr : Forager {
   struct Params {

@@ -39,12 +39,15 @@ struct Gradient {
                                 "this robot is a beacon: it stands still, and hops are counted from it");
       d.member<&Params::spacing>(
           "spacing", meters, within(0, 10'000),
-          "a robot settles only where the nearest settled robot that it hears is at least this far away");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "speed while it roams");
+          "a robot settles (stands still for good) only where the nearest settled robot that it hears is at "
+          "least this far away");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0),
+                               "speed of the robot until it settles");
       describe_min_front(d);
       d.member<&Params::patience>(
           "patience", within(1, 1'000'000),
-          "a robot forgets its hop count when no message has confirmed it for this number of decisions");
+          "a robot forgets its number of hops to the beacon when no message has confirmed this number for so "
+          "many decisions");
     }
   };
   struct Memory {
@@ -167,7 +170,8 @@ struct Gradient {
 
 engine::ControllerKind gradient_controller() {
   return engine::make_controller_kind<Gradient>(
-      "gradient", "settle within radio range of others, and count the hops to a beacon");
+      "gradient",
+      "settle within radio range of settled robots, and count the radio hops from there to a beacon");
 }
 
 }  // namespace troupe::models

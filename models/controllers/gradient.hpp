@@ -25,7 +25,7 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 ///           decisions. So the loss of a single message has no effect, but the loss of a robot has.
 /// LED       If the robot has an LED, the LED is grey while the robot roams. On a settled robot, its colour
 ///           goes from red near the beacon to blue at twelve hops or more.
-/// needs     a radio; to roam, also a drive and a scanner of more than 8 beams
+/// needs     a radio; to roam, also a drive and a ranger with more than 8 beams that sees ahead
 /// source    hop counts: Nagpal, Shrobe, Bachrach: Organizing a global coordinate system from local
 ///           information on an ad hoc sensor network, IPSN 2003. Settling within radio range: Payton et al.,
 ///           Pheromone robotics, Autonomous Robots 11, 2001

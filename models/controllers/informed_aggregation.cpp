@@ -42,7 +42,8 @@ struct InformedAggregation {
       using enum engine::Unit;
       d.member<&Params::informed>(
           "informed",
-          "colour of the only sites on which the robot stops; no: it stops on black and on white sites");
+          "colour of the only sites (areas of the ground) on which the robot stops; no: the robot stops on "
+          "black and on white sites");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::enter>(
           "enter", seconds, within(0, 1e6),
@@ -51,7 +52,8 @@ struct InformedAggregation {
                                "rate at which a robot leaves its site while it hears no other robot there");
       d.member<&Params::others>(
           "others", within(0, 1000),
-          "each robot heard on a site of the same colour multiplies the rate `leave` by exp(-others)");
+          "each robot that is heard standing on a site of the same colour multiplies the rate `leave` by "
+          "exp(-others)");
       describe_min_front(d);
     }
   };

@@ -17,8 +17,8 @@ namespace troupe::models {
 ///           same colour. It does not stop again before it has been on ground that is neither black nor
 ///           white.
 /// colours   Ground is black below a quarter of full brightness, and white above three quarters.
-/// stuck     If other robots block it, it backs out.
-/// needs     a drive, a ground sensor, a radio, a scanner of more than 8 beams
+/// stuck     A robot that other robots block backs out.
+/// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Firat, Ferrante, Cambier, Tuci: Self-organised aggregation in swarms of robots with informed
 ///           robots, TPNC 2018. Robots stay longer the more other robots are near, as cockroaches do: Jeanson
 ///           et al., Self-organized aggregation in cockroaches, Animal Behaviour 69, 2005; Garnier et al.,

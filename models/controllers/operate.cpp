@@ -33,10 +33,12 @@ struct Step {
   static constexpr void describe(engine::Description<Step>& d) {
     using namespace engine::facts;
     using enum engine::Unit;
-    d.member<&Step::at_s>("at", seconds, required, at_least(0), "world time from which the order holds");
+    d.member<&Step::at_s>("at", seconds, required, at_least(0),
+                          "world time from which the order holds, until the next order for the same device");
     d.member<&Step::device>("device", required, "name of the device");
-    d.member<&Step::order>("order", required,
-                           "for a gripper: open, close, up, down; for an actuator: go_to, speed");
+    d.member<&Step::order>(
+        "order", required,
+        "what the device does. A gripper: open, close, up, down; an actuator: go_to, speed");
     d.member<&Step::value>("value", within(-1e6, 1e6),
                            "for go_to: the position, m or rad; for speed: the speed, m/s or rad/s");
     d.derived<&Step::chosen>();
@@ -109,7 +111,7 @@ struct Operate {
       d.member<&Params::plan>("plan",
                               "orders as one word, for .world files: DEVICE:ORDER@SECONDS or "
                               "DEVICE:ORDER:VALUE@SECONDS, separated by commas");
-      d.member<&Params::orders>("orders", "timed orders to devices");
+      d.member<&Params::orders>("orders", "orders to grippers and actuators, each with its world time");
     }
   };
 

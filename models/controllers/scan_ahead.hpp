@@ -74,7 +74,7 @@ template <class Params>
 constexpr void describe_min_front(engine::Description<Params>& d) {
   using namespace engine::facts;
   d.template member<&Params::min_front>("min_front", engine::Unit::meters, at_least(0),
-                                        "the robot turns away when a reading ahead is below this");
+                                        "the robot turns away when a range measured ahead is below this");
 }
 
 }  // namespace troupe::models

@@ -25,7 +25,8 @@ struct Wander {
           "min_front", meters, at_least(0),
           "the robot turns away when a reading in the middle third of the scan is below this");
       d.member<&Params::stop>("stop", meters, at_least(0),
-                              "the robot stops when a reading in the middle third of the scan is below this");
+                              "the robot turns on the spot when a reading in the middle third of the scan is "
+                              "below this");
     }
   };
   struct Memory {
@@ -68,7 +69,7 @@ struct Wander {
 
 engine::ControllerKind wander_controller() {
   return engine::make_controller_kind<Wander>(
-      "wander", "drive about, and turn away from obstacles that the scanner sees ahead");
+      "wander", "drive about, and turn away from obstacles that the ranger sees ahead");
 }
 
 }  // namespace troupe::models

@@ -32,10 +32,11 @@ struct Goal {
     d.part<&Goal::pose>();
     d.member<&Goal::at_s>("at", seconds, within(0, engine::k_most_seconds),
                           "time at which the robot is to arrive, counted from tick 0 or, with `again`, from "
-                          "the start of the present round; 0: no time is set");
+                          "the start of the present round of the goals; 0: no time is set");
     d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
                            "speed at which the robot moves straight to the goal; 0: the speed follows from "
-                           "`at` or, if `at` is 0 too, from the drive's own law for goals");
+                           "`at` or, if `at` is also 0, from the rule by which the drive goes to goals "
+                           "(docs/driving.md)");
     d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
                             "how long the robot waits at the goal before it goes on");
   }
@@ -97,8 +98,8 @@ struct Waypoints {
     turn_max = std::min(motion.turn_max, -motion.turn_min);
     if (!(speed_max > 0 && turn_max > 0))
       return Error{
-          "has goals with `at` or `speed`, but the limits of its drive do not let it move and turn in every "
-          "direction"};
+          "has goals with `at` or `speed`, but the limits of the drive do not let the robot move and turn in "
+          "every direction"};
     for (std::size_t i = 0; i < params.goals.size(); ++i)
       if (const Result<> kept = can_keep(i); !kept)
         return Error{fmt::format("cannot follow goal {}: {}", i + 1, kept.error().text)};

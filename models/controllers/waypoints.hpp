@@ -11,8 +11,8 @@ namespace troupe::models {
 /// To a goal with a time (`at`) or a `speed`, the robot moves in a straight line, and it arrives within
 /// 1e-6 m of the goal. It arrives at a goal with a time at the end of the tick in which that time is reached.
 /// A command acts in the tick after the one in which it is given, so the robot first moves in the second
-/// tick. An obstacle in its way blocks it, like any robot. Once the way is free again, it moves as fast as
-/// its drive can until it is on time, and it skips no goal.
+/// tick. An obstacle in its way blocks the robot, as it blocks robots with other controllers. Once the way is
+/// free again, the robot moves as fast as its drive can until it is on time, and it skips no goal.
 engine::ControllerKind waypoints_controller();
 
 }  // namespace troupe::models

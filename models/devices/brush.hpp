@@ -25,9 +25,9 @@ struct BrushState {
   TROUPE_FIELDS(painted)
 };
 
-/// A brush. It gives the zone (a flat coloured body) below it the commanded colour, if the zone carries a
-/// device of kind `led`. If several brushes paint a zone in the same tick, the brush of the body with the
-/// highest id determines the colour of the zone.
+/// A brush: a device that gives the zone (a flat coloured body) below it the commanded colour, if the zone
+/// carries a device of kind `led`. If several brushes paint a zone in the same tick, the brush of the body
+/// with the highest id determines the colour of the zone.
 engine::DeviceKind brush_kind();
 
 }  // namespace troupe::models

@@ -49,7 +49,7 @@ struct Gripper {
       d.member<&Params::lift>("lift", "state of the lift at the start");
       d.member<&Params::autosnatch>("autosnatch",
                                     "true: the gripper ignores commands, closes while a body breaks one of "
-                                    "its beams, and opens otherwise");
+                                    "the light beams between its paddles, and opens otherwise");
     }
   };
   using State = GripperState;
@@ -227,8 +227,8 @@ void obey(std::uint8_t order, GripperState& state) {
   if (order == GripperCommand::down && state.lift != S::is_down) state.lift = S::sinking;
 }
 
-/// Whether the gripper of the body `own` no longer carries the body that it held. Only the death of the held
-/// body causes this: no other gripper can take it.
+/// Whether the gripper of the body `own` no longer carries the body that it held. This happens only if the
+/// held body dies, because no other gripper can take a held body.
 bool has_lost(const SensingView& view, BodyId own, const GripperState& state) {
   return state.held != 0 && view.carrier(view.row(BodyId(state.held - 1))) != own;
 }

@@ -73,7 +73,7 @@ struct BlinkenParams {
                                         "fraction of each period in which the light is lit");
     d.member<&BlinkenParams::enabled>("enabled",
                                       "true: the light is lit as `period` and `dutycycle` say; false: it is "
-                                      "dark; a controller can override both");
+                                      "dark. Commands of a controller override this parameter");
     d.part<&BlinkenParams::light>();
   }
   LightSource source(const Pose& pose_body_light) const {

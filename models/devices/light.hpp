@@ -10,7 +10,7 @@ namespace troupe::models {
 struct LightCommand {
   /// How the light is switched.
   enum Switch : std::uint8_t {
-    as_world_says,  ///< lit as its parameters say; a lightindicator is then dark
+    as_world_says,  ///< a blinkenlight is lit as its parameters say; a lightindicator is dark
     on,             ///< lit, without blinking
     off,            ///< dark
   };

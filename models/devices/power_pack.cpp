@@ -51,9 +51,10 @@ struct PowerPack {
       d.member<&Params::draw>(
           "draw", watts, within(0, engine::k_most_watts),
           "constant power drawn from the pack, in addition to what the drive and the devices draw");
-      d.member<&Params::mass>("mass", kilograms, within(0, engine::k_most_mass_kg),
-                              "mass that the drive moves; the drive draws 10 W for each kg times each m/s or "
-                              "rad/s of its speeds");
+      d.member<&Params::mass>(
+          "mass", kilograms, within(0, engine::k_most_mass_kg),
+          "mass that the drive moves; the drive draws 10 W per kg and per m/s or rad/s of "
+          "its speeds, in addition to `idle`");
       d.member<&Params::idle>("idle", watts, within(0, engine::k_most_watts),
                               "power that the drive draws at any speed, also at rest");
       d.member<&Params::when_empty>(

@@ -83,7 +83,7 @@ struct DriveParams {
     d.part<&DriveParams::motion>();
     d.member<&DriveParams::pushes>(
         "pushes", within(0, engine::k_most_pushed), fixed,
-        "greatest number of pushable bodies that the robot pushes at once; more bodies block it");
+        "greatest number of pushable bodies that the robot pushes at once; a larger number blocks the robot");
     d.part<&DriveParams::localization>();
   }
 };

@@ -44,8 +44,9 @@ struct Wheels {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::drive>("drive", "kind of drive");
-      d.member<&Params::wheelbase>("wheelbase", meters, above(0), "distance between the axles");
+      d.member<&Params::drive>("drive", "kind of drive that moves the part");
+      d.member<&Params::wheelbase>("wheelbase", meters, above(0),
+                                   "distance between the axles of a car drive; no effect on other drives");
       d.part<&Params::motion>();
     }
   };

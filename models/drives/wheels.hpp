@@ -20,8 +20,8 @@ struct WheelsState {
   TROUPE_FIELDS(x, y, z, heading, forward, left, turn, stalled)
 };
 
-/// A drive for one part of a body, like a `position` model inside another model of Stage. The part drives
-/// about relative to the part that carries it, and it also moves along with that part.
+/// A drive for one part of a body, like a `position` model inside another model of Stage. The driven part
+/// moves relative to the part on which it is mounted, and also moves along with that part.
 ///
 /// parameters  drive (diff, omni or car), and the parameters of that kind of drive, except `pushes` and those
 ///             of localization

@@ -55,8 +55,10 @@ struct DeadSensors {
         return Error{unknown_name(fmt::format("sensor of type \"{}\"", type.name), name, sensors)};
       const auto d = static_cast<std::size_t>(device - type.devices.begin());
       if (d >= engine::k_most_fallible)
-        return Error{fmt::format("\"{}\" is device {} of type \"{}\", and only the first {} can fail", name,
-                                 d + 1, type.name, engine::k_most_fallible)};
+        return Error{
+            fmt::format("\"{}\" is device {} of type \"{}\", and only the first {} devices of a type "
+                        "can fail",
+                        name, d + 1, type.name, engine::k_most_fallible)};
       impairment.dead |= std::uint32_t{1} << d;
     }
     return impairment;

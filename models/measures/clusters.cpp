@@ -32,9 +32,11 @@ class Clusters : public Measure {
       using namespace engine::facts;
       d.member<&Params::distance>(
           "distance", Unit::meters, above(0), at_most(1000), required,
-          "two bodies are in one cluster if their origins are at most this far apart");
+          "two bodies are in one cluster if their origins are at most this far apart, or if a chain of such "
+          "bodies connects them");
       d.member<&Params::bodies>("bodies",
-                                "pushable: all pushable bodies; robots: the robots that `of` selects");
+                                "the bodies that form clusters. pushable: all pushable bodies; robots: the "
+                                "robots that `of` selects");
     }
   };
 
@@ -110,10 +112,10 @@ engine::MeasureKind clusters_measure() {
   return engine::make_measure_kind<ClusterCount>(
       "clusters", Unit::none, "number of clusters of pushable bodies or of robots",
       "The number of connected components of the graph that joins all pairs of bodies whose origins are at "
-      "most `distance` apart. The bodies are all pushable bodies, whatever robots `of` selects, or, with "
-      "`bodies`: \"robots\", the robots that `of` selects. A body without neighbours is a cluster of one. "
-      "Source, for aggregates of robots: Garnier et al., The embodiment of cockroach aggregation behavior in "
-      "a group of micro-robots, Artificial Life 14, 2008.",
+      "most `distance` apart. By default the bodies are all pushable bodies, and `of` has no effect. With "
+      "`bodies`: \"robots\" they are the robots that `of` selects. A body without neighbours is a cluster of "
+      "one. Source, for aggregates of robots: Garnier et al., The embodiment of cockroach aggregation "
+      "behavior in a group of micro-robots, Artificial Life 14, 2008.",
       "number of components of the graph {(i, j): |x_i - x_j| <= distance}");
 }
 
@@ -122,7 +124,7 @@ engine::MeasureKind largest_cluster_measure() {
       "largest_cluster", Unit::none,
       "fraction of the pushable bodies or of the robots that are in the largest cluster",
       "The number of bodies in the largest of the clusters that the measure `clusters` counts, divided by "
-      "the number of all these bodies. The value is NaN if there are none.",
+      "the number of bodies in all clusters. The value is NaN if there are no such bodies.",
       "max_c |c| / sum_c |c|, over the clusters c");
 }
 

@@ -2,13 +2,13 @@
 
 #include "engine/measure_kind.hpp"
 
-/// Measures of the clusters that pushable bodies form. Two bodies are in one cluster if their origins are at
-/// most the parameter `distance` (m) apart, or if a chain of such bodies connects them. `troupe describe`
-/// prints the definitions of the measures.
+/// Measures of the clusters that pushable bodies or robots form, as the parameter `bodies` says. Two bodies
+/// are in one cluster if their origins are at most the parameter `distance` (m) apart, or if a chain of such
+/// bodies connects them. `troupe describe` prints the definitions of the measures.
 namespace troupe::models {
 
-engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters of pushable bodies
-/// `largest_cluster`: fraction of the pushable bodies that are in the largest cluster.
+engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters
+/// `largest_cluster`: fraction of these bodies that are in the largest cluster.
 engine::MeasureKind largest_cluster_measure();
 
 }  // namespace troupe::models

@@ -49,7 +49,7 @@ class Coverage : public Measure {
     const double cells = (size.x() + 1) * (size.y() + 1);
     if (cells > k_most_cells)
       throw std::length_error(
-          fmt::format("{:.3g} cells of {:g} m, and at most {:.3g} are allowed: give a "
+          fmt::format("the ground has {:.3g} cells of {:g} m, and at most {:.3g} are allowed: give a "
                       "larger cell_m",
                       cells, grid_.cell_m, k_most_cells));
     low_ = grid_.cell(ground.min);
@@ -151,8 +151,8 @@ engine::MeasureKind coverage_measure() {
       "measuring began. Cells are squares with edges of length `cell`; the world's origin is a corner of "
       "four of them. A cell is free if its centre is within the bounds of the world and in no static "
       "obstacle, whatever the height of the obstacle. If the world has no bounds, the box around the static "
-      "geometry and the robots at the start is used instead. Free cells that no robot can reach count as "
-      "free.",
+      "geometry and the robots at the start is used instead. Cells that no robot can reach, such as those in "
+      "a closed room, also count as free cells.",
       "|visited free cells| / |free cells|");
 }
 

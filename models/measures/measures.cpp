@@ -377,7 +377,7 @@ engine::MeasureKind deaths_measure() {
   return engine::make_measure_kind<Deaths>(
       "deaths", Unit::none, "number of bodies of a type that have died",
       "The number of bodies of a type that have died, such as pucks that a remover took or robots whose "
-      "power packs ran empty. All bodies of the type count, whatever robots `of` selects.",
+      "power packs ran empty. All bodies of the type count; `of`, which selects robots, has no effect.",
       "sum_b [body b of the type is dead]");
 }
 
@@ -408,8 +408,8 @@ engine::MeasureKind path_length_measure() {
 engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
       "mean_speed", Unit::meters_per_second, "mean speed of the robots in the last tick",
-      "The mean over the robots of the speed of a robot's origin in the last tick, in whatever direction it "
-      "moved. The speed is 0 for a stalled robot, and for all robots before the first tick.",
+      "The mean over the robots of the speed of a robot's origin in the last tick, regardless of the "
+      "direction of motion. The speed is 0 for a stalled robot, and for all robots before the first tick.",
       "1/n sum_i |v_i|");
 }
 
@@ -457,8 +457,8 @@ engine::MeasureKind state_mean_measure() {
 engine::MeasureKind state_variance_measure() {
   return engine::make_measure_kind<StateVariance>(
       "state_variance", Unit::none, "variance of one number of the robots' state",
-      "The variance, over the robots, of the number whose mean is the measure `state_mean`: the mean square "
-      "of its difference from this mean. It is 0 if all robots have the same number.",
+      "The variance, over the robots, of the number whose mean is the measure `state_mean`: the mean of the "
+      "squared differences from this mean. The variance is 0 if all robots have the same number.",
       "1/n sum_i (s_i - m)^2, with m = 1/n sum_i s_i");
 }
 

@@ -9,7 +9,7 @@ namespace troupe::models {
 /// `stalls`: number of robots whose last motion was blocked, or would have left the world's bounds.
 engine::MeasureKind stalls_measure();
 engine::MeasureKind held_measure();          ///< `held`: number of robots stopped at the world's bounds
-engine::MeasureKind alive_measure();         ///< `alive`: number of robots in the world
+engine::MeasureKind alive_measure();         ///< `alive`: number of robots that are in the world
 engine::MeasureKind deaths_measure();        ///< `deaths`: number of bodies of a type that have died
 engine::MeasureKind displacement_measure();  ///< `displacement`, m: mean distance from where robots started
 engine::MeasureKind path_length_measure();   ///< `path_length`, m: mean length of the robots' paths
@@ -23,7 +23,7 @@ engine::MeasureKind spread_measure();
 engine::MeasureKind share_within_measure();  ///< `share_within`: fraction of the robots in a given circle
 /// `state_mean`: mean of one number of the state, such as a reading, over the robots that have this number.
 engine::MeasureKind state_mean_measure();
-/// `state_variance`: variance of such a number over the robots.
+/// `state_variance`: variance of the number of which `state_mean` is the mean, over the same robots.
 engine::MeasureKind state_variance_measure();
 
 }  // namespace troupe::models

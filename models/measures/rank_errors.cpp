@@ -72,9 +72,9 @@ engine::MeasureKind rank_errors_measure() {
       "The fraction of the pairs of robots of different types that are in the wrong order. Types have the "
       "order in which the world file defines them, and a pair is in the wrong order if the robot of the "
       "later type is nearer to `center`. The value is 0 if the types form rings around `center` in their "
-      "order, about one half if they are mixed, and NaN if all robots are of one type. Source: Gross, "
-      "Magnenat, Mondada, Segregation in swarms of mobile robots based on the Brazil nut effect, IROS 2009, "
-      "where it is the percentage of errors in rank.",
+      "order, the first type innermost, about one half if they are mixed, and NaN if all robots are of one "
+      "type. Source: Gross, Magnenat, Mondada, Segregation in swarms of mobile robots based on the Brazil "
+      "nut effect, IROS 2009, where this measure is called the percentage of errors in rank.",
       "|{(i, j): type_i < type_j, |x_i - center| > |x_j - center|}| / |{(i, j): type_i < type_j}|");
 }
 

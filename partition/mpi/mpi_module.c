@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static MPI_Comm all = MPI_COMM_NULL; /* apart from the messages of other users of MPI in this process */
+static MPI_Comm all = MPI_COMM_NULL; /* keeps Troupe's messages apart from others of this process */
 static MPI_Datatype unit = MPI_DATATYPE_NULL;
 
 static int start(unsigned* rank, unsigned* ranks, char* library, size_t bytes) {

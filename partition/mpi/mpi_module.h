@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-/* Changes with every change of this file. */
+/* The version of this interface, which is increased whenever the interface changes. */
 #define TROUPE_MPI_INTERFACE 1
 
 /* Messages consist of units of this many bytes, because MPI counts elements with an int. */
@@ -25,15 +25,16 @@ struct troupe_mpi {
   /* Initialises MPI. Sets the number of this process, the number of processes, and the name and version of the MPI
    * library, a text of at most `bytes` bytes with its final 0. */
   int (*start)(unsigned* rank, unsigned* ranks, char* library, size_t bytes);
-  /* Starts to send units to a process. Returns null after an error. The units must stay as they are until is_done()
-   * returns 1 for the result. */
+  /* Starts to send units to a process. Returns a handle of the transfer for is_done(), or null after an error. The units
+   * must stay as they are until is_done() returns 1 for the handle. */
   void* (*send)(unsigned to, const void* units, size_t count);
-  /* Looks whether a message from a process has come. Returns its number of units, 0 if none has come, and -1 after an
-   * error. *message then identifies it. */
+  /* Looks whether a message from a process has come. If so, returns its number of units and sets *message to a handle of
+   * the message for receive(). Returns 0 if no message has come, and -1 after an error. */
   long (*probe)(unsigned from, void** message);
-  /* Starts to receive a message that probe() found. Returns null after an error. */
+  /* Starts to receive a message that probe() found, and frees the handle of the message. Returns a handle of the transfer
+   * for is_done(), or null after an error. */
   void* (*receive)(void* message, void* units, size_t count);
-  /* Returns 1 if a transfer is done, and frees its handle; 0 if it is not done, and -1 after an error. */
+  /* Returns 1 if a transfer is done, and then frees its handle; 0 if it is not done, and -1 after an error. */
   int (*is_done)(void* transfer);
   double (*seconds)(void); /* a clock that measures intervals, s */
   int (*finish)(void);     /* finalises MPI; all processes call it */

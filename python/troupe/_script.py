@@ -28,13 +28,13 @@ class Controller:
 
     decide(robots) is called once in each tick for all robots of a type that decide in this tick. Class attributes:
 
-    robots  type, population or robot that the controller controls; "": all types with a drive
-    uses    list of the names or kinds of the devices that it uses; None: all
-    memory  the fields of each robot's memory: a dict of names and initial values, which are NumPy scalars or arrays, or
-            NumPy types, which begin at 0. The engine owns, hashes, saves and resets the memory
-    name    name of the controller in files and components; default: the name of the class
+    robots  name of the type, population or robot that the controller controls; "": all types with a drive
+    uses    list of the names or kinds of the devices that the controller uses; None: all devices of the robot
+    memory  the fields of each robot's memory: a dict from names to initial values, which are NumPy scalars or arrays,
+            or NumPy types, whose initial value is 0. The engine owns, hashes, saves and resets the memory
+    name    name of the controller in files and in components of the state; None: the name of the class
 
-    An instance has no attributes of its own, because they would be a state that no hash, checkpoint or reset knows.
+    An instance must have no attributes of its own: no hash, checkpoint or reset would include them.
     """
 
     robots: str = ""
@@ -61,7 +61,8 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
         def reach(robots):
             return np.abs(robots.poses()[:, 0]).max()
 
-    The script my.py gives the measure `my:reach`. Measures in Python are outside the promise of equal bits.
+    unit: of the result, such as "m"; name: of the measure, by default that of the function. The script my.py gives the
+    measure `my:reach`. Troupe does not guarantee that measures in Python have the same bits on every machine.
     """
 
     def declare(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -80,7 +81,7 @@ def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackTyp
 
 
 def error_text(file: str, error: BaseException, trace: Optional[TracebackType]) -> str:
-    """The text of an exception, with the last line of `file` that took part in it."""
+    """The text of an exception, after the name of `file` and the line in it that raised the exception or led to it."""
     line, text = _line_and_text(file, error, trace)
     return f"{file}:{line}: {text}" if line else f"{file}: {text}"
 
@@ -90,7 +91,8 @@ def _fail(file: str, line: int, text: str) -> NoReturn:
 
 
 def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int, int]], Any, bytes]:
-    """The fields of a memory, (name, type, columns, offset), the type of a row, and its bytes at the start."""
+    """Returns the fields of the memory of a controller class as tuples (name, type, columns, offset), the NumPy type of
+    the memory of one robot, and the initial bytes of this memory."""
     if not isinstance(cls.memory, dict):
         _fail(file, line, f"{cls.__name__}.memory is {cls.memory!r}: expected a dict of names and NumPy values or types")
     fields: List[Tuple[str, Any, int, int]] = []
@@ -99,7 +101,7 @@ def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int,
     for name, given in cls.memory.items():
         where = f"{cls.__name__}.memory[{name!r}]"
         if not isinstance(name, str) or not name.isidentifier():
-            _fail(file, line, f"{where}: a field's name is an identifier")
+            _fail(file, line, f"{where}: the name of a field must be a Python identifier")
         try:
             is_value = isinstance(given, (np.generic, np.ndarray))
             start = np.asarray(given) if is_value else np.zeros((), np.dtype(given))
@@ -176,7 +178,7 @@ def _of_file(source: Union[str, os.PathLike[str]]) -> Dict[str, Any]:
     except OSError as error:
         raise InputError(f"{file}: error: cannot be read: {error.strerror}") from None
     if not file.endswith(".py"):
-        raise InputError(f"{file}: error: the name of a script ends in .py")
+        raise InputError(f"{file}: error: the name of a script must end in .py")
     key = (os.path.abspath(file), contents)
     if key not in _loaded:
         module = _execute(file)
@@ -208,7 +210,8 @@ def _file_of(cls: Any) -> str:
 
 
 def load(sources: Sequence[Any]) -> List[Dict[str, Any]]:
-    """The descriptions of scripts, which are given as files, and of classes of controllers: one for each file."""
+    """Reads scripts and classes of controllers, and returns one description per file. sources: names of scripts, and
+    classes derived from Controller."""
     descriptions: List[Dict[str, Any]] = []
     classes: Dict[str, List[Any]] = {}
     for source in sources:

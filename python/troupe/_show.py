@@ -29,12 +29,13 @@ def film(
 ) -> None:
     """Steps the simulation by `seconds` of world time and writes a film of it (.mp4; needs ffmpeg).
 
-    A second of the film shows `speed` seconds of world time in `fps` pictures. look: the keyword arguments of picture().
-    An existing file is replaced when the film is complete. If the simulation stops, the film ends there.
+    width, height: size of the film, pixels. A second of the film shows `speed` seconds of world time in `fps` pictures.
+    look: the keyword arguments of picture(). An existing file is replaced when the film is complete. If a stop
+    condition ends the run, the film ends at that time.
     """
     _check_finite("film()", seconds=seconds, speed=speed, fps=fps)
     if os.path.splitext(os.fspath(file))[1] != ".mp4":
-        raise ValueError(f"film(): the name of a film ends in .mp4, found {os.fspath(file)!r}")
+        raise ValueError(f"film(): the name of a film must end in .mp4, found {os.fspath(file)!r}")
     begin, count = self.time_s, 0
     rgba = None
     with _Film(os.fspath(file), width, height, fps) as frames:
@@ -56,8 +57,9 @@ def replay(
 ) -> None:
     """Steps the simulation by `seconds` of world time and writes a page (.html) that plays this run in a browser.
 
-    every_s: world time between two pictures, s, and fields: fields of the state to show, both as in record(). replace:
-    whether an existing file is replaced. If it exists otherwise, raises FileExistsError before the first step.
+    every_s: world time between two frames of the page, s. fields: fields of the state that the page can show. Both are
+    as in record(). replace: whether an existing file is replaced. Without it, raises FileExistsError before the first
+    step if the file exists.
     """
     _check_finite("replay()", seconds=seconds)
     if not replace and os.path.exists(file):
@@ -81,9 +83,10 @@ def _png(self: Simulation, width: int, height: int, **look: Any) -> bytes:
 
 
 def show(self: Simulation, width: int = 960, height: int = 540, **look: Any) -> Any:
-    """Shows a picture of the world: in a notebook below the cell, otherwise in the program for pictures of the desktop.
+    """Shows a picture of the world: in a notebook below the cell, otherwise in the program that opens PNG files.
 
-    look: the keyword arguments of snapshot(). Returns what a notebook displays, or the file.
+    look: the keyword arguments of snapshot(). Returns the image that the notebook displays, or else the name of the
+    file.
     """
     picture = _png(self, width, height, **look)
     try:
@@ -101,7 +104,7 @@ def show(self: Simulation, width: int = 960, height: int = 540, **look: Any) -> 
 
 
 def _repr_html_(self: Simulation) -> str:
-    """The world in a notebook: a picture and a line of text."""
+    """What a notebook displays for a simulation: a picture of the world and a line of text, as HTML."""
     picture = base64.b64encode(_png(self, 640, 360)).decode()
     text = f"{self.title}: {self.robots} robots, {self.time_s:g} s, state {self.state_hash():016x}"
     return f'<img src="data:image/png;base64,{picture}" width="640" height="360"><br>{html.escape(text)}'

@@ -80,7 +80,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
 
     study    the name of a study file (docs/sweeps.md), or a dict with the content of a study file, whose "world" may be
              a file name or a dict
-    series   whether measures over time are returned; None: "series" of the study decides
+    series   whether the measures over time are returned instead of one row per run; None: as "series" in the study says
     threads  number of parallel runs; None: one per processor that the process may use
     name     if `study` is a dict: the file name in error messages; relative paths are resolved from its folder
     options  search_path and plugin_path, as in Simulation

@@ -102,7 +102,7 @@ def series_by(folder: _File, measure: Optional[str] = None,
         raise PlotError(f"error: {' and '.join(names)} give {len(lines)} lines, but at most {MOST_LINES} can be distinguished: "
                         f"choose fewer parameters with --by: {', '.join(parameters)}")
     if not lines:
-        raise PlotError(f'error: no run has a value of "{measure}"')
+        raise PlotError(f'error: the measure "{measure}" has no value in any run')
     result: Dict[_Key, _Points] = {}
     for key in sorted(lines, key=_order):
         result[key] = []
@@ -141,7 +141,7 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
     if names:
-        axes.legend(frameon=False, title=None if most == 1 else f"of {most} runs each")
+        axes.legend(frameon=False, title=None if most == 1 else f"{most} runs per line")
     if title:
         axes.set_title(title)
     try:

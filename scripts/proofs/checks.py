@@ -11,7 +11,7 @@ THREADS = (1, 2, 3, 8)
 TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: automatic
 # Checks that are an option of `troupe check`, with one thread and one tile size.
 OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia", "reach": "--reach"}
-# The part of all worlds that are also computed by several ranks.
+# Probability that a world is also computed by several ranks.
 RANKS = 0.5
 
 

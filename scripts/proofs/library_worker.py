@@ -2,8 +2,10 @@
 """Runs checks of worlds with Troupe's Python module, all variants in one process. Reads and writes one JSON text per line.
 
     in   {"world": {...}, "folder": "...", "program": "...", "ticks": 40, "checks": [...], "cover": true}
-    out  {"invalid": "..."}, or {"failures": [{"check": {...}, "tick": 7, "text": "..."}], "events": [[type, robot, other], ...],
-          "refused": [...], "alive": [names at each checkpoint]}
+    out  {"invalid": the reason why the world cannot be loaded}, or
+         {"failures": [{"check": {...}, "tick": 7, "text": "..."}], "events": [[type, robot, other], ...],
+          "refused": [reasons of `troupe convert`], "resumed": [names of the robots alive at checkpoints],
+          "ticks": ticks of the plain run, "stopped": the line with the error that ended the plain run, or ""}
 
 It is a separate process because a world may crash it. scripts/proofs/random_proof.py starts it.
 """

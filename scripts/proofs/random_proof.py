@@ -22,7 +22,7 @@ from .table import clock
 
 KEPT = ROOT / "build" / "prove" / "random"
 WORKER = pathlib.Path(__file__).resolve().parent / "library_worker.py"
-# From this number of worlds on, everything must have occurred; else the generator has a fault.
+# From this number of worlds on, every kind and event must have occurred; else the generator has a fault.
 COMPLETE_AT = 2000
 LEAST_VALID = 0.9
 # A check counts as hanging after this much processor time, or after this much wall time on a busy machine.
@@ -76,7 +76,7 @@ class Library:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def _answer(self):
-        """("told", the next answer), or ("crash" or "hangs", a text)."""
+        """Returns ("told", the next answer of the process), or ("crash" or "hangs", a text that says how the process ended)."""
         end, cpu_end = time.monotonic() + TIMEOUT_S, self._cpu_s() + TIMEOUT_CPU_S
         output = self._process.stdout.fileno()
         while b"\n" not in self._pending:
@@ -192,7 +192,7 @@ class RandomProof:
         self.runner, self.seed, self.count, self.seconds, self.first = runner, seed, count, seconds, first
         self.least = least  # least number of worlds, whatever time they take
         self.controllers, self.kept, self.shrink, self.say = controllers, kept, shrink, say
-        # If given, a program without the planted fault: worlds that fail in it too are not counted.
+        # If given, a runner of a program without the planted fault: worlds that fail with it too are not counted.
         self.sound = sound
         self.kinds = kinds or kinds_of(runner.program)
         self.coverage = Coverage(self.kinds)

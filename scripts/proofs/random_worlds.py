@@ -38,7 +38,7 @@ NEEDS = {
 EVERYTHING = [RING, SCANNER, RADIO, ("ground", {}), ("light_sensor", {"directions": 8}), ("fiducial", {}), ("flags", {}),
               ("power_pack", {}), ("gripper", {}), ("led", {})]
 COMPANIONS = {"power_contact": "power_pack", "spawner": "flags"}
-# Controllers that do not drive; a body may have another controller too.
+# Controllers that do not drive. A body may have such a controller together with another one.
 STANDS = {"source", "sink"}
 MODELS_NEEDED = {"fasr": ("source", "sink"), "fasr2": ("red_source", "red_sink", "green_source", "green_sink"),
                  "collector": ("sink", "sink1")}

@@ -1,5 +1,5 @@
 """The proofs of scripts/prove. A proof is a list of variants of a run, such as other numbers of threads, that must not change any
-bit of the state."""
+bit of the state. T0, T1 and T2 in the names of proofs are the tiers of docs/determinism.md: one machine, one program, one source."""
 
 import pathlib
 import subprocess

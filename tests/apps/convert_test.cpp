@@ -80,7 +80,7 @@ TEST_F(ConvertCommand, NothingIsWrittenOfAWorldThatIsWrong) {
               HasSubstr("none.world: error: there is no such"));
   write("good.world", k_world);
   EXPECT_THAT(refused({"convert", "good.world", "w.yaml"}).err,
-              HasSubstr("w.yaml: error: a world's file name ends in .world"));
+              HasSubstr("w.yaml: error: the name of a world file must end in .world"));
   EXPECT_THAT(refused({"convert", "good.world", "nowhere/w.json"}).err,
               HasSubstr("there is no folder nowhere"));
   write("w.json", R"({"troupe": 1,

@@ -157,10 +157,11 @@ TEST_F(Info, OfWorlds) {
     "types": {"bot": {"size_m": [1, 1, 1], "drive": {"kind": "omni"}, "controller": {"kind": "script"}}},
     "populations": [{"name": "b", "type": "bot", "count": 2,
                      "place": {"rule": "uniform", "region_m": [[0, 0], [9, 9]]}}]})");
-  EXPECT_THAT(info("ours"),
-              ElementsAre("ours", "kind world, in JSON, format 1", "title T", "seed 9", "tick 0.1 s",
-                          "ends at 3 s", "ranging exact", "robots 2", "bot 2: omni, script", "other models 0",
-                          "bounds none: 100 km in each direction", "measures order, stalls:b"));
+  EXPECT_THAT(
+      info("ours"),
+      ElementsAre("ours", "kind world, in JSON, format 1", "title T", "seed 9", "tick 0.1 s", "ends at 3 s",
+                  "ranging exact", "robots 2", "bot 2: omni, script", "other models 0",
+                  "bounds none: the world reaches 100 km in each direction", "measures order, stalls:b"));
 }
 
 TEST_F(Info, OfAnExperiment) {

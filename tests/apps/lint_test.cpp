@@ -62,17 +62,17 @@ TEST_F(LintTest, FindsNothingInTheWorldsThatAreShipped) {
 }
 
 TEST_F(LintTest, ReportsEachOverlapAndWhoStandsInAWall) {
-  EXPECT_THAT(
-      findings("w.world",
-               "position( name \"a\" )\n"
-               "position( name \"b\" pose [0.2 0 0 0] )\n"
-               "position( name \"c\" pose [0.3 0 0 0] )\n"
-               "model( name \"wall\" pose [5 0 0 0] size [2 2 1] )\n"
-               "position( name \"d\" pose [5 0 0 0] )\n"),
-      ElementsAre("w.world:1: warning: \"a\" overlaps \"b\" at the start",
-                  "w.world:1: warning: \"a\" overlaps \"c\" at the start",
-                  "w.world:2: warning: \"b\" overlaps \"c\" at the start",
-                  "w.world:5: warning: \"d\" stands in \"wall\" at the start", "w.world: 4 findings"));
+  EXPECT_THAT(findings("w.world",
+                       "position( name \"a\" )\n"
+                       "position( name \"b\" pose [0.2 0 0 0] )\n"
+                       "position( name \"c\" pose [0.3 0 0 0] )\n"
+                       "model( name \"wall\" pose [5 0 0 0] size [2 2 1] )\n"
+                       "position( name \"d\" pose [5 0 0 0] )\n"),
+              ElementsAre("w.world:1: warning: \"a\" overlaps \"b\" at the start",
+                          "w.world:1: warning: \"a\" overlaps \"c\" at the start",
+                          "w.world:2: warning: \"b\" overlaps \"c\" at the start",
+                          "w.world:5: warning: \"d\" overlaps the static body \"wall\" at the start",
+                          "w.world: 4 findings"));
 }
 
 TEST_F(LintTest, CountsOverlapsBeyondAHundred) {
@@ -106,7 +106,8 @@ TEST_F(LintTest, ReportsFloorPlansThatBlockNothingAndWhoStandsInThem) {
       findings("ghost.world",
                "model( name \"cave\" pose [5 0 0 0] size [4 4 1] bitmap \"gate.pgm\" )\n"
                "position( obstacle_return 0 )\n"),
-      Contains("ghost.world:1: warning: floor plan \"cave\" blocks no robot: no robot is an obstacle"));
+      Contains("ghost.world:1: warning: floor plan \"cave\" blocks no robot: no robot is an obstacle, and "
+               "only obstacles block one another"));
   expect_nothing("right.world", "model( size [4 4 1] bitmap \"gate.pgm\" )\nposition()\n");
 }
 
@@ -148,11 +149,12 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
       "  ranger( pose [0 0 -0.2 0] sensor( range [0 5] ) ) )\nbot()\n";
   EXPECT_THAT(findings("alone.world", alone),
               ElementsAre("alone.world:2: warning: sensor \"ranger:0\" of \"bot\" sees nothing: no other "
-                          "body that rangers see is at its height, 0.11 m",
+                          "body that rangers see is at the height of the sensor, 0.11 m",
                           "alone.world: 1 finding"));
   expect_nothing("two.world", alone + "bot( pose [2 0 0 0] )\n");
-  EXPECT_THAT(findings("invisible.world", alone + "model( pose [2 0 0 0] ranger_return -1 )\n"),
-              Contains(HasSubstr("sees nothing: no other body that rangers see is at its height")));
+  EXPECT_THAT(
+      findings("invisible.world", alone + "model( pose [2 0 0 0] ranger_return -1 )\n"),
+      Contains(HasSubstr("sees nothing: no other body that rangers see is at the height of the sensor")));
 }
 
 TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
@@ -189,7 +191,8 @@ TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
   // At this height there is but its own mark.
   EXPECT_THAT(
       findings("own.json", world(marked, R"(, "pose": {"z_m": 0.2})", "0.6")),
-      Contains(HasSubstr("sees nothing: no other body with a fiducial_return is at its height, 0.2 m")));
+      Contains(HasSubstr(
+          "sees nothing: no other body with a fiducial_return is at the height of the sensor, 0.2 m")));
 }
 
 TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {

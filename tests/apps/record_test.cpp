@@ -332,7 +332,7 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
 
   write("log", "# troupe hash log 1\n");
   EXPECT_THAT(error_of({"diff", "a.h5", "log"}),
-              HasSubstr("log: error: this is not a recording, but a.h5 is"));
+              HasSubstr("log: error: not a recording (troupe run --record), but a.h5 is a recording"));
   EXPECT_THAT(error_of({"diff", "a.h5", "none.h5"}), HasSubstr("none.h5: error: there is no such file"));
 }
 

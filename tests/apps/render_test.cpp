@@ -217,13 +217,12 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
             "run.h5: error: there is no model \"missing\" to follow\n");
   EXPECT_THAT(
       refusal({"run.h5", "--camera", "window"}),
-      HasSubstr("run.h5: error: the camera \"window\" needs a world file with a window; other cameras"));
-  EXPECT_EQ(
-      refusal({"run.h5", "--seed", "3"}),
-      "run.h5: error: --seed is only for worlds, and this is a recording; --at selects one of its times\n");
-  EXPECT_EQ(
-      refusal({"run.h5", "--for", "0.5"}),
-      "run.h5: error: --for is only for worlds, and this is a recording; --at selects one of its times\n");
+      HasSubstr(
+          "run.h5: error: the camera \"window\" needs a world file with the entry window; other cameras"));
+  EXPECT_EQ(refusal({"run.h5", "--seed", "3"}),
+            "run.h5: error: --seed cannot be used with a recording; --at selects one of its times\n");
+  EXPECT_EQ(refusal({"run.h5", "--for", "0.5"}),
+            "run.h5: error: --for cannot be used with a recording; --at selects one of its times\n");
   EXPECT_EQ(refusal({"run.h5", "--at", "2"}),
             "run.h5: error: 2 s is not recorded: the recording contains 0 s to 1 s\n");
   ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
@@ -255,7 +254,7 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render", "room.world", "-o", "none/q.png"},
        "none/q.png: error: cannot be written: there is no folder none"},
       {{"render", "room.world", "-o", "q.png", "--camera", "window"},
-       "room.world: error: the camera \"window\" needs a world file with a window"},
+       "room.world: error: the camera \"window\" needs a world file with the entry window"},
   };
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = troupe(arguments);

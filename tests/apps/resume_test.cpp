@@ -181,7 +181,7 @@ TEST_P(ResumeAfterUsr1, WithoutACheckpointIsAWarning) {
   EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(
       outcome.err,
-      HasSubstr("room.world: warning: SIGUSR1 asks for a checkpoint, but the run has no file for it"));
+      HasSubstr("room.world: warning: SIGUSR1 requests a checkpoint, but the run has no checkpoint file"));
 }
 
 TEST_F(Resume, AKillLeavesTheLastCheckpoint) {
@@ -240,9 +240,8 @@ TEST_F(Resume, ChangesWhatIsSet) {
   EXPECT_THAT(read("eight.log"), HasSubstr("# set /seed at tick 10: 8\n"));
   const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--set", "/tick_s=0.2"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(
-      outcome.err,
-      StartsWith("--set /tick_s: error: this value of a stored world cannot be changed; --set can change "));
+  EXPECT_THAT(outcome.err, StartsWith("--set /tick_s: error: this value of the world in a checkpoint cannot "
+                                      "be changed; --set can change "));
 }
 
 TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {

@@ -210,8 +210,9 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--snapshot", "p.png", "--angle", "91"}),
                    in_run("--angle: \"91\" is not a pitch in degrees, 0 (straight down) to 90 (level), and a "
                           "yaw, -360 to 360, as in --angle 50,30")},
-        WrongUsage{room({"--snapshot", "p.png", "--center", "3"}),
-                   in_run("--center: \"3\" is not x and y in metres, at most 1e+06, as in --center 2.5,-4")},
+        WrongUsage{
+            room({"--snapshot", "p.png", "--center", "3"}),
+            in_run("--center: \"3\" is not x and y in metres, from -1e+06 to 1e+06, as in --center 2.5,-4")},
         WrongUsage{room({"--snapshot", "p.png", "--across", "0"}),
                    in_run("--across: \"0\" is not a length in metres, above 0 and at most 1e+06")},
         WrongUsage{room({"--snapshot", "p.png", "--color-range", "2,1"}),
@@ -279,13 +280,13 @@ TEST_F(Describe, FieldsHaveKeyDefaultRangeAndMeaning) {
 }
 
 TEST_F(Describe, DevicesShowWhatTheyReadAndChangeOfOthers) {
-  EXPECT_THAT(
-      troupe({"describe", "radio"}).out,
-      HasSubstr("other bodies\n  reads of other bodies, besides their places: radio/command, runs\n"));
+  EXPECT_THAT(troupe({"describe", "radio"}).out,
+              HasSubstr("other bodies\n  reads of other bodies, in addition to their poses and shapes: "
+                        "radio/command, runs\n"));
   EXPECT_THAT(
       troupe({"describe", "flags"}).out,
-      HasSubstr("other bodies\n  changes: its own body, a target anywhere in the world, and what these "
-                "carry or are carried by\n"));
+      HasSubstr("other bodies\n  changes: its own body, a target anywhere in the world, and the bodies "
+                "that these carry or are carried by\n"));
   EXPECT_THAT(troupe({"describe", "ranger"}).out, Not(HasSubstr("other bodies\n")));
 }
 

@@ -186,7 +186,7 @@ TEST(ControllerCheck, NamesRobotControllerFieldAndValues) {
   EXPECT_THAT(
       finding_text(swarm.world, findings[0]),
       MatchesRegex("controller \"keeps_a_static/1\": memory calls of \"r0\" .id 1. is 0x[0-9a-f]+ .[0-9]+. "
-                   "when decided again, not 0x[0-9a-f]+ .[0-9]+.; 300 decisions differ"));
+                   "when the decision is repeated, not 0x[0-9a-f]+ .[0-9]+.; 300 decisions differ"));
 }
 
 TEST(ControllerCheck, CatchesRand) {

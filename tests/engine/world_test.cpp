@@ -105,9 +105,9 @@ TEST(World, TwoSensorsOfOneNameAreToldApart) {
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
   EXPECT_EQ(world.types()[type.index()].devices[1].name, "ir#2");
-  EXPECT_THAT(diagnostics.warnings(),
-              testing::ElementsAre(
-                  "warning: the robot already has a sensor \"ir\": this sensor is renamed \"ir#2\""));
+  EXPECT_THAT(
+      diagnostics.warnings(),
+      testing::ElementsAre("warning: the type already has a sensor \"ir\": this sensor is renamed \"ir#2\""));
 }
 
 TEST(World, AWaferThinRobotIsAWarning) {
@@ -127,9 +127,9 @@ TEST(World, ABodyBelowTheFloorIsAWarning) {
   scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {0, 0, -0.1, 0});
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-  EXPECT_THAT(
-      diagnostics.warnings(),
-      testing::ElementsAre("warning: a body extends below the floor (z = 0), which is not an obstacle"));
+  EXPECT_THAT(diagnostics.warnings(),
+              testing::ElementsAre(
+                  "warning: a body extends below the floor (z = 0); the floor itself is not an obstacle"));
 }
 
 struct Thrower {
@@ -241,7 +241,7 @@ TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
     scene.body(fmt::format("r{}", i), type, {i * 0.15, 0, i % 2 == 0 ? -0.1 : 0.0, 0});
   scene.wall(0, -1, 1, 1);
   const std::string floor =
-      "warning: a body extends below the floor (z = 0), which is not an obstacle (and 349 more)";
+      "warning: a body extends below the floor (z = 0); the floor itself is not an obstacle (and 349 more)";
   const std::string pairs = fmt::format(
       "warning: {} pairs of bodies overlap at the start, for example \"r700\" and \"r699\"; bodies that "
       "overlap may move apart, but not closer",

@@ -628,7 +628,7 @@ TEST(Measures, SayWhatIsWrongWithThem) {
                 HasSubstr("(did you mean \"stalls\"?)")),
           "error: unknown type or population of robots \"trucks\"; known: m, minibot, t, truck (did you mean "
           "\"truck\"?)",
-          "error: two measures have the column \"order\": give one of them a name",
+          "error: two measures have the column \"order\": give one of them another \"name\"",
           AllOf(HasSubstr("error: coverage: "),
                 HasSubstr(" cells of 0.001 m, and at most 2.5e+07 are allowed: give a larger cell_m"))));
 }

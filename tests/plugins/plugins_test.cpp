@@ -455,8 +455,10 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_THAT(error(room("unprepared"), "unusable"),
               EndsWith("unprepared.so has a sensor or device \"unprepared\" without `prepare`"));
   EXPECT_EQ(error(room("beam_ranger", {}, "devices")),
-            ":3: error: /types/bot/devices/0/kind: \"beam_ranger\" is a sensor: it belongs in \"sensors\"");
-  EXPECT_EQ(error(room("led")), at("3", "/kind") + "\"led\" is not a sensor: it belongs in \"devices\"");
+            ":3: error: /types/bot/devices/0/kind: \"beam_ranger\" is a sensor: move this entry to the list "
+            "\"sensors\"");
+  EXPECT_EQ(error(room("led")),
+            at("3", "/kind") + "\"led\" is not a sensor: move this entry to the list \"devices\"");
   EXPECT_THAT(error_of(stage_world("beam_ranger"), options({folder_of("plugins")})),
               EndsWith("has no controller \"beam_ranger\"; it has: no controller, but beam_ranger"));
 }

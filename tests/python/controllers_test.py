@@ -1,4 +1,4 @@
-"""Controllers and measures in Python: run, check, sweep, checkpoints, and what is wrong with them."""
+"""Tests of controllers and measures in Python: run, check, sweep, checkpoints, and errors."""
 
 import os
 import pathlib
@@ -23,7 +23,8 @@ WORLD = """{"troupe": 1, "quit_time_s": 2, "measures": ["stalls"],
     "devices": [{"name": "lamp", "kind": "led"}]}},
   "populations": [{"name": "r", "type": "bot", "count": 30, "place": {"rule": "uniform"}}]}"""
 
-# Every robot turns by a random walk that it remembers, shines by what it sees and says where it heads.
+# Each robot changes its turn rate at random and keeps it in its memory. It shows near obstacles with its LED, and sends the
+# turn rate by radio.
 ROAM = """import numpy as np
 import troupe
 
@@ -53,7 +54,7 @@ def reach(robots):
     return np.abs(robots.poses()[:, :2]).max()
 """
 
-# The law of the plug-in tests/plugins/walker.cpp.
+# The same rule as in the plug-in tests/plugins/walker.cpp.
 WALKER = """import numpy as np
 import troupe
 
@@ -159,7 +160,7 @@ class Controllers(InAFolder):
         self.write("stop.json", stopping)
         self.assertIn("ticks              1 of", self.troupe("run", "stop.json", "--controller", "roam.py").stdout)
         checked = self.troupe("check", "stop.json", "--controller", "roam.py", "--for", "0.5")
-        self.assertIn("roam:reach is a measure in Python, outside the promise of equal bits", checked.stdout)
+        self.assertIn("roam:reach is a measure in Python, for which Troupe does not guarantee equal bits", checked.stdout)
         world = troupe.Simulation("w.json", controllers=["roam.py"])
         measures = troupe.Measures(world, ["stalls", "roam:reach", lambda robots: len(robots)])
         self.assertEqual(measures.columns, ["stalls", "roam:reach_m", "<lambda>"])
@@ -227,7 +228,7 @@ class Controllers(InAFolder):
         self.assertIn("none.py: error: cannot be read: No such file or directory", found)
         launched = {"OMPI_COMM_WORLD_RANK": "0", "OMPI_COMM_WORLD_SIZE": "4"}
         found = self.troupe("run", "w.json", "--controller", "roam.py", code=2, **launched).stderr
-        self.assertIn("--controller runs in one process, but mpirun of Open MPI has started 4", found)
+        self.assertIn("--controller works only in one process, but mpirun of Open MPI started 4", found)
         found = self.troupe("run", "w.json", "--controller", "roam.py", code=2, TROUPE_PYTHON="/no/python").stderr
         self.assertIn('"/no/python" cannot be executed', found)
 
@@ -240,7 +241,7 @@ class Controllers(InAFolder):
 
         world = troupe.Simulation("w.json", controllers=[Keeper])
         world.step()
-        with self.assertRaisesRegex(RuntimeError, "only during its call"):
+        with self.assertRaisesRegex(RuntimeError, "only during the call of decide"):
             kept[0].ranges()
 
 

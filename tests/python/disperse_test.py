@@ -1,4 +1,5 @@
-"""python/examples/disperse.py: a controller in NumPy makes the bits of the one in C++, and costs little more."""
+"""Tests that python/examples/disperse.py, a controller in NumPy, gives the same bits as the controller in C++, and is not much
+slower."""
 
 import importlib.util
 import os

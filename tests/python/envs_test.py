@@ -1,5 +1,5 @@
-"""The environments, with the packages whose interfaces they have: their own checkers, and their own vector environment
-against ours, bit for bit."""
+"""Tests the environments of troupe.envs with the packages whose interfaces they implement (Gymnasium, PettingZoo): with the
+checkers of these packages, and by comparing their vector environment with that of troupe.envs, bit for bit."""
 
 import unittest
 import warnings
@@ -23,7 +23,7 @@ TASKS = sorted(troupe.envs.TASKS)
 
 
 class Short(troupe.envs.Navigation):
-    """Episodes of few steps, some of which end at a goal."""
+    """A task with short episodes, some of which end at a goal."""
 
     seconds = 3.0
 
@@ -32,7 +32,7 @@ class Short(troupe.envs.Navigation):
 
 
 class Walkers(troupe.envs.Task):
-    """Two unlike teams: carts of the world of the other tests, and bots of which some are born later."""
+    """A task with two different teams: the carts of the other tests, and bots, some of which are born later."""
 
     world = ROOM
     seconds = 4.0
@@ -48,7 +48,7 @@ class Walkers(troupe.envs.Task):
 
 
 class Looker(troupe.envs.Task):
-    """A picture and ranges as a dict, and three actions to choose from."""
+    """A task whose observation is a dict with a picture and ranges, and which has three discrete actions."""
 
     seconds = 3.0
 
@@ -71,7 +71,7 @@ class Looker(troupe.envs.Task):
 
 
 def fixed_actions(space, step):
-    """The same for all environments, whatever steps them."""
+    """Returns actions that depend only on the step, so that all environments get the same actions."""
     space.seed(step)
     return space.sample()
 
@@ -96,7 +96,7 @@ class Checkers(unittest.TestCase):
         self.assertEqual(observation["picture"].shape, (4, 8, 4))
         self.assertGreater(len(np.unique(observation["picture"])), 2)
         self.assertEqual(env.action_space, gymnasium.spaces.Discrete(3))
-        rewards = [env.step(0)[1] for _ in range(3)]  # the first action is to drive on
+        rewards = [env.step(0)[1] for _ in range(3)]  # action 0: drive straight on
         self.assertGreater(rewards[-1], 0.4)
         with self.assertRaisesRegex(ValueError, "whole numbers from 0 to 2"):
             env.step(3)

@@ -1,4 +1,4 @@
-"""troupe.math: the bits of C++."""
+"""Tests that the functions of troupe.math give the same bits as those in C++."""
 
 import math
 import unittest
@@ -20,7 +20,7 @@ class Functions(unittest.TestCase):
         some, positive = ANGLES[:4001], np.abs(ANGLES) + 1e-300
         for name, *arguments in [("sin", ANGLES), ("cos", ANGLES), ("exp", some), ("log", positive),
                                  ("atan2", ANGLES, ANGLES[::-1])]:
-            truth = [getattr(math, name)(*each) for each in zip(*arguments)]  # of the C library: right to half an ulp
+            truth = [getattr(math, name)(*each) for each in zip(*arguments)]  # from the C library: correct to half an ulp
             np.testing.assert_array_max_ulp(getattr(tm, name)(*arguments), np.array(truth), 1)
         self.assertEqual(bits(tm.sqrt(positive)), bits(np.sqrt(positive)))
 
@@ -68,7 +68,7 @@ class OrderedSums(unittest.TestCase):
                     total += value
                 expected.append(total)
             self.assertEqual(bits(tm.ordered_sum(values, axis)), bits(expected))
-        self.assertNotEqual(bits(tm.ordered_sum(values)), bits(values.sum(axis=-1)))  # else there would be no need
+        self.assertNotEqual(bits(tm.ordered_sum(values)), bits(values.sum(axis=-1)))  # else ordered_sum() would not be needed
 
     def test_shapes(self):
         self.assertEqual(tm.ordered_sum(np.ones((2, 3, 4))).shape, (2, 3))

@@ -1,5 +1,5 @@
-"""Packages of the Python Package Index, for tests that run against them: a virtual environment in the build folder, made
-at the first use, on top of what the interpreter has."""
+"""Installs packages of the Python Package Index for tests that need them: in a virtual environment in the build folder, which
+is made at the first use and also has the packages of the interpreter."""
 
 import os
 import pathlib
@@ -8,13 +8,13 @@ import sys
 
 import troupe
 
-#: As the documentation names them.
+#: The versions that the documentation names.
 PACKAGES = ("gymnasium==1.4.0", "pettingzoo==1.27.0")
 
 
 def run_with_packages():
-    """Runs this program again with the packages, and ends with its status; returns there at once. Where they cannot be
-    had it says so, and ends with 77: skipped."""
+    """Runs this program again in the virtual environment, and ends with its exit status; in the virtual environment, only
+    returns. If the packages cannot be installed, prints the reason and ends with 77 (skipped)."""
     folder = pathlib.Path(troupe.__file__).parents[4] / f"python_packages-{sys.version_info[0]}.{sys.version_info[1]}"
     python = folder / "bin" / "python3"
     if pathlib.Path(sys.prefix) == folder:

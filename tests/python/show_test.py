@@ -1,4 +1,4 @@
-"""Films, replay pages and pictures in notebooks: Simulation.film(), replay(), show() and _repr_html_()."""
+"""Tests of films, replay pages and pictures in notebooks: Simulation.film(), replay(), show() and _repr_html_()."""
 
 import base64
 import json
@@ -19,7 +19,7 @@ SIZE = (320, 240)
 
 
 def moving():
-    """A room whose robots drive; threads=1 for short tests."""
+    """Returns a simulation of a room with driving robots, with one thread, because the tests are short."""
     simulation = troupe.Simulation(ROOM, threads=1)
     simulation.swarm("r").set_speeds(0.4, 0.2)
     return simulation
@@ -56,7 +56,7 @@ class Film(InAFolder):
     def test_errors_leave_no_file(self):
         simulation = moving()
         for arguments, error in {
-            ("f.webm", 1): "the name of a film ends in .mp4, found 'f.webm'",
+            ("f.webm", 1): "the name of a film must end in .mp4, found 'f.webm'",
             ("f.mp4", 0): "seconds must be a finite number above 0, found 0",
             ("f.mp4", float("nan")): "seconds must be a finite number above 0, found nan",
             ("f.mp4", float("inf")): "seconds must be a finite number above 0, found inf",

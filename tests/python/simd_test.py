@@ -1,4 +1,4 @@
-"""TROUPE_SIMD chooses the instruction set that ranges are found with, before the module is imported."""
+"""Tests that TROUPE_SIMD, set before the module is imported, selects the instruction set for range finding."""
 
 import os
 import subprocess

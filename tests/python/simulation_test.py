@@ -1,4 +1,4 @@
-"""The simulation as Python sees it."""
+"""Tests of the simulation in the Python package."""
 
 import copy
 import gc
@@ -432,7 +432,7 @@ class Devices(InAFolder):
         depth = robot.readings("depth")
         self.assertEqual((depth.dtype, depth.shape), (np.float32, (32,)))
         world.step()
-        self.assertGreater(depth.max(), 0)  # shown, not copied
+        self.assertGreater(depth.max(), 0)  # a view, not a copy
         with self.assertRaises(ValueError):
             depth[0] = 1
         self.assertEqual(robot.readings("color", "cam").shape, (4 * 32,))
@@ -457,7 +457,7 @@ class Devices(InAFolder):
         for wrong in (256, -1, 0.5, [1, 2], "on"):
             with self.assertRaises((ValueError, TypeError)):
                 robot.command("lamp", red=0.25, shows=wrong)
-        self.assertEqual(robot.command("lamp")["red"], 1.0)  # all of it, or nothing
+        self.assertEqual(robot.command("lamp")["red"], 1.0)  # the invalid command changed nothing
         with self.assertRaisesRegex(LookupError, 'no device that takes commands "eye"; it has: lamp'):
             robot.command("eye")
 
@@ -509,7 +509,7 @@ class Models(InAFolder):
         self.assertEqual(world.unborn("r"), 2)
         born = world.spawn("r", (0, -4.5, 0))
         self.assertEqual(born.name, "r6")
-        self.assertIsNone(world.spawn("r", (0, -4.5, 0)))  # taken
+        self.assertIsNone(world.spawn("r", (0, -4.5, 0)))  # another body is in the way
         world.remove(world.find("r0"))
         self.assertFalse(world.find("r0").is_alive())
         world.step()
@@ -632,7 +632,7 @@ class Tables(InAFolder):
         del world
         gc.collect()
         for _ in range(20):
-            troupe.Simulation(ROOM).step()  # would lie where the old one lay
+            troupe.Simulation(ROOM).step()  # would reuse the memory of `world`, if it had been freed
         for shown, kept in zip(views, copies):
             np.testing.assert_array_equal(shown, kept)
         self.assertEqual(swarm.poses().shape, (9, 4))
@@ -669,7 +669,7 @@ class Swarms(InAFolder):
         np.testing.assert_array_equal(self.bots.estimates()[:6], poses[:6])
         np.testing.assert_allclose(self.bots.bearings(), np.radians([-45, 0, 45]))
         self.assertGreaterEqual(self.bots.range_bound(), 3)
-        ranges[:] = -1  # the caller's own
+        ranges[:] = -1  # a copy, which the caller may change
         self.assertGreater(self.bots.ranges()[:6].min(), 0)
 
     def test_commands_are_for_all_or_for_some(self):
@@ -744,7 +744,7 @@ class Looking(InAFolder):
             self.skipTest(str(error))
         self.assertGreater(os.path.getsize("run.h5"), 1000)
         with self.assertRaises(troupe.InputError):
-            troupe.Recording("run.h5", world)  # is there
+            troupe.Recording("run.h5", world)  # the file exists
 
     def test_a_run_records_itself(self):
         world = troupe.Simulation(ROOM, seed=9)

@@ -1,4 +1,4 @@
-"""What the tests of the Python package share."""
+"""Functions and classes that the tests of the Python package share."""
 
 import contextlib
 import os
@@ -48,7 +48,7 @@ ROOM = {
 
 
 class InAFolder(unittest.TestCase):
-    """A test with an empty folder of its own, in which it works."""
+    """A test whose working folder is a new temporary folder."""
 
     def setUp(self):
         stack = contextlib.ExitStack()

@@ -1,4 +1,4 @@
-"""Readings and commands of all robots' devices as arrays: Swarm.readings, command, say and heard."""
+"""Tests of readings and commands of the devices of all robots as arrays: Swarm.readings, command, say and heard."""
 
 import os
 import pathlib
@@ -64,7 +64,7 @@ class Devices(unittest.TestCase):
         self.assertEqual(there.sum(axis=1).tolist(), [1, 2, 2, 2, 2, 1])
         for i in range(6):
             self.assertEqual(sorted(heard[i][there[i]]), [n / 2 for n in (i - 1, i + 1) if 0 <= n < 6])
-        self.assertFalse(self.swarm.heard("u1")[1].any())  # messages of another length
+        self.assertFalse(self.swarm.heard("u1")[1].any())  # because the messages have another length
         self.swarm.say(b"hello")
         self.world.step(2)
         heard, there = self.swarm.heard("S5")
@@ -104,7 +104,7 @@ class Devices(unittest.TestCase):
 
 
 class TenThousand(unittest.TestCase):
-    """The law of tests/plugins/talker.cpp in NumPy, between ticks, takes at most three times as long.
+    """The rule of tests/plugins/talker.cpp, computed in NumPy between ticks, takes at most three times as long as the plug-in.
 
     The states differ: a plug-in sees the estimated pose before the motion of its tick.
     """

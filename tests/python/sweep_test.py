@@ -1,4 +1,4 @@
-"""troupe.sweep() makes the runs of `troupe sweep`, and troupe.plot draws what that leaves."""
+"""Tests that troupe.sweep() makes the same runs as `troupe sweep`, and that troupe.plot draws their results."""
 
 import importlib.util
 import math
@@ -87,9 +87,9 @@ class Plot(unittest.TestCase):
     def test_lines_are_means_and_bands_deviations(self):
         measure, names, lines = troupe.plot.series_by(self.folder)
         self.assertEqual((measure, names), ("order", ["robots"]))
-        self.assertEqual(list(lines), [("2",), ("10",)])  # by number, not by letter
+        self.assertEqual(list(lines), [("2",), ("10",)])  # sorted as numbers, not as texts
         self.assertEqual(lines[("2",)], [(0.0, 1.0, math.sqrt(2), 2), (1.0, 2.0, math.sqrt(2), 2)])
-        self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # a run without values counts in none
+        self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # runs without values at a time are not counted
         self.assertEqual(troupe.plot.series_by(self.folder, "order", "robots")[2], lines)
 
     def test_what_is_wrong_is_one_message(self):

@@ -1,4 +1,5 @@
-"""The stubs fit the module, the package fits the stubs, and so does a program that uses it; what does not is found."""
+"""Tests that the type stubs match the module, that the package and a program that uses it match the stubs, and that
+mismatches are found."""
 
 import os
 import re
@@ -101,11 +102,11 @@ class Types(unittest.TestCase):
         path = os.path.dirname(os.path.dirname(troupe.__file__))
         done = subprocess.run(["stubtest", "--concise", "troupe._core", "troupe.math"], cwd=ROOT, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path})
-        # What pybind11 makes of every class, and no stub says.
+        # Differences that pybind11 causes in every class and that stubs cannot express.
         usual = re.compile(r"metaclass differs|__init__ is inconsistent, stub does not have \*args")
         findings = [line for line in done.stdout.splitlines() if line.startswith("troupe") and not usual.search(line)]
         self.assertEqual(findings, [], done.stdout)
-        self.assertIn("metaclass differs", done.stdout)  # it has looked
+        self.assertIn("metaclass differs", done.stdout)  # because stubtest has compared the classes
 
 
 if __name__ == "__main__":

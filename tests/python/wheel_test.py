@@ -1,4 +1,4 @@
-"""What pip installs: the wheel that the build backend makes of this build, in a folder of its own."""
+"""Tests the wheel that the build backend makes of this build, installed with pip in a temporary folder."""
 
 import email
 import importlib.util

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""The floor plans of the worlds here, and what becomes of bitmaps, worked out by other means than the program's.
+"""Draws the floor plans of the worlds in this folder, and computes the outlines of bitmaps with other algorithms than the
+program.
 
   bitmaps.py FILE...   a line for each PNG or PGM: width and height in pixels, number of outlines, number of their
-                       corners, and the box of what is solid: left, right, top, bottom
+                       corners, and the bounding box of the solid pixels: left, right, top, bottom
 
 bitmaps.txt holds these lines; readings.py writes it.
 """
@@ -16,7 +17,7 @@ import zlib
 # The two floor plans. A pixel is solid (True) or free; row 0 is the uppermost.
 
 def quarry():
-    """Rock with caves in it: 100 x 70 pixels, of which a margin of 4, 3, 2 and 1 (left, top, right, bottom) is free."""
+    """Rock with caves: 100 x 70 pixels, with a free margin of 4, 3, 2 and 1 pixels (left, top, right, bottom)."""
     free = [(30, 24, 15), (47, 26, 9), (60, 20, 11), (72, 36, 14), (38, 46, 13), (22, 40, 10), (55, 48, 10), (84, 22, 7)]
     pillars = [(29, 24, 2), (63, 22, 2), (40, 49, 3), (77, 40, 2)]
     rows = []
@@ -28,24 +29,24 @@ def quarry():
             margin = x < 4 or y < 3 or x >= 98 or y >= 69
             row.append(not margin and (pillar or not cave))
         rows.append(row)
-    for x, y in [(52, 22), (53, 23), (54, 22), (70, 30), (71, 31), (72, 32)]:  # pixels that touch at corners
+    for x, y in [(52, 22), (53, 23), (54, 22), (70, 30), (71, 31), (72, 32)]:  # pixels that touch only at corners
         rows[y][x] = True
     return rows
 
 
 def yard():
-    """A walled yard with sheds: 60 x 40 pixels, all of it."""
+    """A walled yard with sheds: 60 x 40 pixels without a margin."""
     rows = [[x in (0, 59) or y in (0, 39) for x in range(60)] for y in range(40)]
     for left, top, right, bottom in [(8, 6, 16, 12), (40, 5, 52, 9), (46, 26, 49, 34), (12, 28, 15, 31), (28, 17, 30, 19)]:
         for y in range(top, bottom):
             for x in range(left, right):
                 rows[y][x] = True
-    rows[34][49] = rows[25][45] = True  # at corners of a shed
+    rows[34][49] = rows[25][45] = True  # pixels that touch a shed only at a corner
     return rows
 
 
 def write_png(rows):
-    """Bytes of a greyscale PNG, 8 bits a pixel: dark where it is solid. Greys on both sides of 127 are all used."""
+    """Returns the bytes of a greyscale PNG, 8 bits per pixel. Solid pixels have the greys 0 to 127, free pixels the others."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -57,9 +58,9 @@ def write_png(rows):
 
 
 def contours(rows):
-    """The outlines of what is solid, as lists of pixel corners (x, y), y downwards: from the leftmost, of those the uppermost
-    corner, with what is solid to the right; of two ways on the one to the smaller (x, y); of the corners
-    on a straight line the middle ones are left out, but for the first three."""
+    """Returns the outlines of the solid pixels as lists of pixel corners (x, y); y points down. An outline starts at its leftmost
+    corner (of several, the uppermost), and has the solid pixels on its right. Where it could continue in two directions, it
+    continues to the smaller (x, y). Corners in the middle of a straight line are omitted, except the first three."""
     def solid(x, y):
         return 0 <= y < len(rows) and 0 <= x < len(rows[0]) and rows[y][x]
 
@@ -94,7 +95,7 @@ def contours(rows):
 
 
 def read_png(data):
-    """Rows of solid pixels of a PNG of 8 bits a channel, not interlaced: its first channel decides."""
+    """Returns the rows of a PNG (8 bits per channel, not interlaced) as lists: True for solid pixels, by the first channel."""
     at, header, packed = 8, None, b""
     while at < len(data):
         size, kind = struct.unpack_from(">I4s", data, at)
@@ -127,7 +128,7 @@ def read_png(data):
 
 
 def read_pgm(data):
-    """Rows of solid pixels of a PGM (P5) of 8 bits without comments."""
+    """Returns the rows of a PGM (P5, 8 bits, without comments) as lists: True for solid pixels."""
     kind, width, height, most, pixels = data.split(maxsplit=4) if data[:2] == b"P5" else [b""] * 5
     if kind != b"P5" or most != b"255" or len(pixels) != int(width) * int(height):
         raise ValueError("not a PGM that this reads")

@@ -1,24 +1,25 @@
 #!/usr/bin/env python3
-"""What the rangers of quarry.world and yard.world must read, and where the robots of swarm.world go, worked out by other
-means than the program's.
+"""Computes the expected readings of the rangers in quarry.world and yard.world, and the expected motions of the robots in
+swarm.world, with other algorithms than the program.
 
-  readings.py           writes quarry.png, yard.png, bitmaps.txt, swarm.jsonl, and NAME.exact.jsonl and NAME.grid.jsonl of the two
-  readings.py --check   compares them with what lies here; exit code 1: they differ
+  readings.py           writes quarry.png, yard.png, bitmaps.txt, swarm.jsonl, and NAME.exact.jsonl and NAME.grid.jsonl for
+                        quarry and yard
+  readings.py --check   compares the results with the files in this folder; exit code 1: they differ
 
-It reads no world file: what the worlds expand to is written down below by hand, in metres and degrees. Bodies are lists of
-corners; what a beam meets is found by trying every edge of the world:
+The script reads no world file: the bodies of the worlds are listed below, in metres and degrees, as lists of corners. For
+each beam, all edges of the world are tried:
 
 - exact: the nearest crossing of the beam and an edge, in double precision;
-- grid: docs/sensing.md, "The grid engine": an edge is drawn into the cells of the borders that it crosses, taken in the order
-  in which the line from the middle of its first cell to the middle of its last one crosses them, as fractions; a ray passes
-  cells by the same rule.
+- grid: as in docs/sensing.md, "The grid engine": the line from the middle of the first cell of an edge to the middle of its
+  last cell crosses borders between cells; the edge is drawn into the cells that this line passes. The order of the crossings
+  is computed with fractions. A ray passes cells by the same rule.
 
-A reading is null where the last bits decide it: where it changes by more than a fifth of a millimetre when the beam is moved
-by two micrometres and turned by two microradians (exact; a beam that grazes an edge or a corner), or at all when the origin
-is moved by a nanometre or the direction by one unit of 2^-20 (grid).
+A reading is null if rounding may decide it: if it changes by more than a fifth of a millimetre when the beam is moved by two
+micrometres and turned by two microradians (exact; the beam grazes an edge or a corner), or if it changes at all when the
+origin is moved by a nanometre or the direction by one unit of 2^-20 (grid).
 
-A line is a record in the form of Stage's own readings: t (s), model, pose of the robot (m, rad) at t, and the ranges of each
-transducer (m) at the pose of a tick before.
+Each line of a .jsonl file is a record in the form of Stage's readings: t (s), model, pose of the robot (m, rad) at t, and the
+ranges of each transducer (m) at the pose of the previous tick.
 """
 
 import fractions
@@ -31,10 +32,10 @@ from bitmaps import contours, counted, quarry, write_png, yard
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# What bitmaps.txt tells of, besides the two plans.
+# The bitmaps in bitmaps.txt, in addition to the two plans.
 BITMAPS = ["tests/troupe/stage_styles/plan.pgm", "tests/troupe/stage_styles/bug.pgm", "worlds/cave.png"]
 TICK = 0.1
-EVERY = 4  # ticks from one record to the next
+EVERY = 4  # ticks between records
 
 
 # Bodies.
@@ -66,7 +67,7 @@ def joined(pose, child):
 
 
 def stretched(outlines, width, depth):
-    """Their common bounding box made the given size, about 0; y upwards."""
+    """Scales outlines so that their common bounding box has the given size and its centre at 0; y points up in the result."""
     xs = [x for outline in outlines for x, _ in outline]
     ys = [y for outline in outlines for _, y in outline]
     left, right, top, bottom = min(xs), max(xs), min(ys), max(ys)
@@ -93,7 +94,7 @@ def fixed_of_yard():
     return fixed
 
 
-# A ranger: its name, and its transducers: pose in the robot's frame (m, rad), height, longest range, angles of its beams.
+# A ranger: its name and its transducers. A transducer: pose in the frame of the robot (m, rad), height, range_max, beam angles.
 
 def fan(fov, samples):
     return [-fov / 2 + i * fov / (samples - 1) for i in range(samples)] if samples > 1 else [0.0]
@@ -136,7 +137,7 @@ WORLDS = {
 
 
 def paths(robots, law, ticks):
-    """Poses of each robot at the ticks 0 to the last. A command of tick n moves the robot in the tick after."""
+    """Returns the poses of each robot at ticks 0 to `ticks`. A command of tick n moves the robot in tick n + 1."""
     of_all = []
     for _, _, (x, y, heading) in robots:
         poses = [(x, y, heading), (x, y, heading)]
@@ -158,7 +159,7 @@ def exact_range(edges, origin, heading, z, range_max):
     for (ax, ay), (bx, by), z_min, z_max in edges:
         if not z_min <= z <= z_max:
             continue
-        # In the beam's own frame it runs along the first axis.
+        # Coordinates in the frame of the beam, in which the beam runs along the first axis.
         across_a, across_b = c * (ay - oy) - s * (ax - ox), c * (by - oy) - s * (bx - ox)
         if (across_a < 0) == (across_b < 0):
             continue
@@ -183,8 +184,8 @@ def exact_reading(edges, origin, heading, z, range_max):
 # The grid engine's cells.
 
 def crossings(across, up):
-    """The borders that a line of `across` by `up` crosses, in order: True along x. Where two are crossed at once, the one
-    along y comes first."""
+    """Returns the borders between cells that a line of `across` by `up` cells crosses, in order: True for a crossing along x. If
+    the line crosses two borders at once, the crossing along y comes first."""
     along_x = [(fractions.Fraction(2 * i - 1, across), 1) for i in range(1, across + 1)]
     along_y = [(fractions.Fraction(2 * j - 1, up), 0) for j in range(1, up + 1)]
     return [bool(x) for _, x in sorted(along_x + along_y)]
@@ -217,11 +218,11 @@ def unit(component):
 
 
 def ray_cells(across, up):
-    """Steps along x and y after which a ray is in each of its cells, from the first one on."""
+    """Yields, for each cell of a ray, the numbers of steps along x and y from the first cell."""
     i = j = 0
     while True:
         yield i, j
-        # The next border along x is crossed at (2 i + 1) / across, that along y at (2 j + 1) / up.
+        # The ray crosses the next border along x at (2 i + 1) / across, and the next one along y at (2 j + 1) / up.
         if up * (2 * i + 1) < across * (2 * j + 1):
             i += 1
         else:
@@ -299,13 +300,13 @@ def records(world, engine):
     return lines
 
 
-# A swarm whose commands follow from its readings.
+# A swarm whose commands depend on its readings.
 
 SWARM = {"count": 24, "ticks": 100, "told": (10, 30, 60, 100)}
 
 
 def expand(ranges):
-    """Stage's expand_swarm: the command after these readings of twelve beams, 30 degrees apart; None: the old one stays."""
+    """Stage's expand_swarm: returns the command for the readings of twelve beams, 30 degrees apart; None: no new command."""
     x = sum(r * math.cos(math.radians(30 * i)) for i, r in enumerate(ranges))
     y = sum(r * math.sin(math.radians(30 * i)) for i, r in enumerate(ranges))
     if x == 0 or y == 0:
@@ -317,7 +318,7 @@ def expand(ranges):
 
 
 def swarm():
-    """Poses at some ticks, and how far the robots are from where they began, on average."""
+    """Returns poses at some ticks, and the mean distance of the robots from their initial poses, m."""
     plan = Edges()
     for outline in stretched(contours(yard()), 9, 6):
         plan.ring(placed(outline, (0, 0.05, 0)), (0, 0.5))

@@ -1,4 +1,4 @@
-"""A headless Chromium, driven over its own debugging pipe: the tests of the replay page need no library for it."""
+"""Controls a headless Chromium through its debugging pipe, so that tests of web pages need no library for browsers."""
 
 import base64
 import json
@@ -16,19 +16,19 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 
 
 def find():
-    """The program, or None: TROUPE_CHROMIUM names one that is not on the path."""
+    """Returns the path of Chromium, or None. The environment variable TROUPE_CHROMIUM names one that is not on the path."""
     named = os.environ.get("TROUPE_CHROMIUM")
     return named or next(filter(None, map(shutil.which, NAMES)), None)
 
 
 class Page:
-    """A page with everything that it said and did wrong: console messages, exceptions, failed requests."""
+    """A page in the browser. Records its faults: console messages, exceptions, failed requests."""
 
     def __init__(self, program, size=(1280, 800), touch=False):
         self.folder = tempfile.TemporaryDirectory(prefix="troupe-chromium-", ignore_cleanup_errors=True)
         to_browser, self.out = os.pipe()
         self.into, from_browser = os.pipe()
-        # Graphics in software: what a machine without a display has.
+        # Graphics are drawn in software, because the machine may have no display.
         command = [program, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--use-angle=swiftshader",
                    "--use-gl=angle", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-dev-shm-usage",
                    "--no-first-run", "--disable-extensions", "--disable-background-networking", "--mute-audio",
@@ -50,7 +50,7 @@ class Page:
         self.number = 0
         self.session = None
         self.problems = []
-        self.allowed = ()  # beginnings of addresses that the page may ask for
+        self.allowed = ()  # beginnings of addresses that the page may request
         targets = self.call("Target.getTargets")["targetInfos"]
         page = next(target for target in targets if target["type"] == "page")
         self.session = self.call("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
@@ -76,7 +76,7 @@ class Page:
         self.folder.cleanup()
 
     def receive(self, until):
-        """The next message; TimeoutError when there is none by then."""
+        """Returns the next message of the browser. Raises TimeoutError if none arrives before the time `until`."""
         while b"\0" not in self.buffer:
             left = until - time.monotonic()
             if left <= 0 or not select.select([self.into], [], [], left)[0]:
@@ -92,7 +92,7 @@ class Page:
         return (Path(self.folder.name) / "stderr").read_text(errors="replace")[-2000:]
 
     def note(self, message):
-        """Remembers what should not happen."""
+        """Records a message of the browser if it reports a fault."""
         method, params = message.get("method"), message.get("params", {})
         if method == "Runtime.exceptionThrown":
             details = params["exceptionDetails"]
@@ -126,12 +126,12 @@ class Page:
         self.call("Page.navigate", url=Path(path).resolve().as_uri())
 
     def open_address(self, address):
-        """A page of a server on this machine, which may ask that server for more."""
+        """Opens a page of a server on this machine. The page may send further requests to this server."""
         self.allowed = (address.split("#")[0],)
         self.call("Page.navigate", url=address)
 
     def run(self, script):
-        """The value of an expression; promises are waited for."""
+        """Returns the value of a JavaScript expression; waits for promises."""
         answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in answer:
             details = answer["exceptionDetails"]
@@ -139,7 +139,7 @@ class Page:
         return answer["result"].get("value")
 
     def wait(self, condition, seconds=240):
-        """Until an expression is true."""
+        """Waits until a JavaScript expression is true."""
         until = time.monotonic() + seconds
         while not self.run(condition):
             if time.monotonic() > until:
@@ -170,14 +170,14 @@ class Page:
         self.mouse("mouseReleased", *end, button=button, clickCount=1, **keys)
 
     def screenshot(self, box=None):
-        """PNG bytes of the page, or of a box (x0, y0, x1, y1) of it."""
+        """Returns a screenshot of the page, or of the box (x0, y0, x1, y1) of it, as the bytes of a PNG."""
         clip = {} if box is None else {"clip": {"x": box[0], "y": box[1], "width": box[2] - box[0],
                                                 "height": box[3] - box[1], "scale": 1}}
         return base64.b64decode(self.call("Page.captureScreenshot", format="png", **clip)["data"])
 
 
 class Picture:
-    """A PNG as the browser makes them: 8 bits, RGB or RGBA, not interlaced."""
+    """A decoded PNG of the browser: 8 bits, RGB or RGBA, not interlaced."""
 
     def __init__(self, png):
         assert png.startswith(b"\x89PNG\r\n\x1a\n")
@@ -195,7 +195,7 @@ class Picture:
         self.rows = self.unfiltered(zlib.decompress(data))
 
     def unfiltered(self, data):
-        """PNG specification, section 9.2."""
+        """Reverses the filters of the rows (PNG specification, section 9.2)."""
         stride, step, rows = self.width * self.channels, self.channels, []
         above = bytearray(stride)
         for y in range(self.height):
@@ -220,11 +220,11 @@ class Picture:
         return rows
 
     def at(self, x, y):
-        """Red, green and blue of a pixel."""
+        """Returns red, green and blue of a pixel, 0 to 255."""
         first = round(x) * self.channels
         return tuple(self.rows[round(y)][first:first + 3])
 
     def different(self, other):
-        """How many pixels differ visibly from those of another of the same size."""
+        """Returns the number of pixels that differ visibly from those of another picture of the same size."""
         return sum(max(abs(a - b) for a, b in zip(self.at(x, y), other.at(x, y))) > 12
                    for y in range(self.height) for x in range(self.width))

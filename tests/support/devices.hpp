@@ -8,10 +8,12 @@
 #include <string>
 #include <vector>
 
-/// Types with joints, built by hand.
+/// Functions that add devices with joints to types, and controllers that move them.
 namespace troupe::test {
 
-/// Adds a device with its joints, and the body of its kind.
+/// Adds a device of the kind `kind_name` to the type, with its joints and the solids that the kind defines.
+/// pose: in the frame of the body; values: parameters that differ from the defaults. Returns the index of the
+/// device.
 inline std::size_t add_device(engine::TypeSpec& type, std::string name, std::string kind_name,
                               const Pose& pose,
                               std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
@@ -25,7 +27,8 @@ inline std::size_t add_device(engine::TypeSpec& type, std::string name, std::str
   return d;
 }
 
-/// An actuator that moves these solids, which are given in its frame.
+/// Adds an actuator that moves `solids`, given in the frame of the actuator. Other arguments and the result:
+/// as for add_device().
 inline std::size_t add_arm(engine::TypeSpec& type, std::string name, const Pose& pose,
                            std::vector<Solid> solids,
                            std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
@@ -36,7 +39,8 @@ inline std::size_t add_arm(engine::TypeSpec& type, std::string name, const Pose&
   return d;
 }
 
-/// An order of the controller "operate".
+/// Returns an order of the controller "operate": at the world time `at_s`, s, the device gets the order
+/// `what`.
 inline engine::Record order(double at_s, std::string device, std::string what, double value = 0) {
   return {at_s, std::move(device), std::move(what), value};
 }
@@ -52,6 +56,7 @@ inline engine::ControllerSpec drive_legs(std::vector<engine::Record> legs) {
   return controller("script", {{"legs", std::move(legs)}});
 }
 
+/// Returns the state of the device with the index `device` in the type of the body.
 template <class State>
 const State& state_of(const engine::World& world, BodyId body, std::size_t device) {
   const Row row = world.row(body);

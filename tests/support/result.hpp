@@ -6,7 +6,7 @@
 
 namespace troupe::test {
 
-/// What went wrong; nothing where all is well. For EXPECT_EQ, which shows it.
+/// Returns the error text of a result; empty if there is no error. For EXPECT_EQ, which prints the text.
 template <class T>
 std::string error_text(const Result<T>& result) {
   return result ? std::string() : result.error().text;

@@ -15,7 +15,8 @@
 #include <string_view>
 #include <vector>
 
-/// Controllers that are no functions of what they are given, each for a reason of its own; and one that is.
+/// Controllers for tests of `troupe check --controllers`. Honest and Believer compute the same command from
+/// the same inputs. Each of the others breaks this rule in another way, which its name says.
 namespace troupe::test {
 
 struct Parameterless {
@@ -34,11 +35,11 @@ struct Honest : Parameterless {
                   engine::Actions& actions) const {
     memory.sum += random.uniform() + 0.001 * percept.body;
     memory.odd = percept.tick % 2 == 1;
-    actions.command.x = 0.5 * actions.command.x + 0.01 * memory.sum;  // the last command is given, too
+    actions.command.x = 0.5 * actions.command.x + 0.01 * memory.sum;  // `actions` contains the last command
   }
 };
 
-/// Honest, too: uses its estimated pose, which has moved on when the decision is taken again.
+/// Keeps the rule, but uses the estimated pose, which is another one by the time the decision is repeated.
 struct Believer : Parameterless {
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
     actions.set_speed(0.1 + 0.01 * percept.estimate.x, 0.02 * percept.estimate.y,
@@ -76,7 +77,7 @@ struct KeepsAThreadLocal : Parameterless {
   }
 };
 
-/// The first time it is asked it behaves otherwise than ever after.
+/// Its first decision differs from all later decisions.
 struct ChangesAMember : Parameterless {
   mutable std::atomic<bool> asked = false;
   ChangesAMember() = default;
@@ -106,7 +107,7 @@ struct ReadsASlowClock : Parameterless {
   }
 };
 
-/// A member that is never set: what `new` finds.
+/// Has a member that is never set: its value is the content of the memory that `new` returned.
 struct LeavesAMemberUnset : Parameterless {
   std::uint64_t gain;
   double bias;
@@ -120,7 +121,7 @@ struct LeavesAMemberUnset : Parameterless {
   }
 };
 
-/// A different controller each time it is made: what an unset member comes to, and can be relied on.
+/// Each constructed controller has another value of its member, as with an unset member, but reliably.
 struct IsMadeUnlike : Parameterless {
   double bias = 0;
   static IsMadeUnlike make() {
@@ -144,7 +145,7 @@ struct LooksAtAnAddress : Parameterless {
   }
 };
 
-/// Between and behind its fields there are bytes of no field.
+/// Hashes its memory with the padding bytes between its fields.
 struct LooksAtPadding : Parameterless {
   struct Memory {
     std::uint8_t odd = 1;
@@ -156,7 +157,7 @@ struct LooksAtPadding : Parameterless {
   }
 };
 
-/// Takes its robots at once, and lets each see who comes before it.
+/// Decides for a whole batch of robots, and stores in the memory of each robot its position in the batch.
 struct LooksAtItsBatch : Parameterless {
   struct Memory {
     std::uint32_t before = 0;
@@ -168,7 +169,7 @@ struct LooksAtItsBatch : Parameterless {
   }
 };
 
-/// Its memory is started by hand, all but one field.
+/// Returns a kind whose `start` leaves one field of the memory unset.
 inline engine::ControllerKind starts_half() {
   struct Half : Parameterless {
     struct Memory {
@@ -183,6 +184,7 @@ inline engine::ControllerKind starts_half() {
   return kind;
 }
 
+/// Returns the kinds of all controllers above.
 inline std::vector<engine::ControllerKind> rogue_controllers() {
   using engine::make_controller_kind;
   return {make_controller_kind<Honest>("honest", ""),

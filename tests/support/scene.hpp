@@ -9,9 +9,10 @@
 #include <utility>
 #include <vector>
 
-/// Worlds built by hand, for tests of what lies below the readers of world files.
+/// Functions that build worlds without world files, for tests of the engine.
 namespace troupe::test {
 
+/// The built-in kinds.
 inline const engine::Registry& registry() {
   static const engine::Registry kinds = make_registry();
   return kinds;
@@ -25,12 +26,12 @@ inline Ring box_ring(double size_x, double size_y) {
   return rectangle(-size_x / 2, -size_y / 2, size_x / 2, size_y / 2);
 }
 
-/// A box that stands on the floor about the origin.
+/// Returns a box on the floor with its centre at x = y = 0. Sizes in m.
 inline Solid box(double size_x, double size_y, double height = 1) {
   return {{box_ring(size_x, size_y)}, {0, height}};
 }
 
-/// Defaults of a table with some fields set by name.
+/// Returns the default parameters of a table, with the given fields replaced by name.
 inline engine::Record record(const engine::FieldTable& table,
                              std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
   engine::Record out = table.defaults();
@@ -38,6 +39,7 @@ inline engine::Record record(const engine::FieldTable& table,
   return out;
 }
 
+/// A transducer of ranger(): pose in the frame of the ranger; lengths in m, angles in rad.
 struct Transducer {
   Pose pose;
   double range_max = 5;
@@ -64,7 +66,7 @@ inline engine::ControllerSpec controller(
   return {.kind = kind, .params = record(registry().controller(kind)->params, values)};
 }
 
-/// Collects a WorldSpec: a ground, then what is added.
+/// Builds a WorldSpec that contains the ground and the types and bodies that are added.
 class SceneBuilder {
  public:
   SceneBuilder() { engine::add_ground(spec); }

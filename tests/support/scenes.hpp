@@ -12,56 +12,59 @@
 #include <vector>
 
 /// The manifest of the shipped worlds, worlds/scenes.json, for tests and benchmarks. The keys of a row are
-/// described in docs/worlds.md. scripts/proofs/scenes.py reads the same file for everything else; it checks
-/// all keys but `tests` and `perf`.
+/// described in docs/worlds.md. scripts/proofs/scenes.py reads the same file for the scripts, and checks all
+/// keys except `tests` and `perf`.
 namespace troupe::scenes {
 
-/// A run of a shipped world in a test suite. Each suite says which of these a run may give; the others keep
-/// their defaults.
+/// A run of a shipped world in a test suite. Each suite defines which of these keys its runs may have; the
+/// other members keep their defaults.
 struct Run {
   std::string world;                       ///< file name in worlds/
-  bool by_grid = false;                    ///< by the grid ray engine instead of the world's own
-  std::optional<std::size_t> robots;       ///< of the world's only population; none: as the world says
-  std::optional<std::size_t> robots_slow;  ///< the same in builds that are slow
-  std::uint64_t warm_ticks = 0;            ///< before anything is tested
-  std::uint64_t ticks = 0;
+  bool by_grid = false;                    ///< use the grid engine instead of the world's engine
+  std::optional<std::size_t> robots;       ///< size of the only population; not set: that of the world
+  std::optional<std::size_t> robots_slow;  ///< size in slow builds (k_slow_build)
+  std::uint64_t warm_ticks = 0;            ///< ticks before the tested ticks
+  std::uint64_t ticks = 0;                 ///< tested ticks
   unsigned threads = 1;
 
-  std::filesystem::path file() const;
-  /// Unique in its suite, of letters, digits and underscores: `crowdByGrid`.
+  std::filesystem::path file() const;  ///< path of the world file
+  /// Returns a name that is unique in the suite, with letters, digits and underscores only: `crowdByGrid`.
   std::string name() const;
   friend std::ostream& operator<<(std::ostream& out, const Run& run) { return out << run.name(); }
 };
 
-/// A variant of a benchmark's world, timed in turn with it.
+/// A variant of the world of a benchmark. The runs of the world and of its variants are timed in turn.
 struct Variant {
   std::string name;
-  std::vector<std::pair<std::string, std::string>> set;  ///< JSON pointer and value, as --set takes them
+  std::vector<std::pair<std::string, std::string>>
+      set;  ///< JSON pointers and values, as for the option --set
 };
 
-/// Rows of perf_paper's tables: a world with these numbers of robots.
+/// Rows of a table of perf_paper: a world with different numbers of robots, one row per number.
 struct Benchmark {
   std::string world;  ///< file name in worlds/
   std::string table;  ///< id of the table
   std::vector<std::size_t> robots;
   std::vector<std::size_t> quick;        ///< numbers of robots with --quick
-  std::vector<std::string> populations;  ///< that share the robots equally; empty: the world's only one
-  std::optional<double> for_s;           ///< instead of the table's time
-  std::vector<Variant> beside;
-  bool as_text = false;  ///< memory alone: also as .world text, and without robots
+  std::vector<std::string> populations;  ///< among which the robots are divided equally; empty: the only one
+  std::optional<double> for_s;           ///< simulated time, s; not set: that of the table
+  std::vector<Variant> beside;           ///< variants that are timed together with the world
+  bool as_text = false;  ///< table of memory: also measure loading as .world text, and without robots
 };
 
+/// The content of a manifest.
 struct Manifest {
   std::map<std::string, std::vector<Run>, std::less<>> tests;  ///< by suite
   std::vector<Benchmark> perf;                                 ///< in the order of the rows
 };
 
-/// Reads and checks a manifest. Throws std::runtime_error with the first finding: a key that is not known, a
-/// value of the wrong type, a suite that is not known, a world that does not exist beside the manifest.
+/// Reads and checks a manifest. Throws std::runtime_error with the first error: an unknown key, a value of
+/// the wrong type, an unknown suite, or a world that does not exist in the folder of the manifest.
 Manifest read_manifest(const std::filesystem::path& file);
 
-/// The runs that the shipped manifest lists for a suite; an empty list is an error, too. What is wrong is
-/// printed, and ends the program with 2: test programs ask before they have started.
+/// Returns the runs that the shipped manifest lists for a suite. On an error, which an empty list also is,
+/// prints the error and ends the program with exit code 2, because test programs call this before their tests
+/// begin.
 std::vector<Run> runs_of(std::string_view suite);
 
 }  // namespace troupe::scenes

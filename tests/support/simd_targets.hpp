@@ -6,8 +6,8 @@
 
 namespace troupe {
 
-/// Runs test(name) with the kernels of each instruction set that this processor has, the portable ones among
-/// them.
+/// Calls test(name) with the kernels of each instruction set that this processor supports, including the
+/// portable kernels.
 template <class Test>
 void for_each_simd_target(Test&& test) {
   const std::string before = partition::simd_target();

@@ -2,8 +2,8 @@
 
 namespace troupe::test {
 
-/// True in builds that take ten times and more for a step (without optimisation, or with a sanitizer): tests
-/// that run whole worlds do less there.
+/// True in builds in which a step takes ten times as long or longer (without optimisation, or with a
+/// sanitizer). In these builds, tests that run whole worlds run fewer robots or ticks.
 #if !defined(__OPTIMIZE__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool k_slow_build = true;
 #elif defined(__has_feature)

@@ -1,4 +1,4 @@
-"""A WebSocket client of a page (RFC 6455), with which tests say what no browser would."""
+"""A WebSocket client (RFC 6455), with which tests send messages that a browser would not send."""
 
 import base64
 import json
@@ -8,11 +8,11 @@ import struct
 
 
 class Refused(Exception):
-    """The server did not answer the handshake with 101; args[0] is its status, or 0 where it hung up."""
+    """The server did not answer the handshake with status 101. args[0]: its status; 0: it closed the connection."""
 
 
 def request(port, text, timeout=10):
-    """What the server sends back to raw bytes, until it hangs up."""
+    """Sends raw bytes and returns the answer of the server, until it closes the connection."""
     with socket.create_connection(("127.0.0.1", port), timeout=timeout) as connection:
         connection.sendall(text.encode() if isinstance(text, str) else text)
         answer = b""
@@ -64,7 +64,7 @@ class Socket:
         self.socket.sendall(head + mask + masked)
 
     def ask(self, **message):
-        """Sends a request, and returns its answer; pictures on the way are acknowledged."""
+        """Sends a request and returns its answer. Acknowledges the pictures that arrive before the answer."""
         self.send(json.dumps({"id": 1, **message}))
         while True:
             answer = self.receive()
@@ -83,7 +83,7 @@ class Socket:
         return part
 
     def receive(self):
-        """A text as JSON, or bytes. ConnectionError where the server has hung up."""
+        """Returns the next message: a text decoded as JSON, or bytes. Raises ConnectionError if the server closed the connection."""
         while True:
             first, size = self.bytes(2)
             if size == 126:
@@ -103,7 +103,7 @@ class Socket:
                 self.send(payload, 10)
 
     def state(self):
-        """The next picture's text; its poses are acknowledged."""
+        """Returns the text (decoded JSON) of the next picture, and acknowledges its poses."""
         state = None
         while True:
             message = self.receive()

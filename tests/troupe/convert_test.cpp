@@ -297,8 +297,9 @@ position( name "n" pose [0 5 0 0]
   other_seed.set = {{"/seed", "8"}};
   convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world",
           other_seed);
-  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds random parts to its model, and "
-                                           "with the seed of this world not those that the type has")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds random parts to its model "
+                                           "when the file is read, and with the seed of this world they "
+                                           "differ from those of the type")));
 }
 
 TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {

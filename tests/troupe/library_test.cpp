@@ -173,12 +173,13 @@ TEST(WorldDocument, WhatIsWrongComesOutAllAtOnce) {
   world.files->add("mine.cpp");
   EXPECT_THAT(
       message_of<InputError>([&] { const Simulation simulation(world, "made.json"); }),
-      AllOf(HasSubstr("made.json: error: /tick_s: must be from 1e-06 to 3600 s, found -1"),
-            HasSubstr("made.json: error: /types/bot/drive/kind: unknown drive \"dif\"; known: car, diff, "
-                      "omni (did you mean \"diff\"?)"),
-            HasSubstr("made.json: error: /models/0: missing \"type\": the name of one of /types"),
-            HasSubstr("mine.cpp:7: error: /models/1: missing \"name\": the model's name"),
-            HasSubstr("mine.cpp:7: error: /models/1/type: unknown type \"bott\"; known: bot")));
+      AllOf(
+          HasSubstr("made.json: error: /tick_s: must be from 1e-06 to 3600 s, found -1"),
+          HasSubstr("made.json: error: /types/bot/drive/kind: unknown drive \"dif\"; known: car, diff, "
+                    "omni (did you mean \"diff\"?)"),
+          HasSubstr("made.json: error: /models/0: missing \"type\": the name of a type, a key of \"types\""),
+          HasSubstr("mine.cpp:7: error: /models/1: missing \"name\": the model's name"),
+          HasSubstr("mine.cpp:7: error: /models/1/type: unknown type \"bott\"; known: bot")));
 }
 
 TEST(WorldBuilder, AKeyThatIsSaidTwiceIsAnError) {

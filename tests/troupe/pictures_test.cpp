@@ -142,10 +142,11 @@ TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
             file + ": error: \"ranger/eye.ranges\" has only the columns 0 to 8");
   EXPECT_THAT(refusal({.layers = "scan"}), HasSubstr("unknown layer \"scan\""));
   world_ = write("no_window.json", R"({"troupe": 1})");
-  EXPECT_EQ(refusal({.camera = "window"}),
-            world_.string() +
-                ": error: the camera \"window\" needs a world file with a window; other cameras: fit, "
-                "follow:all, follow:NAME, perspective, top");
+  EXPECT_EQ(
+      refusal({.camera = "window"}),
+      world_.string() +
+          ": error: the camera \"window\" needs a world file with the entry window; other cameras: fit, "
+          "follow:all, follow:NAME, perspective, top");
 }
 
 TEST_F(PicturesTest, APictureIsAFile) {

@@ -336,7 +336,7 @@ TEST_F(SimulationTest, WhatHasNoDriveCannotBeDriven) {
   Model wall = simulation.find("wall");
   EXPECT_EQ(message_of<std::logic_error>([&] { wall.set_speed(1, 0); }), "\"wall\" has no drive");
   EXPECT_EQ(message_of<std::logic_error>([&] { static_cast<void>(wall.speed()); }),
-            "\"wall\" is static: it has no drive and no sensor");
+            "\"wall\" is static: it has no drive and no sensor, hence no motion, command or reading");
   EXPECT_THROW(static_cast<void>(wall.stalled()), std::logic_error);
 }
 

@@ -163,7 +163,7 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
       [](Spec& s) {
         s.bodies[3].name = {77, 0};
       },
-      "error: bodies[3].name: the world has 4 words, found index 77");
+      "error: bodies[3].name: the list of name words has 4 entries, found index 77");
   expect([](Spec& s) { s.bodies.clear(); }, "error: bodies: empty; body 0 of every world is the ground");
   expect(
       [](Spec& s) {

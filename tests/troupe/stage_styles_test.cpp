@@ -84,22 +84,25 @@ std::vector<Style> styles() {
        2,
        2,
        true,
-       {"demo.world:10: warning: properties without effect, docs/stage-worlds.md says why: threads",
-        "demo.world:7: warning: without effect on the run, because only Stage's window uses them: paused, "
+       {"demo.world:10: warning: properties without effect (docs/stage-worlds.md says why): threads",
+        "demo.world:7: warning: properties without effect on the run, because only Stage's window uses them: "
+        "paused, "
         "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
       {"follow.world",
        2,
        1,
        2,
        true,
-       {"follow.world:8: warning: without effect on the run, because only Stage's window uses them: window, "
+       {"follow.world:8: warning: properties without effect on the run, because only Stage's window uses "
+        "them: window, "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"blocks.world",
        3,
        2,
        2,
        true,
-       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+       {"inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
         "inc/figure.inc:6: warning: obsolete properties, ignored as in Stage: laser_return, "
         "blobfinder_return"}},
@@ -108,7 +111,8 @@ std::vector<Style> styles() {
        1,
        1,
        false,
-       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+       {"inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline"}},
       {"disc.world",
        2,
@@ -116,16 +120,18 @@ std::vector<Style> styles() {
        1,
        false,
        {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
-        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline"}},
       {"camera.world",
        2,
        1,
        1,
        false,
-       {"camera.world:11: warning: \"watts\" of a camera has no effect: Troupe computes the power that it "
-        "draws, docs/stage-worlds.md",
-        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+       {"camera.world:11: warning: \"watts\" of a camera has no effect: Troupe computes the power of such a "
+        "model (docs/stage-worlds.md)",
+        "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline"}},
       {"arms.world",
        5,
@@ -140,7 +146,8 @@ std::vector<Style> styles() {
        3,
        false,
        {"layers.world:10: warning: \"late_base\" is already defined, at line 4; the first definition is used",
-        "layers.world:16: warning: without effect on the run, because only Stage's window uses them: "
+        "layers.world:16: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "window"}},
       {"everything.world",
        11,
@@ -148,7 +155,8 @@ std::vector<Style> styles() {
        5,
        true,
        {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
-        "everything.world:10: warning: without effect on the run, because only Stage's window uses them: "
+        "everything.world:10: warning: properties without effect on the run, because only Stage's window "
+        "uses them: "
         "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"odometry.world",
        4,
@@ -161,7 +169,8 @@ std::vector<Style> styles() {
         "write [x y z heading] (and 2 more)",
         "inc/carts.inc:145: warning: old syntax: the two values of \"size\" are read as [x y], with a "
         "height of 0.02 m; write [x y z]",
-        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
         "odometry.world:7: warning: obsolete properties, ignored as in Stage: interval_real, gui_disable, "
         "channel_count of a blobfinder, channels of a blobfinder, width of a camera, height of a camera, "
@@ -175,7 +184,8 @@ std::vector<Style> styles() {
         "height of 1 m; write [x y z] (and 1 more)",
         "lab.world:12: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
         "write [x y z heading]",
-        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
         "inc/beacons.inc:2: warning: obsolete properties, ignored as in Stage: laser_return"}},
       {"charging.world",
@@ -183,39 +193,45 @@ std::vector<Style> styles() {
        6,
        6,
        true,
-       {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: Troupe computes the power that it "
-        "draws, docs/stage-worlds.md",
+       {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: Troupe computes the power of such "
+        "a "
+        "model (docs/stage-worlds.md)",
         "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
-        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+        "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline"}},
       {"forage.world",
        9,
        4,
        5,
        true,
-       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+       {"inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"forage2.world",
        9,
        3,
        3,
        true,
-       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+       {"inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"flock.world",
        17,
        16,
        2,
        true,
-       {"flock.world:7: warning: properties without effect, docs/stage-worlds.md says why: threads",
-        "inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+       {"flock.world:7: warning: properties without effect (docs/stage-worlds.md says why): threads",
+        "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"city.world",
        4,
        3,
        2,
        true,
-       {"inc/plan.inc:5: warning: without effect on the run, because only Stage's window uses them: "
+       {"inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"units.world", 2, 1, 1, true},
       {"old_swarm.world",

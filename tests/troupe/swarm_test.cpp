@@ -78,8 +78,9 @@ TEST(WorldsFromText, AreThoseOfTheirFiles) {
 TEST(WorldsFromText, NameWhatIsWrongByTheirNames) {
   EXPECT_EQ(message_of<InputError>([] { Simulation::from_text("{\n\"troupe\": 2}", "made/here.json"); }),
             "made/here.json:2: error: /troupe: unknown format version 2: this program reads version 1");
-  EXPECT_THAT(message_of<InputError>([] { Simulation::from_text("", "here.yaml"); }),
-              HasSubstr("here.yaml: error: a world's file name ends in .world (Stage's syntax) or .json"));
+  EXPECT_THAT(
+      message_of<InputError>([] { Simulation::from_text("", "here.yaml"); }),
+      HasSubstr("here.yaml: error: the name of a world file must end in .world (Stage's syntax) or .json"));
 }
 
 TEST(Swarms, AreOrderedByIdAndSayWhatModelsSay) {

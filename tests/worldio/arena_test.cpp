@@ -120,15 +120,17 @@ TEST(WallLine, Errors) {
     return LoadedArena(world(R"("floorplans": [{"name": "w", )" + keys + "}]")).found;
   };
   const std::string at = "maze.json:2: error: /floorplans/0";
-  EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0], [1, 0]])"),
-              ElementsAre(at + "/walls_m: a wall of no length: point 2 repeats point 1"));
+  EXPECT_THAT(
+      error_of(R"("walls_m": [[0, 0], [1, 0], [1, 0]])"),
+      ElementsAre(at + "/walls_m: a wall of no length: point 2 repeats point 1 (points are counted from 0)"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0]])"),
               ElementsAre(at + "/walls_m: expected 2 to 1000 points, found 1"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0], [0, 0.01]])"),
-              ElementsAre(at + "/walls_m: the line turns back on itself at point 1"));
+              ElementsAre(at + "/walls_m: the line turns back on itself at point 1, counted from 0: it may "
+                               "turn by at most 165 degrees"));
   EXPECT_THAT(
       error_of(R"("walls_m": [[0, 0], [0.1, 0], [0.1, 1]], "thickness_m": 0.4)"),
-      ElementsAre(at + "/walls_m: the segment from point 0 is too short for walls that are 0.4 m thick"));
+      ElementsAre(at + "/walls_m: the segment that begins at point 0 is too short for walls 0.4 m thick"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0]], "bitmap": "x.png")"),
               ElementsAre(at + R"(: give "bitmap" or "walls_m", not both)"));
 }
@@ -274,7 +276,7 @@ TEST_F(IncludeTest, ErrorsNameTheirFileAndLine) {
   EXPECT_THAT(
       load("\"include\": [\"base.json\"],\n\"types\": {\"base\": {\"size_m\": [1, 1, 1]}}").found,
       ElementsAre("maze.json:3: error: /types/base: the type is already given in base.json, line 2: choose "
-                  "another name, and \"extends\" to change the other type"));
+                  "another name; to change the other type, extend it with the key \"extends\""));
 }
 
 TEST_F(IncludeTest, ATypeExtendsAnother) {
@@ -322,7 +324,8 @@ TEST_F(IncludeTest, ErrorsOfExtends) {
       load("\"types\": {\"a\": {\"extends\": \"b\"},\n\"b\": {\"extends\": \"c\"}, \"c\": {\"extends\": "
            "\"a\"}}")
           .found,
-      testing::Contains("maze.json:2: error: /types/a/extends: a circle: a extends b extends c extends a"));
+      testing::Contains("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a "
+                        "extends b extends c extends a"));
   EXPECT_THAT(
       load(R"("types": {"a": {"extends": 3, "size_m": [1, 1, 1]}})").found,
       ElementsAre("maze.json:2: error: /types/a/extends: expected the name of a type, found the number 3"));
@@ -355,11 +358,11 @@ TEST(StartOverlaps, OthersAreErrorsThatSayByHowMuch) {
             type)),
         ElementsAre(
             "maze.json:4: error: /models/1: \"b\" overlaps \"a\" by 0.03 m at the start; \"overlaps\": "
-            "\"warn\" allows it"));
+            "\"warn\" in the world allows this"));
   // In either order.
   EXPECT_THAT(found(R"({"name": "b", "type": "bot", "pose": {"y_m": 0.12}}, {"name": "a", "type": "wall"})"),
               ElementsAre("maze.json:4: error: /models/1: \"a\" overlaps \"b\" by 0.03 m at the start; "
-                          "\"overlaps\": \"warn\" allows it"));
+                          "\"overlaps\": \"warn\" in the world allows this"));
 }
 
 TEST(StartOverlaps, RoundingIsTolerated) {

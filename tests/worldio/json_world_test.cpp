@@ -433,8 +433,9 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:3: error: /tick_ms: must be from 0.001 to 3600000 ms, found 4000000"},
         Wrong{R"("seed": 7)", R"("tick": 0.1)",
               R"(maze.json:3: error: "tick" needs its unit: write "tick_s" or "tick_ms")"},
-        Wrong{R"("seed": 7)", R"("tick_s": 0.1, "tick_ms": 100)",
-              R"(maze.json:3: error: /tick_ms: given twice: give only one of "tick_s" or "tick_ms")"},
+        Wrong{
+            R"("seed": 7)", R"("tick_s": 0.1, "tick_ms": 100)",
+            R"(maze.json:3: error: /tick_ms: given twice, in different units: give only one of "tick_s" or "tick_ms")"},
         Wrong{R"("seed": 7)", R"("tick_s": "fast")",
               R"(maze.json:3: error: /tick_s: expected a number in s, found the text "fast")"},
         Wrong{R"("seed": 7)", R"("quit_time_s": -1)",
@@ -452,7 +453,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Wrong{
             R"("crate": {"size_m": [1, 1, 1]})", R"("crate": {})",
-            R"(maze.json:11: error: /types/crate: the type has no body: give "size_m" (a box), "disc", "blocks", "bitmap" or "device")"},
+            R"(maze.json:11: error: /types/crate: the type has no shape: give "size_m" (a box), "disc", "blocks", "bitmap" or "device")"},
         Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)",
               "maze.json:11: error: /types/crate: expected an object, found the number 3"},
         Wrong{"[1, 1, 1]", "[1, 0, 1]",
@@ -509,7 +510,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0: "fov" needs its unit: write "fov_rad" or "fov_deg")"},
         Wrong{
             R"("range_max_m": 2)", R"("fov_deg": 1, "fov_rad": 1)",
-            R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: given twice: give only one of "fov_rad" or "fov_deg")"},
+            R"(maze.json:8: error: /types/minibot/sensors/0/transducers/0/fov_deg: given twice, in different units: give only one of "fov_rad" or "fov_deg")"},
         Wrong{R"("range_max_m": 2)", R"("samples": 2.5)",
               "maze.json:8: error: /types/minibot/sensors/0/transducers/0/samples: expected a whole number, "
               "found the number 2.5"},
@@ -565,7 +566,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("size_m": [1, 1, 1])",
               R"("blocks": [{"points_m": [[0, 0], [1, 1], [1, 0], [0, 1]], "z_m": [0, 1]}])",
               "maze.json:11: error: /types/crate/blocks/0/points_m: the outline crosses or touches itself: "
-              "the edges from points 0 and 2"}));
+              "the edges that begin at points 0 and 2, counted from 0, meet"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Bodies, JsonWorldError,
@@ -578,7 +579,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("name": "c0")", R"("name": "_ground_model")",
               R"(maze.json:14: error: the name "_ground_model" is already used)"},
         Wrong{R"("type": "crate", )", "",
-              R"(maze.json:14: error: /models/0: missing "type": the name of one of /types)"},
+              R"(maze.json:14: error: /models/0: missing "type": the name of a type, a key of "types")"},
         Wrong{
             R"("type": "crate")", R"("type": "create")",
             R"(maze.json:14: error: /models/0/type: unknown type "create"; known: crate, minibot (did you mean "crate"?))"},
@@ -591,7 +592,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{
             R"("y_m": 5}})", R"("y_m": 5}},
     {"name": "m", "type": "minibot", "pose": {"x_m": 5.5, "y_m": 5.5}})",
-            R"(maze.json:15: error: /models/1: "m" overlaps "c0" by 0.1 m at the start; "overlaps": "warn" allows it)"},
+            R"(maze.json:15: error: /models/1: "m" overlaps "c0" by 0.1 m at the start; "overlaps": "warn" in the world allows this)"},
         Wrong{R"("count": 4)", R"("count": -4)",
               "maze.json:17: error: /populations/0/count: must be from 0 to 10000000, found -4"},
         Wrong{R"("count": 4)", R"("count": 20000000)",
@@ -701,7 +702,7 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
               testing::AllOf(testing::StartsWith("maze.json:2: error: "), testing::HasSubstr("none.pgm")));
   EXPECT_EQ(
       wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1]})"),
-      R"(maze.json:3: error: /models/0: "m" overlaps "a" by 0.5 m at the start; "overlaps": "warn" allows it)");
+      R"(maze.json:3: error: /models/0: "m" overlaps "a" by 0.5 m at the start; "overlaps": "warn" in the world allows this)");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "obstacle": false})"), "");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "pose": {"x_m": 9}})"),
             R"(maze.json:3: error: /models/0: "m" is outside the bounds of the world)");
@@ -709,15 +710,17 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
 
 TEST(JsonWorld, OutlineFaults) {
   EXPECT_TRUE(check_outline({{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}}));  // need not be convex
-  EXPECT_EQ(check_outline({{0, 0}, {0, 0}, {2, 1}}).error().text, "point 1 repeats point 0");
+  EXPECT_EQ(check_outline({{0, 0}, {0, 0}, {2, 1}}).error().text,
+            "point 1 repeats point 0 (points are counted from 0)");
   EXPECT_EQ(
       check_outline({{0, 0}, {2, 0}, {2, 1}, {0, 0}}).error().text,
       "the last point repeats the first: omit the last point, because outlines are closed automatically");
   EXPECT_EQ(check_outline({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}).error().text, "the outline has no area");
   EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}).error().text,
-            "the outline turns back on itself at point 3");
-  EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}).error().text,  // a corner touches an edge
-            "the outline crosses or touches itself: the edges from points 0 and 2");
+            "the outline turns back on itself at point 3, counted from 0");
+  EXPECT_EQ(
+      check_outline({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}).error().text,  // a corner touches an edge
+      "the outline crosses or touches itself: the edges that begin at points 0 and 2, counted from 0, meet");
 }
 
 TEST(JsonWorld, SetAndSeed) {

@@ -243,7 +243,7 @@ TEST_F(Replay, TheSameRecordingGivesTheSameBytes) {
 
 TEST_F(Replay, RefusesARecordingWithoutWhatItNeeds) {
   EXPECT_THAT(error_of(record(0.5, {.fields = {"stall"}})),
-              HasSubstr("run.h5: error: has no poses, so there is nothing to show: record it with "
+              HasSubstr("run.h5: error: has no poses, so there is nothing to show: record the run with "
                         "--record-fields pose,..."));
   EXPECT_THAT(error_of(record(0.5), {.fields = {"ranges"}}),
               HasSubstr("run.h5: error: unknown field \"ranges\"; known: pose/"));
@@ -415,7 +415,7 @@ TEST_F(Replay, SaysThatPartsAreDrawnAtRest) {
 TEST_F(Replay, RefusesARecordingOfBeforeThereWereScenes) {
   ByHand{.with_scene = false}.write(folder_ / "old.h5");
   EXPECT_THAT(error_of(folder_ / "old.h5"),
-              HasSubstr("old.h5: error: has no /scene, with walls and colours"));
+              HasSubstr("old.h5: error: has no group /scene (walls and colours)"));
 }
 
 TEST_F(Replay, RefusesADamagedScene) {

@@ -296,7 +296,8 @@ TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
   const StoredSpec stored = store_spec(full_spec(), make_registry());
   const std::vector<std::pair<Changes::value_type, std::string>> cases{
       {{"/tick_s", "1"},
-       "--set /tick_s: error: this value of a stored world cannot be changed; --set can change /seed, "},
+       "--set /tick_s: error: this value of the world in a checkpoint cannot be changed; --set can change "
+       "/seed, "},
       {{"/types/1/parts/0/obstacle", "true"}, "cannot be changed"},
       {{"/types/1/drive", "{}"}, "cannot be changed"},
       {{"/types/1/drive/params", "{}"}, "cannot be changed"},
@@ -356,9 +357,10 @@ TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
   expect([](BodyColumns& c) { c = {}; },
          "the file is damaged: it has no bodies, but every world has at least the ground");
   expect([](BodyColumns& c) { c.type[1] = 2; }, "bodies[1].type: the world has 2 types, found index 2");
-  expect([](BodyColumns& c) { c.word[1] = 99; }, "bodies[1].name: the world has 5 words, found index 99");
+  expect([](BodyColumns& c) { c.word[1] = 99; },
+         "bodies[1].name: the list of name words has 5 entries, found index 99");
   expect([](BodyColumns& c) { c.alias_word[0] = 99; },
-         "aliases[0].name: the world has 5 words, found index 99");
+         "aliases[0].name: the list of name words has 5 entries, found index 99");
   expect([](BodyColumns& c) { c.alias_body[0] = 9; },
          "aliases[0].body: the world has 4 bodies, found index 9");
   expect([](BodyColumns& c) { c.pose[5] = std::numeric_limits<double>::quiet_NaN(); },

@@ -59,7 +59,7 @@ TEST_F(StagePowerTest, WhatModelsDrawGoesToTheNearestPack) {
       "  model( joules 9 model( watts 8 alwayson 1 model( watts 16 ctrl \"source 3\" ) ) )\n"
       ")\n");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: \"watts\" of a position has no effect: Troupe "
-                                      "computes the power that it draws, docs/stage-worlds.md"));
+                                      "computes the power of such a model (docs/stage-worlds.md)"));
   std::vector<const DeviceSpec*> packs;
   for (const DeviceSpec& device : found)
     if (device.kind == "power_pack") packs.push_back(&device);

@@ -87,7 +87,7 @@ TEST_F(StageSyntax, TheParsersDebuggingAidIsAccepted) {
   load("test 1");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:1: warning: properties without effect, docs/stage-worlds.md says why: test"));
+      ElementsAre("w.world:1: warning: properties without effect (docs/stage-worlds.md says why): test"));
 }
 
 // Macros.

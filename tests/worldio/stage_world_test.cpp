@@ -161,13 +161,14 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
       "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 )\n");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:6: warning: a window has no property \"wibble\"; the property is ignored",
-                  "w.world:2: warning: properties without effect, docs/stage-worlds.md says why: "
-                  "threads, friction",
-                  "w.world:3: warning: without effect on the run, because only Stage's window uses them: "
-                  "paused, window, gui_nose",
-                  "w.world:5: warning: obsolete properties, ignored as in Stage: interval_real, polygons, "
-                  "polygon[k].points"));
+      ElementsAre(
+          "w.world:6: warning: a window has no property \"wibble\"; the property is ignored",
+          "w.world:2: warning: properties without effect (docs/stage-worlds.md says why): "
+          "threads, friction",
+          "w.world:3: warning: properties without effect on the run, because only Stage's window uses them: "
+          "paused, window, gui_nose",
+          "w.world:5: warning: obsolete properties, ignored as in Stage: interval_real, polygons, "
+          "polygon[k].points"));
 }
 
 TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
@@ -299,7 +300,7 @@ TEST_F(StageWorld, RefusesBrokenBlocks) {
       "model( block( points 3 point[0] [0 0] point[1] [1] point[2] [1 1] z [0 1] ) )\n"
       "model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [1 0] ) )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: a block needs \"points\", the number of its vertices",
+              ElementsAre("w.world:1: error: a block needs \"points\", the number of its corners",
                           "w.world:2: error: \"points\" must be from 3 to 100000, found 2",
                           "w.world:3: error: \"points\" needs a whole number, found 3.5",
                           "w.world:4: error: \"point[1]\" needs 2 values [x y], found 1",
@@ -397,8 +398,8 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
       "plan()\nplan( size [1 1 30] pose [0 0 0 90] )\nplan( bitmap_unknown 1 )\n"
       "plan( block( points 3 point[1] [1 0] point[2] [1 1] z [0 1] ) )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:4: warning: only the height (third value) of \"size\" is used; the ROS "
-                          "map itself says that it is 2 m x 1 m",
+              ElementsAre("w.world:4: warning: only the height (third value) of \"size\" is used: the ROS "
+                          "map has a size of its own, 2 m x 1 m",
                           "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks, "
                           "because the map is not stretched to \"size\""));
   const engine::PartSpec& plan = type_of(spec, 1).parts[0];
@@ -429,10 +430,8 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
 TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
   write_png(folder() / "white.png", Image{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}});
   load("model( bitmap \"white.png\" )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(
-          "w.world:1: error: the image white.png has no solid pixel; pixels darker than half are solid"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: the image white.png has no solid pixel; pixels "
+                                      "whose first channel is at most 127 are solid"));
 }
 
 TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
@@ -889,12 +888,11 @@ TEST_F(StageWorld, RefusesWrongArguments) {
 
 TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {
   load("model( ctrl \"wander\" )\nposition( ranger( sensor() ctrl \"wander\" ) )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(
-          "w.world:1: error: controller \"wander\" needs a position model to drive; this one is a model",
-          "w.world:2: error: controller \"wander\" needs a position model to drive; this one is a ranger "
-          "inside another model"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: controller \"wander\" must be in a model of type "
+                                      "position, which has a drive; this model is a model",
+                                      "w.world:2: error: controller \"wander\" must be in a model of type "
+                                      "position, which has a drive; this model is a ranger "
+                                      "inside another model"));
 }
 
 // Types.
@@ -980,7 +978,8 @@ TEST_F(StageOwnWorld, Simple) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "simple.world:12: warning: without effect on the run, because only Stage's window uses them: "
+          "simple.world:12: warning: properties without effect on the run, because only Stage's window uses "
+          "them: "
           "paused, window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
@@ -1014,11 +1013,11 @@ TEST_F(StageOwnWorld, PioneerWalle) {
   const auto spec = open("pioneer_walle.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "pioneer_walle.world:10: warning: without effect on the run, because only Stage's window uses "
-          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-          "walle.inc:14: warning: obsolete properties, ignored as in Stage: laser_return, "
-          "blobfinder_return"));
+      ElementsAre("pioneer_walle.world:10: warning: properties without effect on the run, because only "
+                  "Stage's window uses "
+                  "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+                  "walle.inc:14: warning: obsolete properties, ignored as in Stage: laser_return, "
+                  "blobfinder_return"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(7));
   expect_box(bounds_of(type_of(spec, 2).parts[0].solids), -0.26, 0.18, -0.19, 0.19);
@@ -1031,9 +1030,10 @@ TEST_F(StageOwnWorld, Roomba) {
   const auto spec = open("roomba.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
-                  "roomba.world:11: warning: without effect on the run, because only Stage's window uses "
-                  "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
+      ElementsAre(
+          "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+          "roomba.world:11: warning: properties without effect on the run, because only Stage's window uses "
+          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
   EXPECT_THAT(part_names(type_of(spec, 2)), ElementsAre("", "bumper:0"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids[0].contours[0], SizeIs(16));
@@ -1042,11 +1042,10 @@ TEST_F(StageOwnWorld, Roomba) {
 
 TEST_F(StageOwnWorld, SensorNoiseDemo) {
   const auto spec = open("sensor_noise_demo.world");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(
-          "sensor_noise_demo.world:9: warning: without effect on the run, because only Stage's window uses "
-          "them: window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+  EXPECT_THAT(messages(),
+              ElementsAre("sensor_noise_demo.world:9: warning: properties without effect on the run, because "
+                          "only Stage's window uses "
+                          "them: window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
   const engine::TypeSpec& robot = type_of(spec, 2);
   EXPECT_FALSE(robot.devices[0].active);
@@ -1061,9 +1060,10 @@ TEST_F(StageOwnWorld, Cave) {
       ElementsAre(
           "benchmark/cave.world:52: warning: \"greenrob\" is already defined, at line 48; the first "
           "definition is used",
-          "benchmark/cave.world:15: warning: properties without effect, docs/stage-worlds.md says why: "
+          "benchmark/cave.world:15: warning: properties without effect (docs/stage-worlds.md says why): "
           "threads",
-          "benchmark/cave.world:13: warning: without effect on the run, because only Stage's window uses "
+          "benchmark/cave.world:13: warning: properties without effect on the run, because only Stage's "
+          "window uses "
           "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
   ASSERT_THAT(spec.types, SizeIs(3));  // 100 robots in ten colours share one
@@ -1085,9 +1085,10 @@ TEST_F(StageOwnWorld, Hospital) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "benchmark/hospital.world:16: warning: properties without effect, docs/stage-worlds.md says why: "
+          "benchmark/hospital.world:16: warning: properties without effect (docs/stage-worlds.md says why): "
           "threads",
-          "benchmark/hospital.world:13: warning: without effect on the run, because only Stage's window uses "
+          "benchmark/hospital.world:13: warning: properties without effect on the run, because only Stage's "
+          "window uses "
           "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(1002));
   EXPECT_THAT(spec.types, SizeIs(3));
@@ -1112,7 +1113,8 @@ TEST_F(StageOwnWorld, LspTest) {
   EXPECT_THAT(
       messages(),
       ElementsAre("lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
-                  "lsp_test.world:11: warning: without effect on the run, because only Stage's window uses "
+                  "lsp_test.world:11: warning: properties without effect on the run, because only Stage's "
+                  "window uses "
                   "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
                   "lsp_test.world:9: warning: obsolete properties, ignored as in Stage: "
                   "interval_real, channel_count of a "
@@ -1137,9 +1139,10 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "pioneer_flocking.world:16: warning: properties without effect, docs/stage-worlds.md says why: "
+          "pioneer_flocking.world:16: warning: properties without effect (docs/stage-worlds.md says why): "
           "threads",
-          "pioneer_flocking.world:10: warning: without effect on the run, because only Stage's window uses "
+          "pioneer_flocking.world:10: warning: properties without effect on the run, because only Stage's "
+          "window uses "
           "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
   EXPECT_THAT(spec.types, SizeIs(3));
@@ -1316,10 +1319,11 @@ TEST_F(StageTest, WorldsAreReadByTheirEnding) {
   EXPECT_THAT(messages(), ElementsAre("a.world: error: there is no such file"));
   load_file(folder() / "deep.world");
   load_file(folder() / "a.txt");
-  EXPECT_THAT(messages(),
-              ElementsAre("deep.world: error: there is no such file",
-                          "a.txt: error: a world's file name ends in .world (Stage's syntax) or .json, not "
-                          "in \".txt\""));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("deep.world: error: there is no such file",
+                  "a.txt: error: the name of a world file must end in .world (Stage's syntax) or .json, "
+                  "found \".txt\""));
 }
 
 }  // namespace

@@ -314,7 +314,7 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
   if (const std::size_t corners = count_corners(bitmap); corners > k_most_corners) {
     diagnostics.error(
         where, fmt::format("the image {} is too large: its outlines have {} corners, at most {} are read; "
-                           "is it a photograph?",
+                           "use a drawing of the walls, not a photograph",
                            name, corners, k_most_corners));
     return {};
   }

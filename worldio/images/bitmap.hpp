@@ -54,9 +54,9 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
 /// merged into one edge, except, as in Stage, among the first three points of a ring (docs/stage-worlds.md).
 std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
 
-/// Converts outlines of an image of width x height pixels from pixels (bitmap_contours) to m. The result is
-/// scaled and shifted so that the whole image, margins included, fills `size` (m) in x and y and is centred
-/// on the origin.
+/// Converts the outlines of an image of width x height pixels in place, from pixels (as bitmap_contours()
+/// returns them) to m. The result is scaled and shifted so that the whole image, margins included, fills
+/// `size` (m) in x and y and is centred on the origin.
 void fit_image(int width, int height, const Eigen::Vector3d& size, std::vector<Ring>& contours);
 
 /// Adds four walls to the solids of a floor plan. The walls are just inside the edges of a box of size `size`

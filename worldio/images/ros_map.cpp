@@ -90,7 +90,7 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     map.where_image = {file_number_, line_of(image.Mark())};
   }
   if (const YAML::Node resolution = node["resolution"]; !resolution)
-    error(0, "a map needs \"resolution\", the edge of a cell in m");
+    error(0, "a map needs \"resolution\", the edge length of a cell in m");
   else
     map.resolution_m =
         number(resolution, "resolution", 1e-6, k_most_meters, "a length from 1e-6 to 2e5 m").value_or(1);

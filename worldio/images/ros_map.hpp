@@ -19,7 +19,7 @@ struct RosMap {
   /// How pixel values decide which cells are solid, unknown or free: see solid_cells().
   enum class Mode { trinary, scale, raw };
 
-  std::filesystem::path image;    ///< path of the image, with the YAML file's folder if it was relative
+  std::filesystem::path image;    ///< path of the image; a relative one is joined with the YAML file's folder
   Where where_image;              ///< line of the key `image`
   double resolution_m = 0;        ///< edge length of a cell
   Pose pose_map_corner;           ///< `origin`: pose of the lower left corner of the image, map frame

@@ -19,9 +19,9 @@
 #include <utility>
 #include <vector>
 
-/// Describes the structs of a WorldDocument. For each struct, its function `describe()` fills a table of its
-/// keys. The reader (read_document.cpp), the writer (write_document.cpp) and the schema (world_schema.cpp)
-/// interpret these tables.
+/// Describes the structs of a WorldDocument, which holds a JSON world (worldio/json/world_document.hpp). For
+/// each struct, its function `describe()` fills a table of its keys. The reader (read_document.cpp), the
+/// writer (write_document.cpp) and the schema (world_schema.cpp) interpret these tables.
 namespace troupe::worldio {
 
 struct DocumentTable;
@@ -47,10 +47,11 @@ enum class Form : std::uint8_t {
   kept,             ///< JsonNode: stored unread, because its keys depend on other objects
   kind,             ///< std::string: the name of one of DocumentTable::kinds
   parameters,       ///< engine::Record: the parameters of the kind, which are keys of the same object
-  faults,           ///< std::vector<FaultDocument::Impairment>: each is a key, a name in Registry::faults
-  object,           ///< a struct with a DocumentTable
-  list,             ///< std::vector of structs with a DocumentTable
-  map,              ///< like `list`, but of pairs of a name and a struct: an object whose keys are the names
+  faults,  ///< std::vector<FaultDocument::Impairment>: each entry is a key of the object, the name of
+           ///< a fault in Registry::faults
+  object,  ///< a struct with a DocumentTable
+  list,    ///< std::vector of structs with a DocumentTable
+  map,     ///< like `list`, but of pairs of a name and a struct: an object whose keys are the names
 };
 
 /// One key of a struct with a DocumentTable.
@@ -58,16 +59,16 @@ struct DocumentKey {
   engine::Field field;         ///< name and meaning of the key; for Form::value also unit, limits and choices
   Form form = Form::value;     ///< form of its value
   bool required = false;       ///< an object without the key is an error
-  std::string_view hint = {};  ///< text after `missing "key": `; empty: field.text or else `expects`
-  std::string_view expects = {};  ///< for texts: text after `expected ` in errors
+  std::string_view hint = {};  ///< text after `missing "key": ` in errors; empty: see missing_hint()
+  std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors
   std::size_t least = 0;          ///< minimum number of entries of a list, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
-  bool always = false;  ///< the writer writes the key even at its default; of a pose, not z at its default
+  bool always = false;         ///< the key is written even at its default, but a z of 0 in a pose is not
   bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
   std::optional<engine::Field>
       other;  ///< used in place of `field` if the kind of the object has a parameter of the same name
-  std::uint32_t variants = ~0u;               ///< bit i: whether an object may have the key if its key
-                                              ///< DocumentTable::variant has the i-th choice
+  std::uint32_t variants = ~0u;               ///< bit i: whether an object may have this key if the
+                                              ///< key DocumentTable::variant has its i-th choice
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
   /// Returns whether a JSON object may have this key, given its other keys. Null: it always may.
@@ -75,7 +76,7 @@ struct DocumentKey {
   /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind. Null: all objects may.
   bool (*is_of)(const void* kind) = nullptr;
 
-  /// The key has no member, because the loader replaces it before it reads the object: `include` and
+  /// The key has no member, because the loader replaces the key before the object is read: `include` and
   /// `extends` (worldio/json/json_include.hpp), and `ring` (worldio/json/json_ring.hpp).
   bool is_resolved = false;
   bool is_optional = false;  ///< the member is a std::optional
@@ -92,9 +93,11 @@ struct DocumentKey {
   const std::string* (*item_name)(const void* object,
                                   std::size_t) = nullptr;  ///< the key of an entry of a map
 
+  /// Text that follows `missing "key": ` in errors: `hint`, else the meaning of the key, else `expects`.
   std::string_view missing_hint() const {
     return !hint.empty() ? hint : !field.text.empty() ? field.text : expects;
   }
+  // Each of the functions below sets one member and returns this key, so that calls can be chained.
   DocumentKey& require(std::string_view what = {}) {
     required = true;
     hint = what;
@@ -178,18 +181,19 @@ struct DocumentKinds {
 
 /// A text that may be given in place of an object, such as "stalls" in place of {"kind": "stalls"}.
 struct DocumentShorthand {
-  std::string_view expects;  ///< as DocumentKey::expects
+  std::string_view expects;  ///< what follows `expected ` in errors
   /// Fills the object from the text, or reports errors.
   void (*read)(const JsonCursor& at, const std::string& text, const engine::Registry& registry, void* object);
   /// Returns the text for an object; empty if no text can express the object.
   std::optional<std::string> (*write)(const void* object, const engine::Registry& registry);
+  /// Returns the JSON schemas of the texts: a text is valid if it fits one of them.
   std::vector<JsonNode> (*schemas)(const engine::Registry& registry);
   bool before_object = false;  ///< in the schema, the text is the alternative before the object
 };
 
 /// The description of a struct: its keys, and rules for them.
 struct DocumentTable {
-  std::string_view definition;  ///< name of its definition in the schema; empty: repeated wherever it is used
+  std::string_view definition;  ///< name under "definitions" in the schema; empty: repeated at every use
   std::vector<DocumentKey> keys;
   std::vector<DocumentRule> rules;
   const DocumentKinds* kinds = nullptr;
@@ -252,7 +256,8 @@ class DocumentKeys {
   explicit DocumentKeys(DocumentTable& table) : table_(table) {}
 
   /// Adds a key for a member that engine::Description accepts: a number, a bool, an enum, a pose, ... Path:
-  /// the pointer to the member, or a chain of pointers to a member of a member.
+  /// the pointer to the member, or a chain of pointers to a member of a member. `facts` are the unit, the
+  /// limits and the meaning of the key (engine::facts).
   template <auto... Path, class... Facts>
   DocumentKey& value(std::string_view name, Facts... facts) {
     static const T example{};
@@ -361,7 +366,7 @@ class DocumentKeys {
       Check(*static_cast<const T*>(object), at);
     };
   }
-  /// The other members of the table.
+  /// The table that is filled, for members that no function above sets.
   DocumentTable& table() { return table_; }
 
  private:

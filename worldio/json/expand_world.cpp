@@ -275,7 +275,8 @@ void WorldExpander::expand_population(const PopulationDocument& document, const 
     population.rule = expand_rule(*document.place, DocumentPath(at, "place", document.place->where));
     population.where_place = document.place->where;
   }
-  // The bodies of "r" are r0, r1, ... A group "r" would contain those of "r2" as well.
+  // The bodies of "r" are r0, r1, ... and those of "r2" are r20, r21, ..., so that r20 could belong to
+  // either.
   const auto extends = [](std::string_view name, std::string_view other) {
     return name.size() > other.size() && name.starts_with(other) &&
            name.find_first_not_of("0123456789", other.size()) == name.npos;
@@ -342,7 +343,7 @@ TypeId WorldExpander::type_of(const std::string& name, const Placed& object, con
 }
 
 void WorldExpander::place_bodies() {
-  // At this point, the only bodies are the ground and the floor plans.
+  // At this point, the only bodies are the ground, the floor plans and the walls of the arena.
   const auto kept = std::make_shared<engine::Occupancy>(spec_, spec_.bodies.size());
   engine::Occupancy& occupancy = *kept;
   make_shapes(occupancy);
@@ -417,7 +418,7 @@ void WorldExpander::report_overlaps(const Model& model, const partition::Obstacl
   const auto is_static = [this](const BodySpec& one) {
     return engine::is_static(spec_.types[one.type.index()]);
   };
-  // Returns the bodies that overlap a shape in place of this body's.
+  // Returns the bodies that would overlap `body` if its shape were `inner`.
   const auto overlapped_by = [&](const partition::ObstacleShape& inner) {
     std::vector<const BodySpec*> bodies;
     if (is_static(body)) {
@@ -440,10 +441,10 @@ void WorldExpander::report_overlaps(const Model& model, const partition::Obstacl
       const auto bodies = overlapped_by(partition::inset(shape, middle));
       (std::ranges::find(bodies, other) != bodies.end() ? low : high) = middle;
     }
-    diagnostics_.error(
-        body.where,
-        fmt::format("{}: \"{}\" overlaps \"{}\" by {:.3g} m at the start; \"overlaps\": \"warn\" allows it",
-                    model.pointer, spec_.names.text(body.name), spec_.names.text(other->name), low));
+    diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" by {:.3g} m at the start; "
+                                               "\"overlaps\": \"warn\" in the world allows this",
+                                               model.pointer, spec_.names.text(body.name),
+                                               spec_.names.text(other->name), low));
   }
 }
 

@@ -63,7 +63,7 @@ Record read_some(JsonObject& object, const FieldTable& table) {
   object.finish();
   if (object.is_object() && std::ranges::none_of(record, &Value::given) &&
       object.at().diagnostics().findings().size() == before)
-    object.at().error("expected at least one parameter: name each parameter that changes");
+    object.at().error("no parameter is given: expected at least one parameter with its new value");
   return record;
 }
 
@@ -72,8 +72,8 @@ void write_some(const Record& record, const FieldTable& table, JsonNode::Object&
     write_field(table.fields[i], record[i], object);
 }
 
-/// Whether JSON can represent the numbers of a value, and a setting can give it in one line: it is not a list
-/// of records.
+/// Whether parameters_json() includes a value: its numbers are finite, so that JSON can represent them, and
+/// it is not a list of records.
 bool is_simple(const Value& value) {
   if (const auto* x = std::get_if<double>(&value.v)) return std::isfinite(*x);
   if (const auto* list = std::get_if<std::vector<double>>(&value.v))
@@ -339,7 +339,8 @@ std::optional<SettingSpec> read_setting(std::string_view type, std::string_view 
   if (!node) return {};
   const std::size_t before = diagnostics.findings().size();
   const JsonCursor at(*node, diagnostics);
-  if (node->find("type")) at.error("unknown key \"type\": the type is given apart from the parameters");
+  if (node->find("type"))
+    at.error("unknown key \"type\": the type is named by another argument, not in this JSON text");
   if (auto* object = std::get_if<JsonNode::Object>(&node->value))
     add_member(*object, "type", std::string(type));
   const auto document = read_document<SettingDocument>(at, {registry, LoadOptions().most_bodies});

@@ -27,7 +27,7 @@ void expand_experiment(const ExperimentDocument& document, const DocumentPath& w
                        std::span<const std::string> type_keys, const engine::Registry& registry,
                        engine::WorldSpec& spec);
 
-/// The inverse of expand_experiment().
+/// The inverse of expand_experiment(): fills `document` from spec.experiment.
 void contract_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                          const engine::Registry& registry, ExperimentDocument& document);
 
@@ -43,7 +43,8 @@ std::optional<engine::SettingSpec> read_setting(std::string_view type, std::stri
 std::string parameters_json(const engine::TypeSpec& type, const engine::Registry& registry);
 
 /// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored
-/// world, and sets spec.experiment. The object has other keys too, which are left unread.
+/// world (worldio/json/spec_json.hpp), and sets spec.experiment. The object has other keys too, which are
+/// left unread.
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
 /// Adds the keys that read_experiment() reads to `object`. Adds nothing for a world without an experiment.

@@ -204,7 +204,7 @@ std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   return value;
 }
 
-/// Returns a list of numbers in another unit. Empty if the function above is empty for any of them.
+/// Converts a list of numbers in the same way. Empty if any of them has no such number.
 std::optional<std::vector<double>> exactly_in(std::span<const double> si, const UnitSuffix& suffix) {
   std::vector<double> values;
   for (const double x : si)
@@ -342,7 +342,7 @@ FoundField find_field(JsonObject& object, const Field& field) {
     if (!node) continue;
     const JsonCursor at(object.at(), key, *node);
     if (found.where)
-      at.error(fmt::format("given twice: give only one of {}", quoted_keys(field)));
+      at.error(fmt::format("given twice, in different units: give only one of {}", quoted_keys(field)));
     else
       found.value = read_in_unit(at, field, suffix);
     found.where = node->where;

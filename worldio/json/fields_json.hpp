@@ -14,8 +14,9 @@
 namespace troupe::worldio {
 
 /// Reads one field of an object and returns its value in SI units. The key ends in the unit (`fov_rad`,
-/// `fov_deg`). The result has no value (given() is false) if the object lacks the field. The same holds, with
-/// an error, if the value is of the wrong type or outside the limits of the field.
+/// `fov_deg`). The result has no value (given() is false) if the object lacks the field. If the value is
+/// of the wrong type or outside the limits of the field, reports an error and returns a result without a
+/// value.
 engine::Value read_field(JsonObject& object, const engine::Field& field);
 
 /// The value of a field in an object, and the place of this value in the file.

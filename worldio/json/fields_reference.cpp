@@ -100,7 +100,7 @@ void append_kinds(std::string_view heading, const Kinds& kinds, std::string& tex
 std::string world_format_reference(const engine::Registry& registry) {
   std::string text = "### Poses\n\n";
   append_table(engine::pose_fields(), text);
-  text += "### `watch{}`: clock and pace\n\nThese keys change no result.\n\n";
+  text += "### `watch{}`: clock and pace\n\nThese keys do not change the results of a run.\n\n";
   append_table(engine::watch_fields(), text);
   text +=
       "### `window{}`: the view of `--camera window`\n\n[pictures.md](pictures.md) describes this view. It "

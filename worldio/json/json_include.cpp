@@ -77,11 +77,10 @@ class Includer {
     }
     diagnostics_.error(
         type.where,
-        fmt::format(
-            "/types/{}: the type is already given in {}, line {}: choose another name, and \"extends\" "
-            "to change the other type",
-            escape_pointer_token(type.key), diagnostics_.files()->name(first->second.file),
-            first->second.line));
+        fmt::format("/types/{}: the type is already given in {}, line {}: choose another name; to change the "
+                    "other type, extend it with the key \"extends\"",
+                    escape_pointer_token(type.key), diagnostics_.files()->name(first->second.file),
+                    first->second.line));
   }
 
   Members take_types() { return std::move(types_); }
@@ -170,6 +169,7 @@ bool differ_in_unit(std::string_view a, std::string_view b) {
   return false;
 }
 
+/// Whether no object may have both keys.
 bool excludes(std::string_view a, std::string_view b) {
   return (a == "controller" && b == "controllers") || (a == "controllers" && b == "controller") ||
          differ_in_unit(a, b);
@@ -187,8 +187,8 @@ const std::string* text_of(const JsonNode& object, std::string_view key) {
 
 void merge(JsonNode& own, const JsonNode& base);
 
-/// Merges two lists of devices or parts: the entries of `base`, each merged with the one of `own` of the same
-/// name, then the other entries of `own`.
+/// Merges two lists of devices or parts and stores the result in `own`: first the entries of `base`, each
+/// merged with the entry of `own` that has the same name, then the other entries of `own`.
 void merge_lists(JsonNode& own, const JsonNode& base) {
   auto& list = std::get<JsonNode::List>(own.value);
   JsonNode::List merged;
@@ -233,7 +233,7 @@ void merge(JsonNode& own, const JsonNode& base) {
       members->push_back(inherited);
     }
   }
-  // `"joint": null` has a meaning of its own; every other null removes what was inherited.
+  // `"joint": null` says that no joint moves the part. Every other null removes the inherited value.
   std::erase_if(*members, [](const JsonMember& member) {
     return member.key != "joint" && std::holds_alternative<std::monostate>(member.node.value);
   });
@@ -269,7 +269,7 @@ void TypeMerger::resolve(JsonMember& type) {
     std::string chain;
     for (auto each = circle; each != open_.end(); ++each) chain += fmt::format("{} extends ", (*each)->key);
     remove_key(*members_of(&type.node), "extends");
-    return error(type, where, fmt::format("a circle: {}{}", chain, type.key));
+    return error(type, where, fmt::format("the types extend each other in a circle: {}{}", chain, type.key));
   }
   const std::string* name = value.text();
   const auto base = name ? std::ranges::find(types_, *name, &JsonMember::key) : types_.end();

@@ -15,7 +15,8 @@ namespace troupe::worldio {
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// Replaces the key `extends` of each type of a world by the keys of the type that it names:
-/// - A key that the type gives itself replaces that of the other type. A key that is null is removed.
+/// - A key that the type gives itself replaces that of the other type. A key that is null is removed, except
+///   `joint`, where null means that there is no joint.
 /// - An object is merged key by key, unless both have a `kind` and the kinds differ.
 /// - In the lists `sensors`, `devices` and `parts`, entries of the same name are merged; others are appended.
 /// - A quantity in one unit replaces the same quantity in another unit. `controller` replaces `controllers`,

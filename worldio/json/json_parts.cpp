@@ -198,7 +198,7 @@ Result<> check_outline(const Ring& ring) {
   const auto at = [&](std::size_t i) -> const Vec2& { return ring[i % n]; };
   for (std::size_t i = 0; i < n; ++i)
     if (at(i) == at(i + 1))
-      return Error{i + 1 < n ? fmt::format("point {} repeats point {}", i + 1, i)
+      return Error{i + 1 < n ? fmt::format("point {} repeats point {} (points are counted from 0)", i + 1, i)
                              : "the last point repeats the first: omit the last point, because outlines are "
                                "closed automatically"};
   constexpr double k_flat = 1e-12;  // tolerance for rounding errors, relative to the extent
@@ -209,12 +209,14 @@ Result<> check_outline(const Ring& ring) {
     return Error{"the outline has no area"};
   for (std::size_t i = 0; i < n; ++i)
     if (turn(at(i), at(i + 1), at(i + 2)) == 0 && (at(i + 1) - at(i)).dot(at(i + 2) - at(i + 1)) < 0)
-      return Error{fmt::format("the outline turns back on itself at point {}", (i + 1) % n)};
+      return Error{fmt::format("the outline turns back on itself at point {}, counted from 0", (i + 1) % n)};
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 2; j < n && j + 1 < n + i; ++j)
       if (segments_meet(at(i), at(i + 1), at(j), at(j + 1)))
         return Error{
-            fmt::format("the outline crosses or touches itself: the edges from points {} and {}", i, j)};
+            fmt::format("the outline crosses or touches itself: the edges that begin at points {} and {}, "
+                        "counted from 0, meet",
+                        i, j)};
   return {};
 }
 

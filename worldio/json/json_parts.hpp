@@ -62,7 +62,7 @@ ImageDocument contract_image(const engine::ImageSpec& image, const Eigen::Vector
 
 /// Sets the shape of a part: its solids (in the frame of the body), size and image. The pose of the part must
 /// be set before. `at` is the path of the part, for errors. Returns whether the document gives a shape: a
-/// size, blocks or an image.
+/// size, a disc, blocks or an image.
 bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFolder& images,
                   engine::PartSpec& part);
 /// The inverse of expand_shape(): sets the shape in `document`. Paths of images become relative to `folder`;

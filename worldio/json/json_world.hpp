@@ -11,11 +11,12 @@
 
 namespace troupe::worldio {
 
-/// Makes the document that is read: adds the types of included files, whose paths are relative to the folder
-/// of `file` (worldio/json/json_include.hpp), then changes it as the command line asks: sets the values of
-/// LoadOptions::set (`--set POINTER=VALUE`), then the numbers of bodies of LoadOptions::robots (`--robots
-/// NAME=COUNT`). Types that extend others are merged with them last, so that a changed type changes those
-/// that extend it. Reports an error for a value that cannot be set and for an unknown population.
+/// Completes the JSON nodes of a world before they are read. First it adds the types of included files, whose
+/// paths are relative to the folder of `file` (worldio/json/json_include.hpp). Then it applies the changes of
+/// the command line: the values of LoadOptions::set (`--set POINTER=VALUE`) and the numbers of bodies of
+/// LoadOptions::robots (`--robots NAME=COUNT`). Last, it merges each type with the type that it extends, so
+/// that a changed type also changes the types that extend it. Reports an error for a value that cannot be set
+/// and for an unknown population.
 void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 

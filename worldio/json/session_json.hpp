@@ -22,7 +22,7 @@ struct SessionHeader {
   std::string version;     ///< version_line() of the program that wrote the session
   std::uint64_t tick = 0;  ///< tick at which the session began
   std::string hash;        ///< hash of the state at that tick: 16 lower-case hex digits
-  /// Options of the run, Simulation::effective_options().
+  /// Options of the run and their values, from Simulation::effective_options().
   std::vector<std::pair<std::string, std::string>> options;
 };
 
@@ -40,7 +40,7 @@ struct Session {
   std::vector<LoggedAct> acts;  ///< ordered by tick and n
   std::optional<std::uint64_t>
       end;  ///< tick at which the session ended; empty: the program that wrote it was killed
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;  ///< from reading the session, each with file and line
 };
 
 /// Return the header, the line of an act, and the last line of a session, without line ends. `tick` is the

@@ -20,14 +20,14 @@ using engine::MemberType;
 using engine::Value;
 using engine::WorldSpec;
 
-/// Visits those members of a struct that spec_difference() compares, in the order of the struct's table. With
-/// N = 1 it visits one struct. With N = 2 it visits two structs of the same type side by side: each call of
-/// `found` gets the same member of both. The functions of `found` are as follows; their first argument is an
-/// array with one entry for each of the N structs:
+/// Calls a function of the object `found` for each member of a struct that spec_difference() compares, in the
+/// order of the table of the struct. With N = 1 it reads one struct. With N = 2 it reads two structs of the
+/// same type, and each call gets the same member of both. `found` must have the functions below; their first
+/// argument is an array with one entry for each of the N structs:
 ///   bool size(sizes, path)    for each list, and for each optional block (size 0 or 1)
 ///   bool value(values, path)  for each other value
 ///   bool place(wheres, path)  for each member that is a place in a file (a Where)
-/// `path` is the path of the member. A call that returns false ends the visit.
+/// `path` is the path of the member. If a call returns false, no further members are read.
 template <std::size_t N, class Found>
 class Walk {
  public:
@@ -117,7 +117,7 @@ class FirstDifference {
   std::string text_;
 };
 
-/// Appends all values that Walk visits to one byte string.
+/// Appends all values for which Walk calls it to one byte string.
 class Bytes {
  public:
   bool size(const std::array<std::size_t, 1>& sizes, const SpecPath&) { return add(sizes[0]); }

@@ -16,7 +16,8 @@ enum class Places {
 /// Returns the path of the first value that differs in any bit between two worlds, such as
 /// `types[3].parts[1].solids` or `bodies[7].name`. Empty if the worlds are equal. Two things are not
 /// compared: the images and blocks from which the solids of parts were made, and the title if `a` has none.
-/// Names are compared as texts, because two worlds may store the same name by different words and numbers.
+/// Names are compared as texts, because a name is stored as the index of a word and a number, and two worlds
+/// may have different indices for the same word.
 std::string spec_difference(const engine::WorldSpec& a, const engine::WorldSpec& b,
                             Places places = Places::ignored);
 

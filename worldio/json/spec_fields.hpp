@@ -14,8 +14,8 @@
 
 namespace troupe::worldio {
 
-/// Path to a value of a spec. Each element, on the stack, points to the element of the enclosing struct, so
-/// that a path is formatted only for an error.
+/// Path to a value of a spec: a chain of elements on the stack, each of which points to the element of the
+/// enclosing struct. A path is formatted only for an error.
 struct SpecPath {
   const SpecPath* parent = nullptr;
   std::string_view name = {};  ///< name of the member; empty for an entry of a list
@@ -38,12 +38,15 @@ bool is_listed(const engine::FieldTable& table);
 /// Returns how many numbers a struct has that consists only of numbers, including those of nested structs.
 std::size_t numbers_in(const engine::FieldTable& table);
 
+/// Returns the address of the member that `field` describes in the struct at `object`.
+///@{
 inline const void* member_of(const engine::Field& field, const void* object) {
   return static_cast<const char*>(object) + field.offset;
 }
 inline void* member_of(const engine::Field& field, void* object) {
   return static_cast<char*>(object) + field.offset;
 }
+///@}
 /// Returns the i-th struct of a member that is a struct or a list of structs; read-only.
 inline const void* block_of(const engine::MemberType& type, const void* member, std::size_t i) {
   return type.block(const_cast<void*>(member), i);

@@ -45,8 +45,8 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
 /// Returns the keys that the types of a world have when it is stored: their indices "0", "1", ...
 std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
 
-/// The values of a stored world that --set may change, for messages. These values do not change which arrays
-/// the state has, nor their sizes.
+/// The values of a stored world that --set may change, for messages. They affect neither which arrays the
+/// state has nor the sizes of these arrays.
 inline constexpr std::string_view k_changeable =
     "/seed, /quit_time_s, /stop_when, /ranging, /resolution_m, /bounds_m; in /types/N: /drive/period_s, "
     "/drive/params/..., "

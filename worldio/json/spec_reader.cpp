@@ -157,6 +157,7 @@ class SpecReader {
   void read_numbers(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
   void read_place(const JsonCursor& at, Where& where);
   void read_parameters(const JsonCursor& at, const Field& field, const FieldTable& table, void* object);
+  /// Reads a member of the world that has a format of its own: words, names of parts, experiment.
   void read_apart(JsonObject& object, std::string_view name);
   void read_files(const JsonCursor& at);
   void read_words(const JsonCursor& at);
@@ -176,7 +177,7 @@ class SpecReader {
   std::vector<std::uint32_t> files_;  // for each file of the stored world, its number in this program
 };
 
-constexpr std::string_view k_always = "required in a stored world";
+constexpr std::string_view k_always = "every checkpoint has this value";
 
 /// Whether a stored world may omit a member of a struct. The member then keeps its default.
 bool may_be_missing(const Field& field) {
@@ -362,7 +363,8 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
     else
       diagnostics.error(
           {diagnostics.files()->add("--set " + pointer), 0},
-          fmt::format("this value of a stored world cannot be changed; --set can change {}", k_changeable));
+          fmt::format("this value of the world in a checkpoint cannot be changed; --set can change {}",
+                      k_changeable));
   }
   if (diagnostics.has_errors()) return {};
   SpecReader reader(registry, where, diagnostics);

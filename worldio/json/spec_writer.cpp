@@ -145,6 +145,7 @@ class SpecWriter {
   std::optional<Json> member_json(const Field& field, const FieldTable& table, const void* object) const;
   Json list_json(const Field& field, const engine::MemberType& type, const void* list) const;
   Json struct_json(const FieldTable& table, const void* object) const;
+  /// Writes a member of the world that has a format of its own: files, words, names of parts, experiment.
   void write_apart(std::string_view name, Json& json) const;
   void write_part_names(Json& json) const;
   void write_experiment(Json& json) const;

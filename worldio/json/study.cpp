@@ -100,6 +100,7 @@ std::string value_of(const Choice& choice, std::size_t i) {
   return text_of(choice.low + share * (choice.high - choice.low));
 }
 
+/// Returns a random value of a parameter.
 std::string drawn(const Choice& choice, Random& random) {
   switch (choice.kind) {
     case Kind::listed:
@@ -199,8 +200,9 @@ void StudyReader::read_parameter(const JsonCursor& at) {
   if (!parameter.name.empty() &&
       (std::ranges::find(before, parameter.name, &Study::Parameter::name) != before.end() ||
        std::ranges::find(k_taken, parameter.name) != k_taken.end()))
-    at.error(fmt::format("there is another column \"{}\": give the parameter a different \"name\"",
-                         parameter.name));
+    at.error(fmt::format(
+        "the table of results has another column \"{}\": give this parameter a different \"name\"",
+        parameter.name));
   study_.choices.push_back(read_choice(object));
   object.finish();
   study_.parameters.push_back(std::move(parameter));
@@ -319,8 +321,9 @@ void StudyReader::check_runs(const JsonCursor& at) {
   if (study_.samples) count *= static_cast<double>(*study_.samples);
   for (std::size_t p = 0; !study_.samples && p < study_.choices.size(); ++p) {
     if (study_.choices[p].count() == 0)
-      return at.error(fmt::format("\"{}\" is random: give the number of samples, as in \"samples\": 100",
-                                  study_.parameters[p].name));
+      return at.error(
+          fmt::format("the values of \"{}\" are random: give the number of samples, as in \"samples\": 100",
+                      study_.parameters[p].name));
     count *= static_cast<double>(study_.choices[p].count());
   }
   if (count > static_cast<double>(k_most_runs))

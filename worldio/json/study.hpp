@@ -24,7 +24,7 @@ std::string_view statistic_name(Statistic statistic);
 struct Study {
   /// A value of the world that differs from run to run.
   struct Parameter {
-    std::string name;     ///< name of its column
+    std::string name;     ///< name of its column in the table of results
     std::string pointer;  ///< JSON pointer into the world, as in --set
   };
   struct Run {
@@ -42,8 +42,8 @@ struct Study {
   double measure_every_s = 1;  ///< world time between measurements, s; 0: every tick
   bool series = false;         ///< whether all measurements are also stored, in a separate table
 
-  /// The values that a parameter takes: a list, equally spaced values of an interval, or random samples from
-  /// an interval.
+  /// The values that a parameter takes: a list (`listed`), equally spaced values of an interval (`steps`), or
+  /// random samples from an interval: uniform, uniform in the logarithm, or whole numbers.
   struct Choice {
     std::vector<std::string> values;  ///< listed: JSON texts
     double low = 0;                   ///< ends of the interval, for every kind but `listed`
@@ -57,7 +57,7 @@ struct Study {
   };
   std::vector<Choice> choices;         ///< one per parameter
   std::vector<std::uint64_t> seeds;    ///< empty: the world's seed
-  std::optional<std::size_t> samples;  ///< empty: all combinations of the values
+  std::optional<std::size_t> samples;  ///< number of random samples; empty: all combinations
   std::uint64_t random_seed = 1;       ///< seed of the samples
 
   /// The number of runs of the study, at most k_most_runs.

@@ -61,14 +61,17 @@ Result<> check_wall_line(const Ring& line, double thickness) {
   if (line.size() < 2) return Error{fmt::format("expected at least 2 points, found {}", line.size())};
   for (std::size_t i = 1; i < line.size(); ++i)
     if (line[i] == line[i - 1])
-      return Error{fmt::format("a wall of no length: point {} repeats point {}", i, i - 1)};
+      return Error{fmt::format("a wall of no length: point {} repeats point {} (points are counted from 0)",
+                               i, i - 1)};
   const bool closed = line.size() > 2 && line.front() == line.back();
   const std::size_t points = closed ? line.size() - 1 : line.size();
   for (std::size_t i = closed ? 0 : 1; i + (closed ? 0 : 1) < points; ++i) {
     const Vec2 before = line[i] - line[(i + points - 1) % points];
     const Vec2 after = line[(i + 1) % points] - line[i];
     if (before.dot(after) < k_least_cosine * before.norm() * after.norm())
-      return Error{fmt::format("the line turns back on itself at point {}", i)};
+      return Error{fmt::format(
+          "the line turns back on itself at point {}, counted from 0: it may turn by at most 165 degrees",
+          i)};
   }
   const WallCorners corners(line, thickness);
   for (std::size_t i = 0; i < corners.segments(); ++i) {
@@ -76,8 +79,8 @@ Result<> check_wall_line(const Ring& line, double thickness) {
     const Vec2 along = corners.direction(i);
     if ((corners.left(end) - corners.left(i)).dot(along) <= 0 ||
         (corners.right(end) - corners.right(i)).dot(along) <= 0)
-      return Error{fmt::format("the segment from point {} is too short for walls that are {:.10g} m thick", i,
-                               thickness)};
+      return Error{fmt::format("the segment that begins at point {} is too short for walls {:.10g} m thick",
+                               i, thickness)};
   }
   return {};
 }

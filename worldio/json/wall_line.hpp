@@ -7,9 +7,9 @@
 
 namespace troupe::worldio {
 
-/// Checks that a line can be the middle of walls of this thickness, m. Returns an error if the line has fewer
-/// than two points, if a point repeats the one before it, if the line turns back at a point by more than 165
-/// degrees, or if a segment is too short for the corners at its ends.
+/// Checks that walls of this thickness, m, can be built along a line, which is the middle of the walls.
+/// Returns an error if the line has fewer than two points, if a point repeats the one before it, if the line
+/// turns back at a point by more than 165 degrees, or if a segment is too short for the corners at its ends.
 Result<> check_wall_line(const Ring& line, double thickness);
 
 /// Returns walls along a line, m: one prism of four corners per segment, with mitred corners between two

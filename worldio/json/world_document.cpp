@@ -41,7 +41,7 @@ constexpr double k_least_step_m = 0.001;     // minimum distance between bodies 
 constexpr std::array<std::string_view, 2> k_checks{"error", "warn"};
 constexpr std::array<std::string_view, 5> k_rules{"grid", "uniform", "gaussian", "poisson_disc",
                                                   "free_floor"};
-constexpr std::string_view k_type_of = "the name of one of /types";
+constexpr std::string_view k_type_of = "the name of a type, a key of \"types\"";
 
 template <class Kinds>
 std::vector<std::string_view> sorted_names(const Kinds& kinds, bool (*counts)(const DeviceKind&) = nullptr) {
@@ -91,8 +91,9 @@ Result<DocumentKind> find_device(const Registry& registry, const std::string& na
   if (!kind) return kind.error();
   if (is_listed<k_list>(**kind)) return of_device(**kind);
   return Error{fmt::format("\"{}\" {}", name,
-                           (*kind)->is_sensor() ? "is a sensor: it belongs in \"sensors\""
-                                                : "is not a sensor: it belongs in \"devices\"")};
+                           (*kind)->is_sensor()
+                               ? "is a sensor: move this entry to the list \"sensors\""
+                               : "is not a sensor: move this entry to the list \"devices\"")};
 }
 
 /// Returns the device kind that a part is because of its model kind: a part of kind "ranger" is a ranger.
@@ -323,20 +324,22 @@ const DocumentShorthand k_condition_text{
 template <class T, auto... Path>
 void describe_returns(DocumentKeys<T>& d) {
   using engine::Returns;
-  d.template value<Path..., &Returns::obstacle>("obstacle", "blocks the motion of other bodies");
+  d.template value<Path..., &Returns::obstacle>("obstacle", "true: blocks the motion of other bodies");
   d.template value<Path..., &Returns::ranger>(
       "ranger_return", within(-k_most_return, k_most_return),
       "intensity that a ranger reads from the body; below 0: beams pass through the body");
   d.template value<Path..., &Returns::fiducial>(
       "fiducial_return", "number that fiducial finders read from the body; 0: they do not find it");
   d.template value<Path..., &Returns::fiducial_key>(
-      "fiducial_key", "a fiducial finder finds only bodies whose key equals its own");
-  d.template value<Path..., &Returns::gripper>("gripper_return", "grippers sense the body and can hold it");
-  d.template value<Path..., &Returns::blob>("blob_return", "blob finders see the colour of the body");
-  d.template value<Path..., &Returns::pushable>("pushable", "robots push the whole body instead of stalling");
+      "fiducial_key", "only fiducial finders whose parameter `key` is this number find the body");
+  d.template value<Path..., &Returns::gripper>("gripper_return",
+                                               "true: grippers sense the body and can hold it");
+  d.template value<Path..., &Returns::blob>("blob_return", "true: blob finders see the colour of the body");
+  d.template value<Path..., &Returns::pushable>("pushable",
+                                                "true: robots push the whole body instead of stalling");
 }
 
-constexpr std::string_view k_size_text = "size of a box on the floor: x, y and height";
+constexpr std::string_view k_size_text = "size of a box that stands on z = 0: along x, along y, height";
 
 /// Returns the value of the key `bitmap`, the path of an image; null if the object has no such text.
 const std::string* bitmap_of(const JsonNode& object) {
@@ -376,28 +379,29 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
                                                                     at_most(k_max_size_m), k_size_text);
   size.hint = "[x, y, height]";
   size.when(is_plan ? has_scaled_image : has_no_map);
-  d.template value<Image, &ImageDocument::height>("height", meters, above(0), at_most(k_max_size_m),
-                                                  is_plan
-                                                      ? "ROS map and lines: height of the walls; default: 1 m"
-                                                      : "ROS map: height of the walls; default: 1 m")
+  d.template value<Image, &ImageDocument::height>(
+       "height", meters, above(0), at_most(k_max_size_m),
+       is_plan ? "with a ROS map or `walls_m`: height of the walls; default: 1 m"
+               : "with a ROS map: height of the walls; default: 1 m")
       .when(is_plan ? has_height : has_map);
   d.template choice<Image, &ImageDocument::unknown>("unknown", k_unknown,
-                                                    "ROS map: how unknown cells are treated")
+                                                    "with a ROS map: whether unknown cells are free or solid")
       .when(has_map);
   d.template choice<Image, &ImageDocument::margins>(
        "margins", k_margins,
-       "the part of the image that is scaled to `size`; trim: the bounding box of the solid pixels, keep: "
+       "the part of the image that is scaled to `size`. trim: the bounding box of the solid pixels; keep: "
        "the whole image")
       .when(is_plan ? has_scaled_image : has_plain_image);
   DocumentKey& boundary = d.template value<Image, &ImageDocument::boundary>(
-      "boundary", "adds four walls just inside the edges of the box");
+      "boundary", "true: adds four walls just inside the edges of the scaled image or of the map");
   boundary.when(is_plan ? has_no_lines : has_image);
 }
 
 /// Describes the key `ring`, which a list's entry with a pose may have.
 template <class T>
 void describe_ring(DocumentKeys<T>& d) {
-  DocumentKey& key = d.template other<>(Form::object, "ring", "repeats the entry around its pose");
+  DocumentKey& key =
+      d.template other<>(Form::object, "ring", "repeats the entry on a circle around its pose");
   key.table = &document_table<RingDocument>;
   key.resolve();
 }
@@ -429,7 +433,7 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
   };
   const auto joint = [&] {
     d.template other<&D::joint>(Form::joint, "joint",
-                                "name of the joint that moves it; null: no joint moves it");
+                                "name of the joint that moves the device; null: no joint moves it");
   };
   if (is_own) kind();
   d.template other<&D::name>(Form::name, "name", "name, which no other device of the type may have",
@@ -442,7 +446,8 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
       "pose in the frame of the body or, with `on`, in the frame of the device on which it is mounted");
   joint();
   if (!is_own) describe_ring(d);
-  d.template value<&D::active>("active", "false: runs only while a controller or a program reads it");
+  d.template value<&D::active>("active",
+                               "false: the device runs only while a controller or a program reads it");
   d.template value<&D::period>("period", seconds, within(0, k_most_period_s),
                                "time between two readings; 0: every tick")
       .or_named("update_period");
@@ -465,8 +470,9 @@ void describe_group(DocumentKeys<G>& d) {
   d.template other<&G::population>(Form::name, "population", {}, "a name");
   d.template other<&G::type>(Form::name, "type", {}, "a name");
   d.template other<&G::model>(Form::name, "model", {}, "a name");
-  d.template value<&G::count>("count", within(0, k_most_chosen), "number of bodies, selected at random");
-  d.template value<&G::share>("share", within(0, 1), "fraction of the group, selected at random");
+  d.template value<&G::count>("count", within(0, k_most_chosen),
+                              "number of bodies to select at random from the group");
+  d.template value<&G::share>("share", within(0, 1), "fraction of the group to select at random");
   constexpr std::string_view k_whom = "give one of \"population\", \"type\" and \"model\"";
   d.rule({.how = How::one_of,
           .keys = {"population", "type", "model"},
@@ -493,13 +499,16 @@ void describe_body(DocumentKeys<P>& d) {
   const auto no_image = [](const JsonNode& object) { return !has_image(object); };
   d.template value<&P::fit>("fit", "true: all blocks together are scaled to fill the box `size`, as in Stage")
       .when(no_image);
-  d.template value<&P::origin>("origin", "pose of the centre of the image or of the scaled blocks")
+  d.template value<&P::origin>(
+       "origin", "pose of the centre of the image or of the scaled blocks, in the frame of the body or part")
       .when([](const JsonNode& object) { return has_image(object) || is_fitted(object); });
   d.template object<&P::disc>("disc", "an upright cylinder about the origin, in addition to the blocks")
       .when([](const JsonNode& object) { return !has_image(object) && !is_fitted(object); });
   d.template list<&P::blocks>("blocks", "upright prisms that form the solid shape of the body or part")
       .when(no_image);
-  d.template value<&P::floor_plan>("floor_plan", "true: the body is a floor plan, an image of walls");
+  d.template value<&P::floor_plan>(
+      "floor_plan",
+      "true: controllers and troupe lint treat the shape as a floor plan; default: true with `bitmap`");
   d.template value<&P::extent>("extent", meters, within(0, 2 * k_max_size_m),
                                "declared size: x, y and height, if it differs from the extent of the solids");
   d.template other<&P::color>(Form::color, "color");
@@ -593,7 +602,8 @@ Where Placed::where_of(std::string_view key) const {
 void BlockDocument::describe(DocumentKeys<BlockDocument>& d) {
   static constexpr std::array<std::string_view, 2> k_frames{"part", "body"};
   d.table().definition = "block";
-  d.other<&BlockDocument::points>(Form::points, "points_m", "the outline, which must not cross itself")
+  d.other<&BlockDocument::points>(Form::points, "points_m",
+                                  "outline of the prism, which must not cross itself")
       .entries(3, k_most_block_points);
   d.other<&BlockDocument::contours>(Form::contours, "contours_m",
                                     "outlines; points inside an odd number of them are solid")
@@ -613,7 +623,7 @@ void RingDocument::describe(DocumentKeys<RingDocument>& d) {
   d.table().definition = "ring";
   d.value<&RingDocument::count>("count", within(1, k_most_in_ring), "number of copies").require();
   d.value<&RingDocument::radius>("radius", meters, within(0, k_max_size_m),
-                                 "distance of the copies from the pose of the entry");
+                                 "radius of the circle on which the copies are");
   d.value<&RingDocument::start>(
       "start", Unit::radians, within(-20 * k_pi, 20 * k_pi),
       "direction of the first copy, counter-clockwise from the heading of the pose");
@@ -626,8 +636,9 @@ void DiscDocument::describe(DocumentKeys<DiscDocument>& d) {
       .require();
   d.value<&DiscDocument::height>("height", meters, above(0), at_most(k_max_size_m), "height of the cylinder")
       .require();
-  d.value<&DiscDocument::corners>("corners", within(3, k_most_disc_corners),
-                                  "number of corners of the polygon, the first of which is on the x axis");
+  d.value<&DiscDocument::corners>(
+      "corners", within(3, k_most_disc_corners),
+      "corners of the polygon that replaces the circle; the first is on the x axis");
 }
 
 void DeviceDocument::describe(DocumentKeys<DeviceDocument>& d) {
@@ -674,15 +685,16 @@ void ControllerDocument::describe(DocumentKeys<ControllerDocument>& d) {
 
 void PartDocument::describe(DocumentKeys<PartDocument>& d) {
   d.table().definition = "part";
-  d.other<&PartDocument::name>(Form::name, "name", "the full name of the part is BODY.NAME",
-                               "the part's name")
+  d.other<&PartDocument::name>(
+       Form::name, "name", "name of the part; programs find the part as BODY.NAME, where BODY is its body",
+       "the part's name")
       .require("the part's name");
-  d.other<&PartDocument::alias>(Form::name, "alias", "another name, by which it can be looked up",
+  d.other<&PartDocument::alias>(Form::name, "alias", "another name, by which programs can find the part",
                                 "another name of the part");
   d.other<&PartDocument::kind>(Form::model_kind, "kind", "type of Stage model that corresponds to the part");
   d.value<&PartDocument::pose>("pose", "pose in the frame of the body, with all joints at rest");
   d.other<&PartDocument::joint>(Form::joint, "joint",
-                                "name of the joint that moves it; null: no joint moves it");
+                                "name of the joint that moves the part; null: no joint moves it");
   describe_ring(d);
   describe_body(d);
   describe_contents(d);
@@ -692,7 +704,7 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
 void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.table().definition = "type";
   d.other<>(Form::name, "extends",
-            "name of the type whose keys this type has, except those that it gives itself")
+            "name of another type: this type has all keys of that type, except those that it gives itself")
       .resolve();
   d.other<&TypeDocument::name>(
       Form::name, "name",
@@ -701,14 +713,15 @@ void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.other<&TypeDocument::kind>(Form::model_kind, "kind",
                                "type of Stage model that corresponds to the body itself");
   describe_body(d);
-  d.object<&TypeDocument::drive>("drive", "a body without a drive does not move by itself");
+  d.object<&TypeDocument::drive>("drive",
+                                 "the drive of the bodies; without one, they do not move by themselves");
   describe_contents(d);
   d.other<&TypeDocument::device_order>(
       Form::names, "device_order",
       "names of all devices, each exactly once, in the order in which the type has them");
   d.rule({.how = How::any_of,
           .keys = {"size", "disc", "blocks", "bitmap", "device"},
-          .none = "the type has no body: give \"size_m\" (a box), \"disc\", \"blocks\", \"bitmap\" or "
+          .none = "the type has no shape: give \"size_m\" (a box), \"disc\", \"blocks\", \"bitmap\" or "
                   "\"device\""});
   d.check<check_type>();
 }
@@ -740,7 +753,7 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
 
 void ArenaDocument::describe(DocumentKeys<ArenaDocument>& d) {
   d.value<&ArenaDocument::size>("size", meters, above(0), at_most(k_max_size_m),
-                                "free floor along x and y, about the origin of the world")
+                                "size of the free floor along x and y; its centre is the origin of the world")
       .require("[x, y], the size of the free floor");
   d.value<&ArenaDocument::walls>("walls", "true: a static body \"arena\" encloses the free floor");
   d.value<&ArenaDocument::height>("height", meters, above(0), at_most(k_max_size_m), "height of the walls");
@@ -751,7 +764,7 @@ void ArenaDocument::describe(DocumentKeys<ArenaDocument>& d) {
 
 void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {
   d.other<&ModelDocument::name>(Form::name, "name", {}, "a name").require("the model's name");
-  d.other<&ModelDocument::alias>(Form::name, "alias", "another name, by which it can be looked up",
+  d.other<&ModelDocument::alias>(Form::name, "alias", "another name, by which programs can find the body",
                                  "another name of the model");
   d.other<&ModelDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
@@ -775,7 +788,7 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
   d.table().variant = "rule";
   d.choice<&PlaceDocument::rule>("rule", k_rules)
       .require("grid, uniform, gaussian, poisson_disc or free_floor");
-  d.other<&PlaceDocument::region>(Form::box, "region_m", "region of the origins of the bodies");
+  d.other<&PlaceDocument::region>(Form::box, "region_m", "rectangle in which the origins of the bodies lie");
   d.other<&PlaceDocument::polygon>(Form::points, "polygon_m",
                                    "polygon in which the origins of the bodies must also lie")
       .entries(3);
@@ -783,14 +796,14 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
                                  "second region, for bodies that do not fit into the first")
       .of_variants(bit(Rule::grid));
   d.value<&PlaceDocument::pitch>("pitch", meters, above(0), at_most(k_max_size_m),
-                                 "distance between neighbouring cells")
-      .require("the distance between neighbouring cells")
+                                 "distance between neighbouring cells of the grid")
+      .require("the distance between neighbouring cells of the grid")
       .of_variants(bit(Rule::grid));
   d.value<&PlaceDocument::jitter>("jitter", meters, within(0, k_max_size_m),
-                                  "maximum random displacement of each coordinate")
+                                  "maximum random displacement of a body, along x and along y")
       .of_variants(bit(Rule::grid));
   d.value<&PlaceDocument::mean>("mean", meters, within(-k_max_size_m, k_max_size_m),
-                                "mean of the normal distribution")
+                                "mean of the normal distribution of the origins")
       .require("[x, y], the mean of the normal distribution")
       .of_variants(bit(Rule::gaussian));
   d.value<&PlaceDocument::deviation>("deviation", meters, within(0, k_max_size_m),
@@ -813,15 +826,17 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
 }
 
 void PopulationDocument::describe(DocumentKeys<PopulationDocument>& d) {
-  d.other<&PopulationDocument::name>(Form::name, "name", "bodies are called NAME0, NAME1, ...", "a name")
+  d.other<&PopulationDocument::name>(
+       Form::name, "name", "name of the population; its bodies are called NAME0, NAME1, ...", "a name")
       .require("the population's name");
   d.other<&PopulationDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
   DocumentKey& count =
       d.value<&PopulationDocument::count>("count", within(0, LoadOptions().most_bodies), "number of bodies");
   count.require().counts_bodies = true;
-  d.value<&PopulationDocument::reserve>("reserve", within(0, LoadOptions().most_bodies),
-                                        "number of bodies that may be born later")
+  d.value<&PopulationDocument::reserve>(
+       "reserve", within(0, LoadOptions().most_bodies),
+       "number of further bodies that may be born during the run, docs/lives.md")
       .counts_bodies = true;
   d.other<&PopulationDocument::color>(
       Form::color_or_random, "color",
@@ -855,7 +870,8 @@ void GroupDocument::describe(DocumentKeys<GroupDocument>& d) {
 }
 
 void AddDocument::describe(DocumentKeys<AddDocument>& d) {
-  d.other<&AddDocument::population>(Form::name, "population", "a population with a reserve", "a name")
+  d.other<&AddDocument::population>(Form::name, "population", "name of a population with a reserve of bodies",
+                                    "a name")
       .require();
   d.value<&AddDocument::count>("count", within(0, k_most_chosen),
                                "number of births; default: all bodies that remain in the reserve");
@@ -872,11 +888,11 @@ void MoveDocument::describe(DocumentKeys<MoveDocument>& d) {
 void SettingDocument::describe(DocumentKeys<SettingDocument>& d) {
   d.other<&SettingDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
-  d.other<&SettingDocument::drive>(Form::kept, "drive", "parameters to change");
-  d.other<&SettingDocument::device>(Form::kept, "device", "name of a device, and parameters to change",
-                                    "name");
+  d.other<&SettingDocument::drive>(Form::kept, "drive", "new values of some parameters of the drive");
+  d.other<&SettingDocument::device>(Form::kept, "device",
+                                    "`name` of a device, and new values of its parameters", "name");
   d.other<&SettingDocument::controller>(Form::kept, "controller",
-                                        "kind of a controller, and parameters to change", "kind");
+                                        "`kind` of a controller, and new values of its parameters", "kind");
   d.rule({.how = How::one_of,
           .keys = {"drive", "device", "controller"},
           .none = "give one of \"drive\", \"device\" and \"controller\""});
@@ -902,16 +918,17 @@ void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
 void FaultDocument::describe(DocumentKeys<FaultDocument>& d) {
   describe_group(d);
   d.value<&FaultDocument::from>("from", seconds, within(0, engine::k_most_seconds),
-                                "simulated time from which the bodies have the faults");
+                                "simulated time at which the faults begin");
   d.other<&FaultDocument::impairments>(Form::faults, "");
 }
 
 void ExperimentDocument::describe(DocumentKeys<ExperimentDocument>& d) { describe_experiment(d); }
 
 void RecordDocument::describe(DocumentKeys<RecordDocument>& d) {
-  d.other<&RecordDocument::file>(Form::name, "file", "file that troupe run writes", "the name of a file");
+  d.other<&RecordDocument::file>(Form::name, "file", "name of the recording that troupe run writes",
+                                 "the name of a file");
   d.value<&RecordDocument::every>("every", seconds, above(0), at_most(engine::k_most_seconds),
-                                  "simulated time between two frames");
+                                  "simulated time between two frames; default: 0.1 s");
   d.other<&RecordDocument::fields>(Form::names, "fields", "fields of the state to record, docs/recordings.md",
                                    "the name of a field")
       .entries(1);
@@ -930,8 +947,8 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                   "the path of the JSON Schema");
   static const std::string version = fmt::format("{}, the version of the format", k_format_version);
   d.other<>(Form::version, "troupe", "the version of the format").require(version);
-  d.other<&WorldDocument::title>(Form::name, "title", "title of the world, for people", "the world's title");
-  d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random draws");
+  d.other<&WorldDocument::title>(Form::name, "title", "title of the world, for display", "the world's title");
+  d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random numbers");
   d.value<&WorldDocument::tick>("tick", seconds, within(k_least_tick_s, k_most_tick_s),
                                 "length of a tick; default: 0.1 s")
       .write_always();
@@ -944,7 +961,9 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   d.value<&WorldDocument::resolution>("resolution", meters,
                                       within(engine::k_min_resolution_m, engine::k_max_resolution_m),
                                       "edge length of the cells of the grid engine");
-  d.other<&WorldDocument::bounds>(Form::box, "bounds_m", "region in which robots may be");
+  d.other<&WorldDocument::bounds>(
+      Form::box, "bounds_m",
+      "rectangle that robots may not leave; default: that of the floor plans and the arena");
   d.object<&WorldDocument::ground>("ground");
   d.object<&WorldDocument::record>("record", "which file a run records, and which fields of the state");
   d.other<&WorldDocument::watch>(Form::block, "watch", "whether a run prints the time, and how fast it runs")
@@ -960,8 +979,12 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                        "whether two bodies of the same name are an error or a warning");
   d.list<&WorldDocument::floorplans>("floorplans", "walls, as images or lines");
   d.object<&WorldDocument::arena>("arena", "a rectangular free floor about the origin, with walls");
-  d.other<>(Form::names, "include", "files whose types this world has", "the name of a file").resolve();
-  d.map<&WorldDocument::types>("types", "types, by name: what identical bodies share").write_always();
+  d.other<>(Form::names, "include", "files whose types are added to the types of this world",
+            "the name of a file")
+      .resolve();
+  d.map<&WorldDocument::types>("types",
+                               "types by name: the properties that bodies of the same construction share")
+      .write_always();
   d.list<&WorldDocument::models>("models", "single bodies").write_always();
   d.list<&WorldDocument::populations>("populations", "many bodies of one type, placed by a rule");
   d.list<&WorldDocument::measures>("measures", "measures that troupe run --measures computes");

@@ -33,9 +33,10 @@ namespace troupe::worldio {
 template <class T>
 class DocumentKeys;
 
-inline constexpr std::int64_t k_format_version = 1;       ///< the only version of the format
-inline constexpr double k_max_size_m = 100000;            ///< maximum of coordinates and sizes
-inline constexpr std::size_t k_most_block_points = 1000;  ///< limited because the crossing test is quadratic
+inline constexpr std::int64_t k_format_version = 1;  ///< the only version of the format
+inline constexpr double k_max_size_m = 100000;       ///< maximum of coordinates and sizes
+inline constexpr std::size_t k_most_block_points =
+    1000;  ///< of one outline; the time of check_outline() is quadratic
 
 /// The place of an object in its file, and the places of the values of its keys. Error messages name these.
 struct Placed {
@@ -157,28 +158,28 @@ struct ControllerDocument : Placed {
 struct PartDocument : Placed {
   std::string name;                ///< name of the part or type; empty for a type that is named like its key
   std::string alias;               ///< another name; empty: none
-  std::string kind;                ///< its type of Stage model; empty: "position" with a drive, else "model"
+  std::string kind;                ///< type of Stage model; empty: "position" with a drive, else "model"
   std::optional<Pose> pose;        ///< in the frame of the body
   std::optional<JointName> joint;  ///< joint that moves it; empty: that of the enclosing part
   ImageDocument image;             ///< without a bitmap, its size is that of the box or the fitted blocks
   bool fit = false;                ///< the blocks are scaled to the size
-  std::optional<Pose> origin;      ///< centre of the image or of the fitted blocks
+  std::optional<Pose> origin;      ///< pose of the centre of the image or of the fitted blocks, part frame
   std::optional<DiscDocument> disc;  ///< a cylinder about the origin, in addition to the blocks
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
-  std::optional<bool> floor_plan;                    ///< whether it is a floor plan; empty: if it is an image
-  std::optional<Eigen::Vector3d> extent;             ///< declared size, m, if it differs from the shape's
-  std::optional<Color> color;                        ///< colour of the part; empty: that of the body
-  engine::Returns returns;                           ///< how other bodies collide with it and sense it
-  std::optional<OwnDeviceDocument> device;           ///< the device that the part itself is
-  std::vector<SensorDocument> sensors;               ///< devices that only observe the world
-  std::vector<DeviceDocument> devices;               ///< all other devices
-  std::optional<ControllerDocument> controller;      ///< the only controller; excludes `controllers`
-  std::vector<ControllerDocument> controllers;       ///< several controllers; excludes `controller`
-  std::vector<PartDocument> parts;                   ///< parts mounted on this part
+  std::optional<bool> floor_plan;                ///< whether it is a floor plan; empty: true with an image
+  std::optional<Eigen::Vector3d> extent;         ///< declared size, m, if it differs from the shape's
+  std::optional<Color> color;                    ///< colour of the part; empty: that of the body
+  engine::Returns returns;                       ///< how other bodies collide with it and sense it
+  std::optional<OwnDeviceDocument> device;       ///< the device that the part itself is
+  std::vector<SensorDocument> sensors;           ///< devices that only observe the world
+  std::vector<DeviceDocument> devices;           ///< all other devices
+  std::optional<ControllerDocument> controller;  ///< the only controller; excludes `controllers`
+  std::vector<ControllerDocument> controllers;   ///< several controllers; excludes `controller`
+  std::vector<PartDocument> parts;               ///< parts mounted on this part
   static void describe(DocumentKeys<PartDocument>& d);  ///< adds its keys to `d`
 };
 
-/// A type: what identical bodies share.
+/// A type: the properties that bodies of the same construction share.
 struct TypeDocument : PartDocument {
   std::optional<DriveDocument> drive;                    ///< empty: the bodies do not move by themselves
   std::optional<std::vector<std::string>> device_order;  ///< names of the devices in order; empty: file order
@@ -300,7 +301,7 @@ struct GroupDocument : Placed {
 struct AddDocument : Placed {
   std::string population;                              ///< a population with a reserve
   std::optional<std::int64_t> count;                   ///< number of births; empty: all that remain
-  std::optional<Pose> pose;                            ///< of each birth, world frame; empty: random
+  std::optional<Pose> pose;                            ///< pose of each new body, world frame; empty: random
   std::optional<Box> region;                           ///< region of random poses, m; empty: the bounds
   static void describe(DocumentKeys<AddDocument>& d);  ///< adds its keys to `d`
 };
@@ -359,8 +360,8 @@ struct ExperimentDocument : Placed {
 /// What a run records.
 struct RecordDocument : Placed {
   std::string file;             ///< name of the recording; empty: a run records only if its caller names one
-  std::optional<double> every;  ///< simulated time between frames, s; empty: the default
-  std::vector<std::string> fields;  ///< fields of the state to record; empty: the default
+  std::optional<double> every;  ///< simulated time between frames, s; empty: 0.1
+  std::vector<std::string> fields;  ///< names of fields of the state to record; empty: the default fields
   static void describe(DocumentKeys<RecordDocument>& d);  ///< adds its keys to `d`
 };
 

@@ -211,7 +211,8 @@ JsonNode table_schema(const FieldTable& table) { return ObjectSchema().fields(ta
 /// Returns the schema of an entry of a list, which may have the key `ring` if it has a pose.
 JsonNode entry_schema(const FieldTable& table) {
   ObjectSchema entry;
-  if (table.find("pose") >= 0) entry.member("ring", reference("ring"), "repeats the entry around its pose");
+  if (table.find("pose") >= 0)
+    entry.member("ring", reference("ring"), "repeats the entry on a circle around its pose");
   return entry.fields(table).done();
 }
 

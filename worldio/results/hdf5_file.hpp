@@ -89,6 +89,7 @@ class Hdf5Dataset : public Hdf5Object {
  public:
   Hdf5Dataset() = default;  ///< refers to no dataset
   engine::Element element() const { return element_; }
+  /// The size along each dimension; empty for a single value.
   const std::vector<std::size_t>& extent() const { return extent_; }
   std::size_t rows() const { return extent_.empty() ? 1 : extent_.front(); }
   /// The number of values in a row.
@@ -154,6 +155,7 @@ struct Hdf5Chunks {
   std::optional<std::uint64_t> fill;  ///< value of unwritten elements; empty: NaN for floats, else 0
 };
 
+/// A group: it contains other groups and datasets, as a folder contains folders and files.
 class Hdf5Group : public Hdf5Object {
  public:
   /// Creates a group in this group. The name must be new and must not contain "/": see hdf5_name().

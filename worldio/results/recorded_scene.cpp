@@ -235,7 +235,8 @@ RecordedScene recorded_scene(const RecordingReader& recording) {
   const std::optional<RecordingReader::Scene> columns = recording.scene();
   if (!columns)
     fail(recording,
-         "has no /scene, with walls and colours: an older version of Troupe recorded it; record it again");
+         "has no group /scene (walls and colours): an older version of Troupe recorded it; record the run "
+         "again");
   try {
     RecordedScene scene = scene_of(Json::parse(recording.world_json()), *columns);
     find_shown_colors(recording, scene);

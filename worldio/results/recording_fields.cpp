@@ -28,6 +28,7 @@ bool chooses(const std::string& name, const StateTable& table) {
          (name == "pose" && component.starts_with("joint/"));
 }
 
+/// Returns the frame of the values of a table: RecordedComponent::frame.
 std::string frame_of(const StateTable& table) {
   if (table.component().starts_with("joint/")) return "joint";
   if (table.component() == "carrier") return "carrier";
@@ -40,6 +41,7 @@ std::string frame_of(const StateTable& table) {
   return "";
 }
 
+/// Returns the indices of the fields of a table that the names choose.
 std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const std::string> names) {
   std::vector<std::size_t> fields;
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
@@ -66,6 +68,7 @@ class UniqueNames {
   std::set<std::string> taken_;
 };
 
+/// Returns the path of a component in /state, as steps from the root of the file.
 std::vector<std::string> steps_of(std::string_view component) {
   std::vector<std::string> steps{"state"};
   for (std::size_t start = 0; start <= component.size();) {
@@ -118,6 +121,7 @@ void add_sensors(const World& world, std::span<const std::string> names,
   }
 }
 
+/// Overwrites the values of bodies that are not in the world with absent().
 void leave_out_absent(const World& world, const RecordedComponent& component,
                       const RecordedComponent::Source& source, std::span<const std::span<std::byte>> fields) {
   const StateTable& table = world.tables()[source.table];

@@ -58,7 +58,8 @@ std::byte absent(const engine::StateField& field);
 
 /// Copies one component of the state of the world into buffers: `fields` has one buffer, in row-major order,
 /// for each field. Rows of bodies that lack the component are not written. Rows of bodies that are not in the
-/// world at present are filled with absent(), except in the component `life`, which says so.
+/// world at present are filled with absent(), except in the component `life`, which itself says that a body
+/// is absent.
 void gather(const engine::World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields);
 

@@ -60,9 +60,9 @@ class RecordingReader {
 
   /// One array of the state.
   struct Array {
-    std::string component;  ///< "pose", "wander/0", "sensors/minibot/ranger:0"
+    std::string component;  ///< name: "pose", "wander/0", "sensors/minibot/ranger:0"
     engine::StateField field;
-    std::string frame;
+    std::string frame;                  ///< frame of the values: see RecordedComponent::frame
     std::vector<std::uint32_t> bodies;  ///< per row: index into ids()
     Hdf5Dataset dataset;
     std::size_t row_bytes() const { return field.columns * engine::element_size(field.element); }

@@ -62,14 +62,17 @@ void cut(const Hdf5Group& group, std::size_t frames) {
   }
 }
 
+/// Whether every array in the group and in the groups inside it has exactly `frames` rows.
 bool has_only(const Hdf5Group& group, std::size_t frames) {
   return std::ranges::all_of(group.names(), [&](const std::string& name) {
     return group.has_group(name) ? has_only(group.group(name), frames) : group.dataset(name).rows() == frames;
   });
 }
 
+// The groups whose arrays have one row per frame.
 constexpr std::array<const char*, 3> k_framed = {"frames", "state", "sensors"};
 
+/// Whether every such array of a recording has exactly `frames` rows.
 bool is_even(const fs::path& file, std::size_t frames) {
   const Hdf5File hdf5 = Hdf5File::open(file);
   return std::ranges::all_of(k_framed, [&](const char* name) {
@@ -77,6 +80,7 @@ bool is_even(const fs::path& file, std::size_t frames) {
   });
 }
 
+/// Repairs a file in place. Returns the number of its complete frames.
 std::uint64_t repair_copy(const fs::path& copy) {
   close_superblock(copy);
   const std::size_t frames = RecordingReader(copy).frames();

@@ -133,6 +133,7 @@ RecordingWriter::~RecordingWriter() {
   }
 }
 
+/// Calls `work`, unless the file is closed or was given up. If `work` throws, gives up the file and rethrows.
 template <class Work>
 void RecordingWriter::guarded(Work&& work) {
   if (!open_) return;

@@ -67,7 +67,8 @@ class RecordingWriter {
   void flush();
   /// Like flush(), but with `in_background` it may return before the frames are in the file.
   void start_flush();
-  /// Flushes all frames and closes the file, so that ordinary HDF5 tools can open it.
+  /// Flushes all frames and closes the file, so that ordinary HDF5 tools can open it. Every further call of
+  /// any function does nothing.
   void close();
 
  private:

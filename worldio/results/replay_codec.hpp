@@ -13,7 +13,7 @@ namespace troupe::worldio {
 /// The number that stands for "no value": the body is absent, or the number is not finite.
 inline constexpr std::int32_t k_absent = std::numeric_limits<std::int32_t>::min();
 /// The largest absolute value in a series. With this limit, every number that append_series() stores fits in
-/// 31 bits, with both predictions.
+/// 31 bits, with either value of Expected.
 inline constexpr std::int32_t k_most_in_series = 130000000;
 
 /// How a value of a series is predicted from the values before it. Only the difference from the prediction,

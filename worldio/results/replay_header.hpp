@@ -17,8 +17,8 @@ inline constexpr int k_replay_turn =
     2048;  ///< number of steps in a whole turn: a heading has a resolution of 0.18 degrees
 inline constexpr double k_replay_shape_m = 0.0001;  ///< resolution of outlines, m
 
-/// The sizes of the compressed blocks of a page. A block holds consecutive frames. It consists of one stream
-/// of bytes for the poses and one stream for each field.
+/// The sizes of the compressed blocks of a page, an HTML file that shows a recording. A block holds
+/// consecutive frames. It consists of one stream of bytes for the poses and one stream for each field.
 struct ReplayBlocks {
   std::size_t frames = 0;                       ///< number of frames per block; the last block may have fewer
   std::vector<std::vector<std::size_t>> bytes;  ///< for each block, the size of each of its streams

@@ -58,6 +58,8 @@ bool chooses(std::string_view name, const Array& array) {
          name == component.substr(0, component.find('/'));
 }
 
+/// Returns the arrays that --fields chooses, and those that are needed to draw the bodies. Throws InputError
+/// for a name that chooses no array.
 std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
                                         std::span<const std::string> names) {
   for (const std::string& name : names) {
@@ -111,6 +113,7 @@ double round_step(double x) {
   return power / 2 >= x ? power / 2 : power;
 }
 
+/// Sets the rounding step of a field and the number of steps, from the range of its values.
 void choose_steps(ReplayField& field) {
   if (field.min > field.max) {  // the field has no finite number in any frame
     field.min = field.max = 0;
@@ -233,7 +236,8 @@ ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::st
   plan.pose = {find_pose(recording, "x"), find_pose(recording, "y"), find_pose(recording, "heading"),
                find_pose(recording, "z")};
   if (!plan.pose[0] || !plan.pose[1] || !plan.pose[2])
-    refuse(recording, "has no poses, so there is nothing to show: record it with --record-fields pose,...");
+    refuse(recording,
+           "has no poses, so there is nothing to show: record the run with --record-fields pose,...");
   if (recording.frames() == 0) refuse(recording, "has no complete frame");
   if (recording.ids().empty()) refuse(recording, "has only static bodies, so there is nothing to show");
   plan.scene = recorded_scene(recording);

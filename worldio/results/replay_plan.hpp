@@ -13,7 +13,8 @@
 
 namespace troupe::worldio {
 
-/// Consecutive rows of a page: first, ..., first + count - 1. A page has one row per recorded body.
+/// Consecutive rows of a page: first, ..., first + count - 1. A page is an HTML file that shows a recording
+/// (docs/replay.md). It has one row per recorded body.
 struct ReplayRun {
   std::uint32_t first = 0;
   std::uint32_t count = 0;

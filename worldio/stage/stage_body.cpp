@@ -85,10 +85,11 @@ void StageBodies::check_map(const StageModel& model, const FloorImage& map, cons
                             const std::vector<StageModel>& blocks) {
   const Eigen::Vector2d& size_m = map.place->size_m;
   if (const StageProperty* property = model.find(document_, "size"); property && size.head<2>() != size_m)
-    values_.warning(values_.where(*property),
-                    fmt::format("only the height (third value) of \"size\" is used; the ROS map itself says "
-                                "that it is {:g} m x {:g} m",
-                                size_m.x(), size_m.y()));
+    values_.warning(
+        values_.where(*property),
+        fmt::format("only the height (third value) of \"size\" is used: the ROS map has a size of "
+                    "its own, {:g} m x {:g} m",
+                    size_m.x(), size_m.y()));
   if (!blocks.empty())
     values_.error(blocks.front().where,
                   "a model whose \"bitmap\" is a ROS map cannot have blocks, because the map is not "
@@ -111,7 +112,9 @@ const FloorImage* StageBodies::read_image(const StageProperty& property, engine:
       values_.where(property),
       image->place
           ? fmt::format("the ROS map {} has no occupied cell", path.string())
-          : fmt::format("the image {} has no solid pixel; pixels darker than half are solid", path.string()));
+          : fmt::format(
+                "the image {} has no solid pixel; pixels whose first channel is at most 127 are solid",
+                path.string()));
   return nullptr;
 }
 
@@ -120,7 +123,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   constexpr std::int64_t k_most_missing = 1000;
   const StageProperty* points = block.find(document_, "points");
   if (!points) {
-    values_.error(block.where, "a block needs \"points\", the number of its vertices");
+    values_.error(block.where, "a block needs \"points\", the number of its corners");
     return;
   }
   const auto count = values_.integer(*points);

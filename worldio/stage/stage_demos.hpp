@@ -13,7 +13,8 @@ namespace troupe::worldio {
 /// The controller `dynamic`. When a `.world` file is read, it adds `count` children to its model: boxes of
 /// 0.1 m that stand on the model. Their poses are uniformly random, at most `reach`, m, from the origin of
 /// the model along x and along y. The random numbers depend only on the seed and on the name of the model
-/// within its body, so that bodies with equal text stay equal. It does nothing while the world runs.
+/// within its body, so that bodies that have equal text in the file get equal boxes. It does nothing while
+/// the world runs.
 engine::ControllerKind dynamic_controller();
 
 /// The controller `lasernoise`. When a `.world` file is read, it gives the first transducer of its ranger a

@@ -12,8 +12,8 @@
 
 namespace troupe::worldio {
 
-/// Converts the properties of Stage models to Troupe's devices, drives and controllers. A property for which
-/// a kind has no parameter is left out.
+/// Converts the properties of Stage models to Troupe's devices, drives and controllers. A property is ignored
+/// if the kind of the device or drive has no parameter for it.
 class StageKinds {
  public:
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)

@@ -48,9 +48,9 @@ class StageLint {
   StageMacros& macros_;
   StageValues& values_;
   std::unordered_set<const StageEntity*> macros_seen_;
-  Summary no_effect_{"properties without effect, docs/stage-worlds.md says why",
+  Summary no_effect_{"properties without effect (docs/stage-worlds.md says why)",
                      "this property has no effect in Troupe"};
-  Summary window_only_{"without effect on the run, because only Stage's window uses them",
+  Summary window_only_{"properties without effect on the run, because only Stage's window uses them",
                        "this property affects only Stage's window"};
   Summary obsolete_{"obsolete properties, ignored as in Stage",
                     "this property is obsolete, ignored as in Stage"};

@@ -150,6 +150,7 @@ class Lexer {
     }
   }
 
+  /// Returns the error text for a character that can begin no token.
   static std::string stray(char c) {
     if (c == ',') return "unexpected ','; the values of a tuple are separated by blanks: [1 2 3]";
     if (c == '=') return "unexpected '='; a property is written: name value";

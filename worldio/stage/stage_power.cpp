@@ -68,11 +68,10 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   if (constant > 0 && std::ranges::find(k_own_draw, model.type) == k_own_draw.end())
     draws_.push_back({part, constant, is_on(model)});
   else if (constant > 0)
-    values_.warning_once(
-        values_.where(*model.find(document_, "watts")),
-        fmt::format(
-            "\"watts\" of a {} has no effect: Troupe computes the power that it draws, docs/stage-worlds.md",
-            model.type));
+    values_.warning_once(values_.where(*model.find(document_, "watts")),
+                         fmt::format("\"watts\" of a {} has no effect: Troupe computes the power of such a "
+                                     "model (docs/stage-worlds.md)",
+                                     model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
     if (!(kg >= 0 && kg <= engine::k_most_mass_kg))

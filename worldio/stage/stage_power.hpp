@@ -25,6 +25,7 @@ class StagePower {
   void finish(engine::TypeSpec& type);
 
  private:
+  /// The constant power that the model of a part draws (`watts`).
   struct Draw {
     std::uint32_t part;
     double watts;
@@ -33,7 +34,9 @@ class StagePower {
 
   void read_pack(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
   void read_contact(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
+  /// Reads a power, W. Returns 0 if the model lacks the property and, with an error, if the value is wrong.
   double watts(const StageModel& model, std::string_view key);
+  /// Whether the model always runs: it has `alwayson 1` or a controller.
   bool is_on(const StageModel& model);
 
   const StageDocument& document_;

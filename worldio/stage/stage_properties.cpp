@@ -21,8 +21,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "unit_length", fixed, "\"m\", \"cm\" or \"mm\"; anything else is an error"},
     {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error"},
     {"world", "wrap_headings", honoured,
-     "added by Troupe: 0 keeps headings of transducers and bumpers that are beyond half a turn; Stage always "
-     "wraps them into half a turn"},
+     "added by Troupe: 1 (default) changes the headings of transducers and bumpers by whole turns to at most "
+     "half a turn, as Stage does; 0 keeps them"},
     {"world", "seed", honoured, "added by Troupe: the seed of all random numbers; default 1"},
     {"world", "resolution", honoured,
      "cell size of the grid ray engine, m, from 0.0001 to 100; the exact ray engine and collisions use no "
@@ -91,10 +91,10 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "event_queue", no_effect, "Stage overwrites the value"},
     {"model", "friction", no_effect, "Stage stores it and does not use it"},
     {"model", "map_resolution", no_effect, "Stage stores it and does not use it"},
-    {"model", "debug", no_effect, "in Stage, it prints a line"},
+    {"model", "debug", no_effect, "in Stage, prints a line"},
     {"model", "mass", honoured,
-     "kg; used for a top-level `position`: its drive draws 1 W, plus 10 W for each kg times each m/s of its "
-     "speed"},
+     "kg; used for a top-level `position`: its drive draws 1 W, plus 10 W times the mass in kg times the "
+     "speed in m/s"},
     {"model", "watts", fixed,
      "power that the model draws while it runs, W, whatever the length of a tick; no effect for model types "
      "whose power follows from what they do: position, ranger (0.2 W per sensor), blobfinder (2 W), bumper "
@@ -209,9 +209,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "number of beams; a single beam points straight ahead; for cones see `beam_width`"},
     {"sensor", "noise", fixed,
      "[variance share angle], each 0 or above: the variance of the error of a range, the largest further "
-     "error "
-     "as a share of the range, and the largest error of the direction of a beam. Differences from Stage: "
-     "readings stay between 0 and the maximum, and the errors follow from the seed"},
+     "error as a fraction of the range, and the largest error of the direction of a beam. Differences from "
+     "Stage: readings stay between 0 and the maximum, and the errors follow from the seed"},
     {"sensor", "beam_width", honoured,
      "added by Troupe: opening angle of each beam, which reads the nearest surface within it; default 0"},
     {"sensor", "apply_range_min", honoured,
@@ -257,9 +256,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"radio", "ple", honoured, "for \"log distance\": path loss exponent; default 4"},
     {"radio", "wall_factor", honoured, "loss at each wall, dB, if `walls` is \"weaken\"; default 10"},
     {"radio", "range", honoured,
-     "largest distance at which other radios hear it; default 5 m with \"simple\", 1000 m with the other "
-     "laws"},
-    {"radio", "hears", honoured, "largest distance at which it hears other radios; default: `range`"},
+     "largest distance at which other radios hear this radio; default 5 m with \"simple\", 1000 m with the "
+     "other laws"},
+    {"radio", "hears", honoured, "largest distance at which this radio hears others; default: `range`"},
     {"radio", "walls", honoured,
      "effect of walls on signals, \"block\", \"weaken\" or \"pass\"; default \"weaken\" with \"raytrace\", "
      "\"pass\" with the other laws"},
@@ -269,7 +268,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"radio", "most_heard", honoured,
      "maximum number of messages heard per tick; of more messages, the nearest are heard"},
     {"radio", "drop_rate", honoured, "fraction of the messages to this radio that are lost at random"},
-    {"radio", "beacon", honoured, "1: it sends an empty message until a controller sends another"},
+    {"radio", "beacon", honoured,
+     "1: the radio sends an empty message until a controller sends another message"},
     {"radio", "ip", no_effect, "messages go to all radios in range"},
     {"radio", "mac", no_effect, "messages go to all radios in range"},
 
@@ -301,8 +301,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "1: the gripper closes while a body interrupts one of its beams, and opens while none does"},
 
     {"actuator", "type", fixed,
-     "\"linear\" or \"rotational\"; an actuator moves, with its children; in Stage it does not"},
-    {"actuator", "axis", fixed, "[x y z] in the frame of the model; the x axis if the length is 0"},
+     "\"linear\" or \"rotational\"; the actuator moves together with its children; in Stage it does not "
+     "move"},
+    {"actuator", "axis", fixed, "[x y z] in the frame of the model; [0 0 0] means the x axis"},
     {"actuator", "min_position", fixed, "m or rad, whatever the file's units"},
     {"actuator", "max_position", fixed,
      "m or rad, whatever the file's units; at least `min_position`, and at most 1000 m for a linear "
@@ -327,7 +328,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
 
     {"blinkenlight", "period", fixed,
      "time from one flash to the next, ms; the light blinks, where Stage draws nothing"},
-    {"blinkenlight", "dutycycle", fixed, "fraction of the period for which it is lit"},
+    {"blinkenlight", "dutycycle", fixed, "fraction of the period for which the light is lit"},
     {"blinkenlight", "enabled", fixed,
      "0: the light is dark until a controller switches it on; Stage never reads this property"},
 

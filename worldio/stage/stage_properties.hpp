@@ -16,11 +16,12 @@ enum class StageSupport {
   obsolete,     ///< accepted and ignored, as by Stage 4.3
 };
 
+/// A property that entities of one type can have, and how Troupe treats it.
 struct StageRow {
   std::string_view type;  ///< "world", "block", "sensor", "window" or a model type; "model": every model type
   std::string_view name;  ///< name of the property; a number in brackets is written [k], as in `point[k]`
   StageSupport support;
-  std::string_view note;
+  std::string_view note;  ///< meaning of the property, or difference from Stage, as Markdown; may be empty
 };
 
 /// Returns every property that Stage 4.3 knows or that files written for it have, in the order of the table

@@ -62,6 +62,7 @@ class RoundTrip {
   }
 
  private:
+  /// Reports that a `.world` file cannot express `what`, a property of the type. Reports each text only once.
   void lacks(Where where, const std::string& what) {
     if (!told_.insert(what).second) return;
     diagnostics_.error(where,
@@ -133,9 +134,10 @@ void RoundTrip::check_devices() {
   }
   for (const DeviceSpec& device : back_.devices)
     if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
-      lacks(type_.parts.front().where,
-            fmt::format("that it has no device \"{}\": read back, the file gives it one, of kind {}",
-                        device.name, device.kind));
+      lacks(
+          type_.parts.front().where,
+          fmt::format("that it has no device \"{}\": read again, the file gives it such a device, of kind {}",
+                      device.name, device.kind));
   // The order of devices of one kind matters, because controllers choose among them in this order.
   for (const engine::DeviceKind& kind : registry_.devices) {
     const auto names = [&](const TypeSpec& type) {
@@ -210,13 +212,14 @@ void RoundTrip::check_bodies() {
   if (parts.size() != others.size()) {
     for (const engine::ControllerSpec& controller : type_.controllers)
       if (stage_addition(controller.kind))
-        return lacks(controller.where,
-                     fmt::format("controller \"{}\": it adds random parts to its model, and with the seed of "
-                                 "this world not those that the type has",
-                                 controller.kind));
+        return lacks(
+            controller.where,
+            fmt::format("controller \"{}\": it adds random parts to its model when the file is read, "
+                        "and with the seed of this world they differ from those of the type",
+                        controller.kind));
     return lacks(
         type_.parts.front().where,
-        fmt::format("its number of parts with a body, which is {}: read back, the file gives another number",
+        fmt::format("its number of parts with solids, which is {}: read again, the file gives another number",
                     parts.size()));
   }
   for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -269,7 +272,7 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
     lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
   if (spec.bodies.size() != back.bodies.size())
     return lacks(whole,
-                 fmt::format("the number of bodies, which is {}: read back, the file gives another number",
+                 fmt::format("the number of bodies, which is {}: read again, the file gives another number",
                              spec.bodies.size()));
   std::set<std::pair<std::uint32_t, std::uint32_t>> types;
   for (std::size_t b = 1; b < spec.bodies.size(); ++b) {

@@ -132,6 +132,7 @@ class StageWorld {
   void check_extent(const StageModel& model, const engine::PartSpec& part);
   engine::Returns returns(const StageModel& model);
   std::optional<std::int64_t> mark(const StageProperty& property);
+  /// Adds the drive and the controllers of a model.
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
   void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
                      TypeSpec& type);
@@ -142,6 +143,8 @@ class StageWorld {
     if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
   }
   void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
+  /// Returns the colour that `name` or, without it, `rgba` gives; `fallback` if both are null. `stream` and
+  /// `body` select the random numbers of the colour "random".
   Color color(const StageProperty* name, const StageProperty* rgba, const Color& fallback,
               std::string_view stream, BodyId body);
 
@@ -574,8 +577,8 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
     if (kind != nullptr && kind->needs_drive && !is_position) {
       values_.error(values_.where(*ctrl),
-                    fmt::format("controller \"{}\" needs a position model to drive; this "
-                                "one is a {}{}",
+                    fmt::format("controller \"{}\" must be in a model of type position, which "
+                                "has a drive; this model is a {}{}",
                                 controller.kind, model.type, is_root ? "" : " inside another model"));
       continue;
     }

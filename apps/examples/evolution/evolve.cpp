@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t k_parents = 5, k_children = 20, k_trials = 1000, k_beams = 5;
 constexpr double k_trial_s = 30, k_most_speed = 0.5, k_most_turn = 2;
 
-/// The weights of the controller: one weight per beam and a bias for the forward speed, then the same for the
-/// turn rate.
+/// The weights of the controller: one weight per beam and a bias for the forward speed, then one weight per
+/// beam and a bias for the turn rate.
 using Genome = std::array<double, 2 * (k_beams + 1)>;
 
 struct Individual {

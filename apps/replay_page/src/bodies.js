@@ -31,7 +31,7 @@ export class Bodies {
     for (const object of this.objects) object.frustumCulled = false; // positions are known only in the shader
   }
 
-  /** Hides edges and shadows that would be too small to see. `nearest`: most pixels per metre of any of the bodies. */
+  /** Hides edges and shadows that would be too small to see. `nearest`: largest pixels per metre of any of the bodies. */
   simplify(nearest) {
     this.edges.visible = 2 * this.radius * nearest >= LEAST_WITH_EDGES;
     this.shadows.visible = 2 * this.radius * nearest >= LEAST_WITH_SHADOW;

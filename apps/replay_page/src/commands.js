@@ -3,7 +3,7 @@
 import { element } from "./panel.js";
 
 export class Commands {
-  /** `act` sends an action on the selected robot to the program. */
+  /** `act` sends an action on the selected robot to the program; `mayActs`: whether the user may change commands. */
   constructor(act, mayActs) {
     this.act = act;
     this.mayActs = mayActs;

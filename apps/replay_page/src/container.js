@@ -33,6 +33,6 @@ export async function openContainer(text) {
       return stream;
     }),
   );
-  if (at !== bytes.length) throw new Error(`the page holds ${bytes.length} bytes of ${at}: it was cut off`);
+  if (at !== bytes.length) throw new Error(`the recording in the page has ${bytes.length} bytes instead of ${at}: the page is incomplete`);
   return { header, blocks };
 }

@@ -16,7 +16,7 @@ const ADDRESS = `${window.location.protocol === "https:" ? "wss" : "ws"}://${win
 const KEY = "troupe-token";
 const NO_LINES = {};
 
-/** The token of the address. It is removed from the visible address and stored for a reload of the page. */
+/** Returns the access token in the address of the page. Hides it from the visible address and stores it for a reload. */
 function token() {
   const given = window.location.hash.slice(1);
   if (given) {
@@ -26,7 +26,7 @@ function token() {
   return window.sessionStorage.getItem(KEY) ?? "";
 }
 
-/** A Player whose clock is that of the program. */
+/** A Player (player.js) that shows the clock of the program. */
 class LivePlayer {
   constructor(page) {
     this.page = page;
@@ -122,7 +122,7 @@ class LivePage extends Page {
       refused.push(robot);
       reason ||= answer.reason;
     }
-    if (refused.length > 0) tell(`${refused.length} of ${group.length} refused: ${reason}`);
+    if (refused.length > 0) tell(`Refused for ${refused.length} of ${group.length} robots: ${reason}`);
     if (message.do === "remove" && this.group === group) this.choose(refused); // the others have left the world
   }
 

@@ -137,7 +137,7 @@ export class LiveBar extends Bar {
     this.set("ago", lookTime === null ? "" : `${(state.time_s - lookTime).toFixed(1)} s ago`, (text) => (byId("now").textContent = text || "now"));
     this.set("record", state.recording, (file) => {
       byId("record").textContent = file ? "stop recording" : "record";
-      byId("record").title = file ? `Ends the recording ${file}` : "Records the run in a file of the folder of the session";
+      byId("record").title = file ? `Ends the recording ${file}` : "Records the run in a new file in the folder of the session file";
     });
     this.set("disabled", this.page.isDisabled(), (on) => (byId("disable").textContent = on ? "enable" : "disable"));
     if (state.plot && state !== this.plotted) this.plot.add(state.time_s, state.plot);

@@ -38,7 +38,7 @@ export class LivePanel extends Panel {
       plot.add(this.recording.state.time_s, { column: label, value: read(inspected) ?? null });
   }
 
-  /** Begins or ends the plot of a value: the smallest of its columns. */
+  /** Begins or ends the plot of a field of the state: the smallest of its columns over time. */
   togglePlot(component, { name, unit }) {
     const label = `${component} ${name}${unitText(unit)}`;
     if (this.plots.has(label)) {
@@ -73,7 +73,7 @@ export class LivePanel extends Panel {
     this.rows = components.map(({ name, fields }) => {
       this.state.append(element("h3", { textContent: name }));
       return fields.map((field) => {
-        const made = row(field.name, `${field.text}; a click plots it`);
+        const made = row(field.name, `${field.text}; a click plots the value over time`);
         made.object.classList.add("plottable");
         made.object.onclick = () => this.togglePlot(name, field);
         this.state.append(made.object);

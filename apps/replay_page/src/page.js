@@ -101,7 +101,7 @@ export class Page {
 
   // The loop.
 
-  /** Called between the poses of a picture and its drawing. */
+  /** Called when the poses of a picture are known, before it is drawn. */
   posed() {}
 
   draw(now) {

@@ -14,7 +14,7 @@ function valueOf(text) {
 }
 
 export class Parameters {
-  /** `ask` sends a command to the program and returns its answer. */
+  /** `ask` sends a request to the program and returns its answer; `mayActs`: whether the user may change parameters. */
   constructor(ask, mayActs) {
     this.ask = ask;
     this.mayActs = mayActs;

@@ -7,7 +7,7 @@ import { ABSENT, unpackSeries } from "./series.js";
 const CACHE_BYTES = 400e6;
 const AXES = 4; // numbers per pose of the scene: x, y, z (m), heading (rad)
 
-/** Heading in the scene of a robot that is not in the world. */
+/** The heading that marks a robot as not in the world, in the poses of the scene. */
 export const GONE = 1e9;
 
 export class Recording {

@@ -1,7 +1,7 @@
 // Unpacks time series that worldio/results/replay_codec.cpp has packed: the difference of each value from its prediction, 7
 // bits per byte, low bits first; 0 for an absent value.
 
-/** Position or heading of a robot that is not in the world. */
+/** The position and heading that mark a robot as not in the world, in unpacked series. */
 export const ABSENT = -0x80000000;
 
 const SLICE = 20000; // values between two yields

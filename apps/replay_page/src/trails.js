@@ -1,5 +1,5 @@
-// Trails: positions of robots in the last seconds, fading with age. A texture holds the positions, a few rows per mark in
-// time. A new mark overwrites the oldest, and nothing else is sent to the graphics card.
+// Trails: positions of robots in the last seconds, fading with age. A texture holds the positions at past times, called
+// marks: a few rows per mark. A new mark overwrites the oldest, and nothing else is sent to the graphics card.
 
 import {
   BufferAttribute,

@@ -36,7 +36,7 @@ const GRID_PIXELS = 48; // least distance between grid lines
 const INSTANCES = 32; // least number of equal static bodies that are drawn as instances
 const LARGE = 1e9; // m; a radius with which bodies are always drawn with edges and shadows
 
-/** 1, 2 or 5 times a power of ten, at most x. */
+/** The largest number that is 1, 2 or 5 times a power of ten and at most x. */
 export function roundLength(x) {
   const power = 10 ** Math.floor(Math.log10(x));
   const share = x / power;

@@ -52,7 +52,7 @@ class Batch:
         }
         self.core = BatchEnv(simulation, spec)
         self.copies = copies
-        #: Data that a task stores about the copies, in addition to the states of their worlds.
+        #: Data that a task stores about the copies, such as which robots have a load. Not part of the worlds' states.
         self.memory: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]
         self.observation_spaces: List[spaces.Space[Any]] = [

@@ -30,8 +30,8 @@ def _no_parts() -> Parts:
 
 @dataclasses.dataclass
 class Team:
-    """A group of robots that learn one policy. docs/learning.md lists the members of parts, actions, rewards and
-    ends."""
+    """A group of robots that learn one policy. Parts (groups of columns of an observation), actions, rewards and ends
+    are dicts, whose members docs/learning.md lists."""
 
     #: Name of a type, of a population or of one robot, as in Simulation.swarm(); empty: all robots.
     robots: str = ""
@@ -51,7 +51,7 @@ class Team:
     arrays: Dict[str, Parts] = dataclasses.field(default_factory=dict)
     #: Terms of the reward, which are summed.
     rewards: List[Part] = dataclasses.field(default_factory=list)
-    #: Conditions that finish a robot.
+    #: Conditions that finish a robot, that is, end its episode.
     ends: List[Part] = dataclasses.field(default_factory=list)
     #: Unique name; empty: team0, team1, ...
     name: str = ""
@@ -77,7 +77,7 @@ class Task:
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
-        robots x commands. By default they are the same."""
+        robots x commands. By default the actions are the commands."""
         return actions
 
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
