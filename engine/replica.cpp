@@ -3,6 +3,7 @@
 #include "base/random.hpp"
 #include "engine/effects.hpp"
 #include "engine/links.hpp"
+#include "engine/record_message.hpp"
 #include "engine/world.hpp"
 
 #include <fmt/format.h>
@@ -17,58 +18,8 @@
 namespace troupe::engine {
 namespace {
 
-using partition::Message;
 using partition::MessageReader;
 using partition::MessageWriter;
-
-void put(MessageWriter& message, const Record& record);
-Record get_record(MessageReader& message);
-
-void put(MessageWriter& message, const Value& value) {
-  message.put(static_cast<std::uint8_t>(value.v.index()));
-  const auto put_all = [&](const auto& list, auto&& put_one) {
-    message.put(static_cast<std::uint64_t>(list.size()));
-    for (const auto& each : list) put_one(each);
-  };
-  const auto put_text = [&](const std::string& text) { message.put_text(text); };
-  if (const auto* x = std::get_if<bool>(&value.v)) message.put(*x);
-  if (const auto* x = std::get_if<std::int64_t>(&value.v)) message.put(*x);
-  if (const auto* x = std::get_if<double>(&value.v)) message.put(*x);
-  if (const auto* x = std::get_if<std::string>(&value.v)) put_text(*x);
-  if (const auto* x = std::get_if<std::vector<double>>(&value.v))
-    put_all(*x, [&](double number) { message.put(number); });
-  if (const auto* x = std::get_if<std::vector<Record>>(&value.v))
-    put_all(*x, [&](const Record& record) { put(message, record); });
-  if (const auto* x = std::get_if<std::vector<std::string>>(&value.v)) put_all(*x, put_text);
-}
-
-Value get_value(MessageReader& message) {
-  const auto get_all = [&](auto list, auto&& get_one) {
-    for (auto left = message.get<std::uint64_t>(); left > 0; --left) list.push_back(get_one());
-    return Value(std::move(list));
-  };
-  switch (message.get<std::uint8_t>()) {  // Value::v.index()
-    case 1: return {message.get<bool>()};
-    case 2: return {message.get<std::int64_t>()};
-    case 3: return {message.get<double>()};
-    case 4: return {message.get_text()};
-    case 5: return get_all(std::vector<double>(), [&] { return message.get<double>(); });
-    case 6: return get_all(std::vector<Record>(), [&] { return get_record(message); });
-    case 7: return get_all(std::vector<std::string>(), [&] { return message.get_text(); });
-    default: return {};
-  }
-}
-
-void put(MessageWriter& message, const Record& record) {
-  message.put(static_cast<std::uint64_t>(record.size()));
-  for (const Value& value : record) put(message, value);
-}
-
-Record get_record(MessageReader& message) {
-  Record record(message.get<std::uint64_t>());
-  for (Value& value : record) value = get_value(message);
-  return record;
-}
 
 /// Whether a device takes part in the phase move, which every rank computes for all rows.
 bool moves(const DeviceKind& kind) {
@@ -156,31 +107,24 @@ std::uint64_t Replica::requests() const {
 
 // ---- Messages
 
-MessageWriter Replica::order(Order order) const {
-  MessageWriter message;
-  message.put(order);
-  message.put(number_);
-  return message;
-}
+MessageWriter Replica::message_of(Order order) const { return begin_message(order, number_); }
 
-void Replica::send_to_all(MessageWriter message) {
-  transport_.send_to_all(std::make_shared<const Message>(message.take()));
-}
-
-Replica::Letter Replica::expect(Order wanted, unsigned from) {
+ReceivedOrder Replica::expect(Order wanted, unsigned from) {
+  const bool is_sent_by_owner = wanted == Order::together || wanted == Order::exchange;
+  if (is_sent_by_owner && failed_[from]) return *failed_[from];
   while (true) {
-    Letter letter = transport_.receive(from);
-    MessageReader message(*letter);
-    const auto order = message.get<Order>();
-    const auto number = message.get<std::uint32_t>();
-    if (number == number_ && (order == wanted || order == Order::failed)) return letter;
+    ReceivedOrder received = receive_order(transport_, from);
+    const Order order = received.order;
+    const bool is_of_this_world = received.world == number_;
+    if (is_of_this_world && order == Order::failed) failed_[from] = received;
+    if (is_of_this_world && (order == wanted || order == Order::failed)) return received;
     // That rank sent its rows before it knew that this one has failed.
-    if (number == number_ && wanted == Order::exchange && order == Order::together) continue;
-    if (number != number_ || from != 0 || wanted != Order::agree)
+    if (is_of_this_world && wanted == Order::exchange && order == Order::together) continue;
+    if (!is_of_this_world || from != 0 || wanted != Order::agree)
       throw std::logic_error(fmt::format("internal error: rank {} expected message {} of rank {} and got {}",
                                          transport_.rank(), static_cast<int>(wanted), from,
                                          static_cast<int>(order)));
-    follow(order, message);  // the callback of the program reads the state
+    follow(order, received.rest);  // the callback of the program reads the state
   }
 }
 
@@ -283,18 +227,18 @@ void Replica::follow(Order order, MessageReader message) {
       return;
     }
     case Order::hash: {
-      MessageWriter answer = this->order(Order::hash);
+      MessageWriter answer = message_of(Order::hash);
       answer.put(own_hashes());
       if (message.get<bool>())
         for (std::size_t t = 0; t < sharing_.size(); ++t)
           if (sharing_[t] != Sharing::kept) answer.put(world_.hash(parts_.tables[t]));
-      transport_.send(0, std::make_shared<const Message>(answer.take()));
+      transport_.send(0, std::move(answer));
       return;
     }
     case Order::gather: {
-      MessageWriter answer = this->order(Order::gather);
+      MessageWriter answer = message_of(Order::gather);
       put_kept(answer, own());
-      transport_.send(0, std::make_shared<const Message>(answer.take()));
+      transport_.send(0, std::move(answer));
       return;
     }
     case Order::failed: return;  // of a tick that has ended here already
@@ -308,13 +252,10 @@ void Replica::gather() {
   if (!leads() || is_in_tick_) return;
   if (!is_read_) is_read_ = true;  // no write later, when several threads may call this
   if (!is_stale_) return;
-  send_to_all(order(Order::gather));
+  transport_.send_to_all(message_of(Order::gather));
   for (unsigned from = 1; from < ranks(); ++from) {
-    const Letter letter = expect(Order::gather, from);
-    MessageReader message(*letter);
-    message.get<Order>();
-    message.get<std::uint32_t>();
-    get_kept(message, rows_of(from));
+    ReceivedOrder answer = expect(Order::gather, from);
+    get_kept(answer.rest, rows_of(from));
   }
   is_stale_ = false;
 }
@@ -332,20 +273,20 @@ void Replica::replace() {
 }
 
 void Replica::reset() {
-  if (leads()) send_to_all(order(Order::reset));
+  if (leads()) transport_.send_to_all(message_of(Order::reset));
   is_stale_ = false;
   is_touched_ = may_write();
 }
 
 void Replica::restart(std::uint64_t seed, std::span<const BodySpec> bodies) {
   if (leads()) {
-    MessageWriter message = order(Order::restart);
+    MessageWriter message = message_of(Order::restart);
     message.put(seed);
     for (const BodySpec& body : bodies) {
       message.put(body.pose_world_body);
       message.put(body.color);
     }
-    send_to_all(std::move(message));
+    transport_.send_to_all(std::move(message));
   }
   is_stale_ = false;
   is_touched_ = may_write();
@@ -353,12 +294,12 @@ void Replica::restart(std::uint64_t seed, std::span<const BodySpec> bodies) {
 
 void Replica::set(const SettingSpec& setting) {
   if (!leads()) return;
-  MessageWriter message = order(Order::set);
+  MessageWriter message = message_of(Order::set);
   message.put(setting.type);
   message.put(setting.of);
   message.put(setting.index);
-  put(message, setting.params);
-  send_to_all(std::move(message));
+  put_record(message, setting.params);
+  transport_.send_to_all(std::move(message));
 }
 
 Hashes Replica::own_hashes() {
@@ -379,15 +320,12 @@ Hashes Replica::own_hashes() {
 
 std::optional<Hashes> Replica::hashes() {
   if (!leads() || is_touched_ || (!is_stale_ && !options_.verify)) return {};
-  MessageWriter question = order(Order::hash);
+  MessageWriter question = message_of(Order::hash);
   question.put(options_.verify);
-  send_to_all(std::move(question));
+  transport_.send_to_all(std::move(question));
   Hashes sum = own_hashes();
   for (unsigned from = 1; from < ranks(); ++from) {
-    const Letter letter = expect(Order::hash, from);
-    MessageReader message(*letter);
-    message.get<Order>();
-    message.get<std::uint32_t>();
+    MessageReader message = expect(Order::hash, from).rest;
     const auto part = message.get<Hashes>();
     sum.state += part.state;
     for (std::size_t g = 0; g < k_hash_groups; ++g) sum.groups[g] += part.groups[g];
@@ -407,15 +345,16 @@ std::optional<Hashes> Replica::hashes() {
 
 void Replica::tick(bool has_callback, const std::function<void()>& work) {
   is_exchanged_ = is_agreed_ = false;
+  std::ranges::fill(failed_, std::nullopt);
   phase_ = Phase::intervene;
   beams_before_ = parts_.beams;
   if (leads()) {
     has_callback_ = has_callback;
-    MessageWriter message = order(Order::step);
+    MessageWriter message = message_of(Order::step);
     message.put(has_callback);
     message.put(is_touched_.load());
     if (is_touched_) put_state(message);
-    send_to_all(std::move(message));
+    transport_.send_to_all(std::move(message));
     is_touched_ = false;
   }
   is_in_tick_ = true;
@@ -447,21 +386,18 @@ void Replica::agree(const std::function<void()>& callback) {
   }
   if (has_callback_) {
     if (leads()) {
-      MessageWriter message = order(Order::agree);
+      MessageWriter message = message_of(Order::agree);
       message.put(is_touched_.load());
       if (is_touched_) put_state(message);
-      send_to_all(std::move(message));
+      transport_.send_to_all(std::move(message));
       is_touched_ = false;
     } else {
-      const Letter letter = expect(Order::agree, 0);
-      MessageReader message(*letter);
-      const bool is_failed = message.get<Order>() == Order::failed;
-      message.get<std::uint32_t>();
-      if (is_failed) {
+      ReceivedOrder received = expect(Order::agree, 0);
+      if (received.order == Order::failed) {
         is_exchanged_ = true;  // the callback threw: no message follows in this tick
         throw StepError("the callback before the tick failed on rank 0");
       }
-      if (message.get<bool>()) adopt_state(message, true);
+      if (received.rest.get<bool>()) adopt_state(received.rest, true);
     }
   }
   is_agreed_ = true;
@@ -483,35 +419,26 @@ void Replica::on_rank_0(const std::function<void()>& work) {
   if (leads()) {
     bool has_failed = false;
     for (unsigned from = 1; from < ranks(); ++from) {
-      const Letter letter = expect(Order::together, from);
-      MessageReader message(*letter);
-      if (message.get<Order>() == Order::failed) {
-        failed_[from] = letter;
+      ReceivedOrder received = expect(Order::together, from);
+      if (received.order == Order::failed)
         has_failed = true;
-        continue;
-      }
-      message.get<std::uint32_t>();
-      get_own(message, rows_of(from));
+      else
+        get_own(received.rest, rows_of(from));
     }
     if (has_failed) throw OtherFailed();
     work();
     for (unsigned to = 1; to < ranks(); ++to) {
-      MessageWriter message = order(Order::together);
+      MessageWriter message = message_of(Order::together);
       put_own(message, rows_of(to));
-      transport_.send(to, std::make_shared<const Message>(message.take()));
+      transport_.send(to, std::move(message));
     }
   } else {
-    MessageWriter message = order(Order::together);
+    MessageWriter message = message_of(Order::together);
     put_own(message, own());
-    transport_.send(0, std::make_shared<const Message>(message.take()));
-    const Letter letter = expect(Order::together, 0);
-    MessageReader answer(*letter);
-    if (answer.get<Order>() == Order::failed) {
-      failed_[0] = letter;
-      throw OtherFailed();
-    }
-    answer.get<std::uint32_t>();
-    get_own(answer, own());
+    transport_.send(0, std::move(message));
+    ReceivedOrder answer = expect(Order::together, 0);
+    if (answer.order == Order::failed) throw OtherFailed();
+    get_own(answer.rest, own());
   }
   began_s_[static_cast<std::size_t>(Phase::decide)] += transport_.seconds() - stopped_s;
 }
@@ -547,23 +474,21 @@ void Replica::exchange() {
                               .sense_s = began(Phase::actuate) - began(Phase::sense),
                               .actuate_s = began(Phase::decide) - began(Phase::actuate),
                               .decide_s = transport_.seconds() - began(Phase::decide)};
-  MessageWriter own = order(Order::exchange);
+  MessageWriter own = message_of(Order::exchange);
   own.reserve(exchanged_bytes_);
   own.put(work_[transport_.rank()]);
   own.put(options_.requests ? options_.requests() : std::uint32_t{0});
   put_written(own);
   exchanged_bytes_ = own.size();
-  send_to_all(std::move(own));
-  std::vector<Letter> letters(ranks());
+  transport_.send_to_all(std::move(own));
+  std::vector<ReceivedOrder> received(ranks());
   std::vector<Failure> failures;
   for (unsigned from = 0; from < ranks(); ++from)
-    if (from != transport_.rank()) letters[from] = expect(Order::exchange, from);
+    if (from != transport_.rank()) received[from] = expect(Order::exchange, from);
   for (unsigned from = 0; from < ranks(); ++from) {
-    if (!letters[from]) continue;
-    MessageReader message(*letters[from]);
-    const auto order = message.get<Order>();
-    message.get<std::uint32_t>();
-    if (order == Order::failed) {
+    if (from == transport_.rank()) continue;
+    MessageReader& message = received[from].rest;
+    if (received[from].order == Order::failed) {
       failures.push_back(failure_of(message));
     } else if (failures.empty()) {
       work_[from] = message.get<RankWork>();
@@ -575,7 +500,7 @@ void Replica::exchange() {
   note_times();
 }
 
-Replica::Failure Replica::failure_of(MessageReader& message) {
+Replica::Failure Replica::failure_of(MessageReader message) {
   Failure failure;
   failure.phase = message.get<std::uint32_t>();
   failure.robot = message.get<std::uint32_t>();
@@ -603,11 +528,11 @@ void Replica::fail() {
   is_exchanged_ = true;
   const bool is_callback = has_callback_ && !is_agreed_;
   if (is_callback && !leads()) return;
-  MessageWriter message = order(Order::failed);
+  MessageWriter message = message_of(Order::failed);
   message.put(failure.phase);
   message.put(failure.robot);
   message.put_text(failure.text);
-  send_to_all(std::move(message));
+  transport_.send_to_all(std::move(message));
   if (is_callback) return;  // the others wait for nothing but this message
   std::vector<Failure> failures;
   for (unsigned rank = 0; rank < ranks(); ++rank) {
@@ -615,12 +540,8 @@ void Replica::fail() {
       failures.push_back(failure);
       continue;
     }
-    const Letter letter =
-        failed_[rank] ? std::exchange(failed_[rank], nullptr) : expect(Order::exchange, rank);
-    MessageReader other(*letter);
-    const auto order = other.get<Order>();
-    other.get<std::uint32_t>();
-    if (order == Order::failed) failures.push_back(failure_of(other));
+    const ReceivedOrder other = expect(Order::exchange, rank);
+    if (other.order == Order::failed) failures.push_back(failure_of(other.rest));
   }
   throw_first(failures, own);
 }
@@ -703,18 +624,15 @@ void Replica::adopt_cut(Cut cut) {
   for (unsigned to = 0; to < ranks(); ++to) {
     const RowRange rows = common(before, own, cut_, to);
     if (to == own || rows.first >= rows.end) continue;
-    MessageWriter message = order(Order::exchange);
+    MessageWriter message = message_of(Order::exchange);
     put_kept(message, rows);
-    transport_.send(to, std::make_shared<const Message>(message.take()));
+    transport_.send(to, std::move(message));
   }
   for (unsigned from = 0; from < ranks(); ++from) {
     const RowRange rows = common(before, from, cut_, own);
     if (from == own || rows.first >= rows.end) continue;
-    const Letter letter = expect(Order::exchange, from);
-    MessageReader message(*letter);
-    message.get<Order>();
-    message.get<std::uint32_t>();
-    get_kept(message, rows);
+    ReceivedOrder received = expect(Order::exchange, from);
+    get_kept(received.rest, rows);
   }
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include "engine/orders.hpp"
 #include "engine/phase.hpp"
 #include "engine/rank_work.hpp"
 #include "engine/state_table.hpp"
 #include "engine/world_state.hpp"
+#include "partition/message.hpp"
 #include "partition/transport.hpp"
 
 #include <array>
@@ -45,23 +47,6 @@ enum class Sharing : std::uint8_t {
 ///   commands of devices with hooks in the phase move.
 /// - All else is computed by every rank alike.
 std::vector<Sharing> sharing_of(const World& world);
-
-/// What a rank asks of the others, and the kinds of messages within a tick. The first byte of a message.
-enum class Order : std::uint8_t {
-  make,      ///< make a replica of a world (troupe/rank_team.hpp)
-  drop,      ///< destroy a replica
-  end,       ///< no order follows
-  step,      ///< compute the next tick
-  reset,     ///< World::reset()
-  restart,   ///< World::restart()
-  set,       ///< World::set()
-  hash,      ///< return the hash of the own rows
-  gather,    ///< return the own rows of tables that are kept
-  agree,     ///< in a tick: the callback before_tick() has returned on rank 0
-  together,  ///< in a tick: rows for on_rank_0(), to rank 0 and back
-  exchange,  ///< in a tick: what the owner of the rows has written
-  failed,    ///< in a tick: the owner of the rows could not compute them
-};
 
 /// A cut of the rows into one range per rank: rank r owns the rows from cut[r] to cut[r + 1].
 using Cut = std::vector<std::uint32_t>;
@@ -154,7 +139,6 @@ class Replica {
   std::optional<Hashes> hashes();
 
  private:
-  using Letter = std::shared_ptr<const partition::Message>;
   /// An error of a rank, with its place in the order of errors: the first one is reported.
   struct Failure {
     std::uint32_t phase = 0;
@@ -170,10 +154,10 @@ class Replica {
   RowRange rows_of(unsigned rank) const { return {cut_[rank], cut_[rank + 1]}; }
   /// The rows of a table whose bodies have the rows `rows` of the world.
   RowRange rows_in(const StateTable& table, const RowRange& rows) const;
-  partition::MessageWriter order(Order order) const;
-  void send_to_all(partition::MessageWriter message);
-  /// Reads the message with this order from a rank. Answers other orders, which rank 0 may give before.
-  Letter expect(Order order, unsigned from);
+  partition::MessageWriter message_of(Order order) const;
+  /// Returns the message with this order from a rank, or the one with which that rank failed in this tick.
+  /// Obeys other orders, which rank 0 may give before.
+  ReceivedOrder expect(Order order, unsigned from);
 
   void put_state(partition::MessageWriter& message);
   void adopt_state(partition::MessageReader message, bool is_in_tick);
@@ -187,7 +171,7 @@ class Replica {
   void get_own(partition::MessageReader& message, const RowRange& rows);
   Hashes own_hashes();
   void fail();
-  static Failure failure_of(partition::MessageReader& message);
+  static Failure failure_of(partition::MessageReader message);
   [[noreturn]] void throw_first(std::vector<Failure>& failures, const std::exception_ptr& own);
   Cut equal_cut() const;
   void note_times();
@@ -220,9 +204,8 @@ class Replica {
   std::uint64_t beams_before_ = 0;  // at the beginning of the tick
   // When the phases of this tick began on this rank; `decide` moved forward by the time of on_rank_0().
   std::array<double, k_phases> began_s_{};
-  // One per rank: the message with which it failed in this tick, if it came early.
-  std::vector<Letter> failed_;
-  std::size_t exchanged_bytes_ = 0;  // length of the last message of exchange()
+  std::vector<std::optional<ReceivedOrder>> failed_;  // one per rank: how it failed in this tick
+  std::size_t exchanged_bytes_ = 0;                   // length of the last message of exchange()
 };
 
 }  // namespace troupe::engine

@@ -35,11 +35,13 @@ class Transport {
     traffic_.bytes += message->size();
     post(to, std::move(message));
   }
+  void send(unsigned to, MessageWriter message) { send(to, std::make_shared<const Message>(message.take())); }
   /// Starts to send a message to every other rank.
   void send_to_all(const std::shared_ptr<const Message>& message) {
     for (unsigned to = 0; to < ranks(); ++to)
       if (to != rank()) send(to, message);
   }
+  void send_to_all(MessageWriter message) { send_to_all(std::make_shared<const Message>(message.take())); }
   /// Waits for the next message from a rank and returns it. The messages of one rank are received in the
   /// order in which it sent them. Throws RankError.
   virtual std::shared_ptr<const Message> receive(unsigned from) = 0;

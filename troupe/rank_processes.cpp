@@ -20,22 +20,11 @@
 namespace troupe {
 namespace {
 
+using engine::begin_message;
 using engine::Order;
-using partition::Message;
 using partition::MessageReader;
 using partition::MessageWriter;
 using partition::Transport;
-
-std::shared_ptr<const Message> shared(MessageWriter message) {
-  return std::make_shared<const Message>(message.take());
-}
-
-MessageWriter begin(Order order, std::uint32_t world) {
-  MessageWriter message;
-  message.put(order);
-  message.put(world);
-  return message;
-}
 
 /// Calls visit() with each column of the bodies.
 template <class Bodies, class Visit>
@@ -114,7 +103,7 @@ class ProcessGroup : public RankGroup {
         replica_(world, registry, transport, number, options_for(seed)) {}
   ~ProcessGroup() override {
     try {
-      transport_.send_to_all(shared(begin(Order::drop, replica_.number())));
+      transport_.send_to_all(begin_message(Order::drop, replica_.number()));
     } catch (const partition::RankError&) {  // the run has failed already, and its error is reported
     }
   }
@@ -132,7 +121,7 @@ class ProcessGroup : public RankGroup {
 RankProcesses::~RankProcesses() {
   if (transport_.rank() != 0) return;
   try {
-    transport_.send_to_all(shared(begin(Order::end, 0)));
+    transport_.send_to_all(begin_message(Order::end, 0));
   } catch (const partition::RankError&) {  // as above
   }
 }
@@ -141,7 +130,7 @@ std::unique_ptr<RankGroup> RankProcesses::add(engine::World& world, const engine
                                               const Plugins& plugins, const engine::WorldOptions& options,
                                               std::optional<std::uint64_t> seed) {
   const std::uint32_t number = worlds_++;
-  MessageWriter message = begin(Order::make, number);
+  MessageWriter message = begin_message(Order::make, number);
   message.put(std::uint32_t{options.threads});
   message.put(options.tile_size_m);
   message.put(seed.has_value());
@@ -153,18 +142,16 @@ std::unique_ptr<RankGroup> RankProcesses::add(engine::World& world, const engine
     message.put(library.contents);
   }
   put_spec(message, worldio::store_spec(world.spec(), registry));
-  transport_.send_to_all(shared(std::move(message)));
+  transport_.send_to_all(std::move(message));
   std::string failures;
   for (unsigned rank = 1; rank < transport_.ranks(); ++rank) {
-    const std::shared_ptr<const Message> letter = transport_.receive(rank);
-    MessageReader answer(*letter);
-    if (answer.get<Order>() != Order::failed) continue;
-    answer.get<std::uint32_t>();
-    failures +=
-        fmt::format("{}troupe: error: rank {}: {}", failures.empty() ? "" : "\n", rank, answer.get_text());
+    engine::ReceivedOrder answer = engine::receive_order(transport_, rank);
+    if (answer.order != Order::failed) continue;
+    failures += fmt::format("{}troupe: error: rank {}: {}", failures.empty() ? "" : "\n", rank,
+                            answer.rest.get_text());
   }
   if (!failures.empty()) {
-    transport_.send_to_all(shared(begin(Order::drop, number)));
+    transport_.send_to_all(begin_message(Order::drop, number));
     throw InputError(failures);
   }
   return std::make_unique<ProcessGroup>(world, registry, transport_, nodes_, number, seed);
@@ -174,26 +161,24 @@ void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path
                            const std::function<std::uint32_t()>& requests) {
   std::map<std::uint32_t, std::unique_ptr<Follower>> followers;
   while (true) {
-    const std::shared_ptr<const Message> letter = transport_.receive(0);
-    MessageReader message(*letter);
-    const auto order = message.get<Order>();
-    const auto number = message.get<std::uint32_t>();
+    engine::ReceivedOrder received = engine::receive_order(transport_, 0);
+    const auto [order, number] = std::pair(received.order, received.world);
     if (order == Order::end) return;
     if (order == Order::make) {
-      MessageWriter answer = begin(Order::make, number);
+      MessageWriter answer = begin_message(Order::make, number);
       try {
         followers[number] =
-            std::make_unique<Follower>(message, plugin_path, threads, transport_, number, requests);
+            std::make_unique<Follower>(received.rest, plugin_path, threads, transport_, number, requests);
       } catch (const std::exception& error) {
         followers.erase(number);
-        answer = begin(Order::failed, number);
+        answer = begin_message(Order::failed, number);
         answer.put_text(error.what());
       }
-      transport_.send(0, shared(std::move(answer)));
+      transport_.send(0, std::move(answer));
     } else if (order == Order::drop) {
       followers.erase(number);
     } else if (const auto found = followers.find(number); found != followers.end()) {
-      found->second->replica->follow(order, message);
+      found->second->replica->follow(order, received.rest);
     }
   }
 }

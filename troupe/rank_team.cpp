@@ -19,18 +19,11 @@
 namespace troupe {
 namespace {
 
+using engine::begin_message;
 using engine::Order;
-using partition::Message;
-using partition::MessageReader;
-using partition::MessageWriter;
 using partition::Transport;
 
-std::shared_ptr<const Message> message_of(Order order) {
-  MessageWriter message;
-  message.put(order);
-  message.put(std::uint32_t{0});
-  return std::make_shared<const Message>(message.take());
-}
+constexpr std::uint32_t k_world = 0;  // number of the only world of these ranks
 
 }  // namespace
 
@@ -58,10 +51,10 @@ struct RankTeam::Impl {
       threads.back()->add([this, &lead, &registry, world, rank] { follow(lead, registry, world, rank); });
     }
     for (unsigned rank = 1; rank < options.ranks; ++rank) mailboxes.of(0).receive(rank);  // it is ready
-    replica.emplace(lead, registry, mailboxes.of(0), 0, replica_options);
+    replica.emplace(lead, registry, mailboxes.of(0), k_world, replica_options);
   }
   ~Impl() {
-    if (replica) mailboxes.of(0).send_to_all(message_of(Order::end));
+    if (replica) mailboxes.of(0).send_to_all(begin_message(Order::end, k_world));
     mailboxes.close("rank 0 has ended");
   }
 
@@ -71,15 +64,12 @@ struct RankTeam::Impl {
       Diagnostics diagnostics(lead.spec().files);  // its warnings are those of rank 0
       engine::World own(lead.spec(), registry, world, diagnostics);
       Transport& transport = mailboxes.of(rank);
-      engine::Replica replica_here(own, registry, transport, 0, replica_options);
-      transport.send(0, message_of(Order::make));
+      engine::Replica replica_here(own, registry, transport, k_world, replica_options);
+      transport.send(0, begin_message(Order::make, k_world));
       while (true) {
-        const std::shared_ptr<const Message> letter = transport.receive(0);
-        MessageReader message(*letter);
-        const auto order = message.get<Order>();
-        message.get<std::uint32_t>();
-        if (order == Order::end) return;
-        replica_here.follow(order, message);
+        const engine::ReceivedOrder received = engine::receive_order(transport, 0);
+        if (received.order == Order::end) return;
+        replica_here.follow(received.order, received.rest);
       }
     } catch (const std::exception& error) {
       mailboxes.close(fmt::format("rank {} failed: {}", rank, error.what()));

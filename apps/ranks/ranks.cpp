@@ -87,10 +87,6 @@ std::string host() {
   return name.data();
 }
 
-std::shared_ptr<const Message> letter_of(MessageWriter message) {
-  return std::make_shared<const Message>(message.take());
-}
-
 /// Compares the version of the program and its arguments on all ranks. Throws InputError on all ranks if they
 /// differ. Returns the host names of the ranks, by rank.
 std::vector<std::string> meet(MpiTransport& transport) {
@@ -120,13 +116,13 @@ std::vector<std::string> meet(MpiTransport& transport) {
     MessageWriter verdict;
     verdict.put_text(difference);
     for (const std::string& each : hosts) verdict.put_text(each);
-    transport.send_to_all(letter_of(std::move(verdict)));
+    transport.send_to_all(std::move(verdict));
   } else {
     MessageWriter own;
     own.put_text(hosts.front());
     own.put_text(version);
     own.put_text(given);
-    transport.send(0, letter_of(std::move(own)));
+    transport.send(0, std::move(own));
     const auto letter = transport.receive(0);
     MessageReader verdict(*letter);
     difference = verdict.get_text();
