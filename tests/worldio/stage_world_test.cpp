@@ -889,9 +889,9 @@ TEST_F(StageWorld, RefusesWrongArguments) {
 TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {
   load("model( ctrl \"wander\" )\nposition( ranger( sensor() ctrl \"wander\" ) )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: controller \"wander\" must be in a model of type "
-                                      "position, which has a drive; this model is a model",
+                                      "position, which has a drive; this model is of type model",
                                       "w.world:2: error: controller \"wander\" must be in a model of type "
-                                      "position, which has a drive; this model is a ranger "
+                                      "position, which has a drive; this model is of type ranger "
                                       "inside another model"));
 }
 

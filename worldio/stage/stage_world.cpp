@@ -578,7 +578,7 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
     if (kind != nullptr && kind->needs_drive && !is_position) {
       values_.error(values_.where(*ctrl),
                     fmt::format("controller \"{}\" must be in a model of type position, which "
-                                "has a drive; this model is a {}{}",
+                                "has a drive; this model is of type {}{}",
                                 controller.kind, model.type, is_root ? "" : " inside another model"));
       continue;
     }
