@@ -84,7 +84,7 @@ ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
       compare_fields(
           a.fields()[f], a.cell<std::byte>(rows_a[i], f).data(), b.cell<std::byte>(rows_b[i], f).data(),
           [&](const StateField& field, std::size_t column, const StateValue& x, const StateValue& y) {
-            if (found.entities == 0 && !differs) {
+            if (found.bodies == 0 && !differs) {
               found.body = id;
               found.field = field_text(field, column);
               found.first = x;
@@ -93,7 +93,7 @@ ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
             differs = true;
           });
     }
-    found.entities += differs;
+    found.bodies += differs;
   }
   return found;
 }
@@ -102,13 +102,13 @@ ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
 /// one table per body type. The result shows the value of the body with the lower id. Its member `entities`
 /// is 0 if that of `into` or `other` is 0.
 void merge(ComponentDifference& into, const ComponentDifference& other) {
-  if (into.entities == 0 || other.entities == 0) {
-    into.entities = 0;
+  if (into.bodies == 0 || other.bodies == 0) {
+    into.bodies = 0;
     return;
   }
-  const std::size_t entities = into.entities + other.entities;
+  const std::size_t bodies = into.bodies + other.bodies;
   if (other.body < into.body) into = other;
-  into.entities = entities;
+  into.bodies = bodies;
 }
 
 /// Position of a hash group in the order in which a tick computes the groups. Differences are sorted by this
@@ -162,13 +162,13 @@ std::vector<ComponentDifference> state_differences(World& first, World& second) 
 }
 
 std::string difference_text(const World& world, const ComponentDifference& difference) {
-  if (difference.entities == 0)
+  if (difference.bodies == 0)
     return fmt::format("{}: the states have different bodies or fields", difference.component);
   return fmt::format(
       "{}: {} of \"{}\" (id {}) is {}, not {}; {}", difference.component, difference.field,
       world.spec().name(difference.body), difference.body.value, value_text(difference.second),
       value_text(difference.first),
-      difference.entities == 1 ? "1 entity differs" : fmt::format("{} entities differ", difference.entities));
+      difference.bodies == 1 ? "1 body differs" : fmt::format("{} bodies differ", difference.bodies));
 }
 
 }  // namespace troupe::engine

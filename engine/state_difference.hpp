@@ -40,7 +40,7 @@ struct ComponentDifference {
   HashGroup group = HashGroup::pose;  ///< hash group of the component
   /// Number of bodies whose rows differ. If it is 0, the component has different bodies or different fields
   /// in the two worlds, and the following members have no meaning.
-  std::size_t entities = 0;
+  std::size_t bodies = 0;
   BodyId body;        ///< lowest id of a body whose row differs
   std::string field;  ///< name of the first column that differs in the row of that body: field_text()
   StateValue first;   ///< value of that column in the first world
@@ -54,7 +54,7 @@ struct ComponentDifference {
 std::vector<ComponentDifference> state_differences(World& first, World& second);
 
 /// The message for a difference, in which `world` gives the names of bodies:
-/// `ranger/eye: ranges[4] of "r12" (id 13) is 0x3f800001 (1.0000001), not 0x3f800000 (1); 3 entities differ`.
+/// `ranger/eye: ranges[4] of "r12" (id 13) is 0x3f800001 (1.0000001), not 0x3f800000 (1); 3 bodies differ`.
 /// The value after "is" is that of the second world, the value after "not" that of the first world.
 std::string difference_text(const World& world, const ComponentDifference& difference);
 

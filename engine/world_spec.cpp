@@ -27,7 +27,7 @@ class TypeRules {
       check_joint(part.where, fmt::format("parts[{}].joint", p), part.joint);
     }
     for (std::size_t j = 0; j < type_.joints.size(); ++j)
-      if (type_.joints[j].parent >= static_cast<std::int32_t>(j))
+      if (type_.joints[j].parent < k_rigid || type_.joints[j].parent >= static_cast<std::int32_t>(j))
         error(type_.parts.front().where, fmt::format("joints[{}].parent", j), type_.joints[j].parent,
               "must be the index of an earlier joint");
     for (std::size_t d = 0; d < type_.devices.size(); ++d) {
@@ -47,7 +47,7 @@ class TypeRules {
     report_(where, fmt::format("{}.{}: {}, found index {}", path_, member, rule, found));
   }
   void check_joint(Where where, const std::string& member, std::int32_t joint) const {
-    if (joint >= static_cast<std::int32_t>(type_.joints.size()))
+    if (joint < k_rigid || joint >= static_cast<std::int32_t>(type_.joints.size()))
       error(where, member, joint, fmt::format("the type has {} joints", type_.joints.size()));
   }
   void check_part(Where where, const std::string& member, std::uint32_t part) const {

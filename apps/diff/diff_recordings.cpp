@@ -108,7 +108,7 @@ void print_differences(const RecordingReader& first, std::size_t i, const Record
     fmt::print("{}: {} of \"{}\" (id {}) is {}, not {}; {}\n", difference.component, difference.field,
                first.names()[difference.body], first.ids()[difference.body],
                engine::value_text(difference.second), engine::value_text(difference.first),
-               bodies == 1 ? "1 entity differs" : fmt::format("{} entities differ", bodies));
+               bodies == 1 ? "1 body differs" : fmt::format("{} bodies differ", bodies));
   }
   if (differences.empty())
     fmt::print(

@@ -180,7 +180,9 @@ Simulation load(const RenderOptions& options, bool is_checkpoint) {
 }
 
 void render_checked(const RenderOptions& options) {
-  constexpr std::array<std::string_view, 2> k_of_checkpoints = {"--for", "--threads"};
+  constexpr std::array<std::string_view, 5> k_of_checkpoints = {"--for", "--threads", "--plugin-path",
+                                                                "--controller", "--simd"};
+  constexpr std::array<std::string_view, 1> k_of_recordings = {"--simd"};
   const PictureFiles& wanted = options.pictures;
   std::vector<fs::path> outputs = snapshot_files(wanted);
   outputs.push_back(wanted.film);
@@ -188,7 +190,7 @@ void render_checked(const RenderOptions& options) {
   check_film(wanted);
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (!is_checkpoint && is_hdf5(options.world)) {
-    refuse_given(options, {}, "recording; --at selects one of its times");
+    refuse_given(options, k_of_recordings, "recording; --at selects one of its times");
     RecordedRun run(options.world);
     if (!wanted.snapshot.empty()) draw_recording(options, run);
     if (!wanted.film.empty()) film_recording(options, run);
@@ -223,17 +225,20 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
                 [&options](const std::string& text) { set_times(options.pictures, "--at", text); });
   add_film_options(command, options.pictures);
   add_look_options(command, options.pictures.look);
+  const std::size_t before = command.get_options().size();
   add_run_settings(command, options);
   command.get_option("--for")->excludes(at);
   add_value(command, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
-  command.final_callback([&command, &options] {
+  std::vector<CLI::Option*> settings = command.get_options();
+  settings.erase(settings.begin(), settings.begin() + static_cast<std::ptrdiff_t>(before));
+  command.final_callback([settings, &options, &command] {
     PictureFiles& pictures = options.pictures;
     if (pictures.snapshot.empty() && pictures.film.empty()) throw CLI::RequiredError("--output or --film");
     if (pictures.snapshot.empty() && !pictures.snapshot_at_s.empty())
       throw CLI::RequiresError("--at", "--output");
-    for (const char* name : {"--for", "--seed", "--raytracer", "--robots", "--set", "--threads"})
-      if (command.count(name) > 0) options.given.emplace_back(name);
+    for (const CLI::Option* option : settings)
+      if (option->count() > 0) options.given.push_back(option->get_name());
     if (options.for_s) pictures.snapshot_at_s = {*options.for_s};
     check_names(pictures, "--at", "--output");
   });

@@ -251,7 +251,7 @@ TEST_F(Check, StopsAtTheFirstTickThatDiffersAndNamesTheVariants) {
   EXPECT_EQ(lines[4], "  2 threads, automatic tiles, compared with 1 thread, automatic tiles:");
   EXPECT_THAT(lines[5],
               MatchesRegex("    keeps_a_static/0: calls of \"r0\" .id 1. is 0x[0-9a-f]{8} .[0-9]+., not "
-                           "0x[0-9a-f]{8} .[0-9]+.; 40 entities differ"));
+                           "0x[0-9a-f]{8} .[0-9]+.; 40 bodies differ"));
 }
 
 TEST_F(Check, AnHonestControllerPasses) {

@@ -353,7 +353,7 @@ TEST_F(Record, DiffSeesOneBit) {
   const Outcome outcome = troupe({"diff", "a.h5", "b.h5"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.out, StartsWith("differs at tick 4 (0.4 s):\npose: x of "));
-  EXPECT_THAT(outcome.out, HasSubstr("; 1 entity differs\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("; 1 body differs\n"));
 }
 
 TEST_F(Record, RepairLeavesAloneWhatIsWhole) {

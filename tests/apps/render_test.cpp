@@ -221,6 +221,9 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
           "run.h5: error: the camera \"window\" needs a world file with the entry window; other cameras"));
   EXPECT_EQ(refusal({"run.h5", "--seed", "3"}),
             "run.h5: error: --seed cannot be used with a recording; --at selects one of its times\n");
+  EXPECT_EQ(refusal({"run.h5", "--spare", "3"}),
+            "run.h5: error: --spare cannot be used with a recording; --at selects one of its times\n");
+  EXPECT_EQ(refusal({"c.h5", "--spare", "3"}), "c.h5: error: --spare cannot be used with a checkpoint\n");
   EXPECT_EQ(refusal({"run.h5", "--for", "0.5"}),
             "run.h5: error: --for cannot be used with a recording; --at selects one of its times\n");
   EXPECT_EQ(refusal({"run.h5", "--at", "2"}),

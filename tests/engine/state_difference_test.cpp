@@ -69,7 +69,7 @@ TEST(StateDifferences, NameComponentRobotFieldAndBothValues) {
   EXPECT_THAT(
       texts(first, second),
       ElementsAre("command: turn of \"b1\" (id 5) is 0x3fd0000000000000 (0.25), not 0x0000000000000000 "
-                  "(0); 1 entity differs"));
+                  "(0); 1 body differs"));
 }
 
 TEST(StateDifferences, CountRobotsAndNameTheLowest) {
@@ -78,7 +78,7 @@ TEST(StateDifferences, CountRobotsAndNameTheLowest) {
   for (const char* name : {"b2", "a1", "b0"}) second.set_command(second.row(second.find(name)), {1, 0, 2});
   const auto found = state_differences(first, second);
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].entities, 3u);
+  EXPECT_EQ(found[0].bodies, 3u);
   EXPECT_EQ(found[0].body, second.find("a1"));
   EXPECT_EQ(found[0].field, "x");
 }
