@@ -287,8 +287,8 @@ class World {
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0. The periods
   /// of its devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
-  /// Index of the reserve of a population in WorldSpec::reserves. std::nullopt if there is no population with
-  /// that name (without number), or if it has no reserve.
+  /// Index in WorldSpec::reserves of the reserve of a population. `population` is the name of the population
+  /// ("ant"), not of a body ("ant7"). std::nullopt if there is no such population, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
   /// Number of bodies of a reserve that are not yet born.
   std::size_t unborn(std::size_t reserve) const {

@@ -24,7 +24,7 @@ py::array padded(const engine::StateField& field, const py::handle& value) {
     const std::string_view text = texts[i];
     if (text.size() > field.columns)
       throw py::value_error(
-          fmt::format("\"{}\" takes {} bytes, found {}", field.name, field.columns, text.size()));
+          fmt::format("\"{}\" takes at most {} bytes, found {}", field.name, field.columns, text.size()));
     std::memcpy(rows.mutable_data(static_cast<py::ssize_t>(i), 0), text.data(), text.size());
   }
   return rows;

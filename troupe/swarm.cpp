@@ -156,8 +156,8 @@ void Swarm::ranges(std::span<float> out, std::string_view sensor) const {
   const std::size_t count = beams(sensor);
   if (out.size() != count * size())
     throw std::invalid_argument(fmt::format(
-        "found a span of {} elements for {} robots with {} beams each: give robots x beams elements",
-        out.size(), size(), count));
+        "found a span of {} elements, but {} robots with {} beams each need {}, one per robot and beam",
+        out.size(), size(), count, size() * count));
   for_rangers(sensor, [&](const Ranger& ranger, Row row, std::size_t i) {
     if (!world_->senses(row, *ranger.device))
       throw std::logic_error(

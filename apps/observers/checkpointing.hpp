@@ -16,7 +16,8 @@ namespace troupe::apps {
 class SaveRequests {
  public:
   /// Whether a request has arrived since the last call that returned true. Requests within one second after
-  /// that call are ignored, because a launcher passes a single signal on to all processes.
+  /// that call are ignored: a launcher passes a signal on to all processes, so that one request of the user
+  /// arrives several times.
   bool has_new(const Simulation& simulation);
 
  private:

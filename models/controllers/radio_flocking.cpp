@@ -40,8 +40,8 @@ struct RadioFlocking {
       d.member<&Params::distance>("distance", meters, above(0),
                                   "distance that the robot tries to keep from the robots that it hears");
       d.member<&Params::spacing_weight>("spacing_weight", at_least(0),
-                                        "weight of keeping the distance in the direction in which the robot "
-                                        "aims; the mean heading of the robots has the weight 1");
+                                        "weight of the term that keeps the distance to other robots; the "
+                                        "other term, the mean heading of the robots, has weight 1");
       d.member<&Params::gain>("gain", per_second, at_least(0),
                               "turn rate per radian of the angle to the direction in which the robot aims");
       d.member<&Params::clearance>("clearance", meters, at_least(0),

@@ -166,6 +166,13 @@ class Running(InAFolder):
         with self.assertRaises(TypeError):
             troupe.Simulation(ROOM, ranks=-1)
 
+    def test_ranks_are_refused_if_a_launcher_started_several_processes(self):
+        launcher = {"OMPI_COMM_WORLD_RANK": "0", "OMPI_COMM_WORLD_SIZE": "3"}
+        with unittest.mock.patch.dict(os.environ, launcher):
+            self.assertEqual(troupe.Simulation(ROOM).ranks, 1)
+            with self.assertRaisesRegex(ValueError, "^2 ranks: .* but mpirun of Open MPI started 3 processes: start the "):
+                troupe.Simulation(ROOM, ranks=2)
+
     def test_other_threads_run_meanwhile_and_may_not_use_it(self):
         world = troupe.Simulation(HOSPITAL, robots=500, threads=1)
         swarm = world.swarm()

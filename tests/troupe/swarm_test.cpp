@@ -184,7 +184,7 @@ TEST(Swarms, SayWhatIsWrong) {
             "swarm of one type");
   ranges.pop_back();
   EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.ranges(ranges); }),
-            "found a span of 8 elements for 3 robots with 3 beams each: give robots x beams elements");
+            "found a span of 8 elements, but 3 robots with 3 beams each need 9, one per robot and beam");
   EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.set_speeds(std::vector<Model::Speed>(2)); }),
             "found 2 elements for a swarm of 3 robots: give one per robot");
   EXPECT_EQ(message_of<std::invalid_argument>(

@@ -393,8 +393,8 @@ TEST_F(StageParser, MacrosThatMultiplyAreReported) {
   std::string text = "define a0 model()\n";
   for (int i = 1; i < 40; ++i) text += fmt::format("define a{0} model( a{1}() a{1}() )\n", i, i - 1);
   load(text + "a39()");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:41: error: the macros of this model expand to more than 20000 entities"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:41: error: with its macros expanded, this model contains more "
+                                      "than 20000 models and blocks"));
 }
 
 TEST_F(StageParser, DeepNestingIsReported) {

@@ -241,7 +241,8 @@ JsonNode kind_of_a_plug_in(std::string_view what, std::string_view page,
   const JsonNode other =
       object_of({{"not", object_of({{"enum", texts(known)}})},
                  {"type", text("string")},
-                 {"description", text(fmt::format("a {} of a plug-in, docs/{}.md", what, page))}});
+                 {"description",
+                  text(fmt::format("the name of a {} that a plug-in defines; see docs/{}.md", what, page))}});
   return object_of({{"type", text("object")},
                     {"properties", object_of({{"kind", other}})},
                     {"required", texts(std::array{"kind"})}});

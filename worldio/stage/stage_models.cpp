@@ -66,8 +66,8 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
     }
     if (++steps_ > k_most_steps) {
       values_.error(model.where,
-                    fmt::format("too large: more than {} steps are needed to resolve the macros of the "
-                                "world to their bases",
+                    fmt::format("the world is too large: macros that are based on other macros were looked "
+                                "up more than {} times; use fewer models or shorter chains of macros",
                                 k_most_steps));
       return {};
     }

@@ -382,12 +382,15 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
   for (const StageModel::Child& child : model.children(document_)) {
     if (++parts_ > k_most_parts) {
       fail(draft.where,
-           fmt::format("too large: the macros of the world expand to more than {} entities", k_most_parts));
+           fmt::format(
+               "too large: with its macros expanded, the world contains more than {} models and blocks",
+               k_most_parts));
       return {};
     }
     if (++draft.entities > k_most_entities) {
       fail(draft.where,
-           fmt::format("the macros of this model expand to more than {} entities", k_most_entities));
+           fmt::format("with its macros expanded, this model contains more than {} models and blocks",
+                       k_most_entities));
       return {};
     }
     if (draft.inside.size() >= k_deepest_nesting) {
