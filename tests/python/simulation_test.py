@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-import unittest
+import unittest.mock
 import weakref
 
 import numpy as np
