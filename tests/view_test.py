@@ -402,7 +402,7 @@ class Steered(unittest.TestCase):
             self.assertGreater(sum(done.values()), 500, (done, refused))
             end = ("--for", state["tick"] * viewer.hello["tick_s"])
             for arguments, command in (((1,), ("run", "rooms.json")), ((2,), ("run", "rooms.json")), ((3,), ("run", "rooms.json")),
-                                       ((3,), ("resume", files[0]))):
+                                       ((1, "--ranks", 3), ("run", "rooms.json")), ((3,), ("resume", files[0]))):
                 log = view.replayed("--threads", *arguments, *end, command=command)
                 self.assertEqual(log[state["tick"]], state["line"], (arguments, command))
 

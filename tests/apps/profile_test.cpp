@@ -123,7 +123,8 @@ TEST_P(ProfilesOf, ShowEachTickWithItsPhasesAndTasks) {
     }
     if (phase.arguments.contains("imbalance")) {
       EXPECT_GE(phase.arguments.at("imbalance"), 1 - 1e-3);
-      EXPECT_LE(phase.arguments.at("imbalance"), std::max<std::size_t>(threads, trace.tracks.size()) + 1e-3);
+      EXPECT_LE(phase.arguments.at("imbalance"),
+                static_cast<double>(std::max<std::size_t>(threads, trace.tracks.size())) + 1e-3);
     }
   }
   EXPECT_TRUE(trace.phases[1].arguments.contains("imbalance"));

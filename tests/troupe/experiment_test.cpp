@@ -255,7 +255,7 @@ TEST_F(StopWhen, WhatIsRememberedOfTheWayIsInTheCheckpoint) {
 }
 
 TEST_F(StopWhen, WhatIsWrongIsToldWithItsPlace) {
-  const auto error = [&](const std::string& keys) {
+  const auto error_of = [&](const std::string& keys) {
     try {
       Simulation simulation(world(keys));
     } catch (const InputError& error) {
@@ -263,9 +263,9 @@ TEST_F(StopWhen, WhatIsWrongIsToldWithItsPlace) {
     }
     return std::string("none");
   };
-  EXPECT_THAT(error(R"("stop_when": ["displacement:q > 3"])"),
+  EXPECT_THAT(error_of(R"("stop_when": ["displacement:q > 3"])"),
               HasSubstr("w.json:4: error: unknown type or population of robots \"q\"; known: bot"));
-  EXPECT_THAT(error(R"("at": [{"time_s": 3, "remove": {"population": "r"}}])"),
+  EXPECT_THAT(error_of(R"("at": [{"time_s": 3, "remove": {"population": "r"}}])"),
               HasSubstr("w.json:4: error: unknown population \"r\""));
 }
 
