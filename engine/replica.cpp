@@ -325,7 +325,8 @@ std::optional<Hashes> Replica::hashes() {
   transport_.send_to_all(std::move(question));
   Hashes sum = own_hashes();
   for (unsigned from = 1; from < ranks(); ++from) {
-    MessageReader message = expect(Order::hash, from).rest;
+    ReceivedOrder answer = expect(Order::hash, from);
+    MessageReader& message = answer.rest;
     const auto part = message.get<Hashes>();
     sum.state += part.state;
     for (std::size_t g = 0; g < k_hash_groups; ++g) sum.groups[g] += part.groups[g];

@@ -22,8 +22,7 @@ struct RankOptions {
   std::function<double(unsigned rank)> clock;
 };
 
-/// Throws std::invalid_argument if the number of ranks is not allowed, with the allowed numbers. More than
-/// one rank is refused if a launcher such as mpirun started several processes of this program.
+/// Throws std::invalid_argument, with the allowed numbers, if the number of ranks is not allowed.
 void check_ranks(const RankOptions& options);
 /// Number of worker threads of each rank. threads: the number that the user wants per rank; 0: the processors
 /// that the process may use, divided by the number of ranks, but at least 1.

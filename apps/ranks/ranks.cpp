@@ -1,10 +1,10 @@
 #include "apps/ranks/ranks.hpp"
 
 #include "apps/interrupt.hpp"
+#include "apps/ranks/launcher.hpp"
 #include "base/diagnostics.hpp"
 #include "partition/mpi_transport.hpp"
 #include "partition/processors.hpp"
-#include "troupe/launcher.hpp"
 #include "troupe/rank_processes.hpp"
 
 #include <fmt/format.h>

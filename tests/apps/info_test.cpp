@@ -77,7 +77,7 @@ TEST_F(Info, OfATableOfMeasures) {
               ElementsAre("copy", "kind table of measures", "measures stalls,displacement_m", "lines 4",
                           "ticks 0 to 15, 0 to 1.5 s", "complete no: cut off in line 6"));
   write("copy", "tick,time_s,order\n0,0,1\nx,1,1\n");
-  EXPECT_EQ(error_of("copy"), "copy:3: error: the line must begin with a tick and a time\n");
+  EXPECT_EQ(error_of("copy"), "copy:3: error: the line must begin with a tick and a time in seconds\n");
 }
 
 TEST_F(Info, OfATableOfEvents) {

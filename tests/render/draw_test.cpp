@@ -453,7 +453,7 @@ TEST(Draw, NamesTheLimitOfTheDriver) {
   EXPECT_THAT(error_of({1'000'000, 10, std::nullopt}),
               ::testing::MatchesRegex(
                   "cannot draw a picture of 1000000 x 10 pixels: each side must be at least 1, and this "
-                  "driver draws at most [0-9]+ x [0-9]+"));
+                  "OpenGL driver draws at most [0-9]+ x [0-9]+"));
   EXPECT_THAT(error_of({10, 1'000'000, std::nullopt}), HasSubstr("10 x 1000000 pixels"));
   EXPECT_THAT(error_of({0, 10, std::nullopt}), HasSubstr("0 x 10 pixels: each side must be at least 1"));
   EXPECT_THAT(error_of({10, -1, std::nullopt}), HasSubstr("10 x -1 pixels: each side must be at least 1"));

@@ -634,7 +634,7 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:18: error: /populations/0/place/region_m: expected 2 points, found 1"},
         Wrong{
             R"(, "pitch_m": 0.25)", "",
-            R"(maze.json:18: error: /populations/0/place: missing "pitch_m", "pitch_cm" or "pitch_mm": the distance between neighbouring cells)"},
+            R"(maze.json:18: error: /populations/0/place: missing "pitch_m", "pitch_cm" or "pitch_mm": the distance between neighbouring cells of the grid)"},
         Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 0)",
               "maze.json:18: error: /populations/0/place/pitch_m: must be above 0 and at most 100000 m, "
               "found 0"},

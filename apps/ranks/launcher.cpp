@@ -1,25 +1,19 @@
-#include "troupe/launcher.hpp"
+#include "apps/ranks/launcher.hpp"
 
+#include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cstdlib>
-#include <string_view>
 
-namespace troupe {
+namespace troupe::apps {
 namespace {
 
 std::optional<unsigned> number_in(const char* variable) {
-  const char* value = std::getenv(variable);
-  if (value == nullptr) return {};
-  const std::string_view text(value);
-  unsigned number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return number;
+  const char* text = std::getenv(variable);
+  return text == nullptr ? std::nullopt : number<unsigned>(text);
 }
 
 /// A launcher and the environment variables that it sets: `rank` contains the number of the process, `ranks`
@@ -55,4 +49,4 @@ std::optional<Launcher> find_launcher() {
   return {};
 }
 
-}  // namespace troupe
+}  // namespace troupe::apps
