@@ -316,7 +316,7 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   EXPECT_THAT(other.out,
               MatchesRegex(
                   "differs at tick [0-9]+ \\([0-9.]+ s\\):\n[a-z0-9/]+: [a-z_]+ of \".*\" \\(id [0-9]+\\) is "
-                  "0x[0-9a-f]+ \\(.*\\), not 0x[0-9a-f]+ \\(.*\\); [0-9]+ entit.*\n"));
+                  "0x[0-9a-f]+ \\(.*\\), not 0x[0-9a-f]+ \\(.*\\); [0-9]+ bod.*\n"));
 
   record("short.h5", {"--for", "1"});
   const Outcome length = troupe({"diff", "short.h5", "a.h5"});
