@@ -26,7 +26,7 @@ JSON can express every .world file: macros and included files are expanded, imag
 units. If OUT is a .world file, a feature of IN that Stage's syntax cannot express is an error, and nothing is written.
 JSON to JSON writes a normal form, in which populations are listed body by body.
 
-Exit codes: 0 written; 2 the world cannot be loaded or cannot be expressed in the format of OUT, or OUT exists.
+Exit codes: 0 written; 2 the world cannot be loaded or expressed in the format of OUT, or OUT exists or is not writable.
 
 Examples:
   troupe convert worlds/minimal.world minimal.json

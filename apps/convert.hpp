@@ -25,9 +25,9 @@ struct ConvertOptions {
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.
 void add_convert_options(CLI::App& command, ConvertOptions& options);
 
-/// `troupe convert`: writes a world in the other format, or in the normal form of its own format, and prints
-/// one line with the numbers of models and types. Throws InputError if the world cannot be loaded or cannot
-/// be expressed in the other format.
+/// `troupe convert`: writes a world in the other format, or again in its own (JSON then lists populations
+/// body by body), and prints one line with the numbers of models and types. Throws InputError if the world
+/// cannot be loaded or cannot be expressed in the other format.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

@@ -27,9 +27,9 @@ std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std:
   const auto next = [&] { return std::getline(stream, line) && !stream.eof(); };
   if (!next() || line != header)
     refuse_output(
-        file,
-        fmt::format("this table cannot be continued after the checkpoint, because its first line is not {}",
-                    header));
+        file, fmt::format(
+                  "this table cannot be continued after the checkpoint, because its first line is not \"{}\"",
+                  header));
   std::uintmax_t bytes = line.size() + 1;
   while (next()) {
     const auto tick = number<std::uint64_t>(std::string_view(line).substr(0, line.find(',')));

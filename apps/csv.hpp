@@ -18,8 +18,8 @@ class CsvFile {
   CsvFile(const std::filesystem::path& file, std::string_view header);
   /// Continues the table of an earlier run: keeps the lines up to the first one whose tick is at least
   /// `keep_before`, and removes that line, all later lines and an incomplete last line. Creates the file if
-  /// it does not exist. Throws OutputError, and does not change the file, if it is not a table with this
-  /// header.
+  /// it does not exist. Throws OutputError, and does not change the file, if its first line is not `header`
+  /// or a line to keep does not begin with a tick.
   CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
 
   /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back
@@ -30,8 +30,8 @@ class CsvFile {
   CsvFile& add(std::string_view text);
   void end_line();  ///< ends the current line
 
-  /// Writes the finished lines to the file. Call it only after end_line(). Throws std::runtime_error, whose
-  /// text names the file and the tick `tick` of the run, if that fails.
+  /// Writes the finished lines to the file. Call it only after end_line(). tick: the current tick of the run,
+  /// for the error. Throws std::runtime_error if writing fails.
   void flush(std::uint64_t tick);
 
  private:

@@ -136,9 +136,9 @@ std::string fields_text(const FieldTable& table) {
   return text;
 }
 
-/// Returns typical parameters of a kind, with which a device can be compiled to determine the fields of its
-/// readings: the defaults, and one block in each required list of blocks. Returns nothing if another required
-/// parameter has no default.
+/// Returns typical parameters of a kind: the defaults, and one block in each required list of blocks. With
+/// them, a device can be prepared to determine the fields of its readings. Returns std::nullopt if another
+/// required parameter has no default.
 std::optional<engine::Record> usual(const FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
@@ -155,7 +155,7 @@ std::optional<engine::Record> usual(const FieldTable& table) {
 }
 
 /// Returns, as text, the fields of a device that controllers and programs can read, and the fields of its
-/// command. Empty if usual() returns nothing.
+/// command. Empty if usual() returns std::nullopt.
 std::string state_text(const engine::DeviceKind& kind) {
   const std::optional<engine::Record> params = usual(kind.params);
   if (!params) return {};
@@ -307,12 +307,14 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto kind = registry.find_measure(name)) text += measure_text(**kind);
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.find("\n  key ") != std::string::npos)
-    text += "Defaults and ranges are in the first unit of a key; JSON also accepts the units in brackets.\n";
+    text +=
+        "Defaults and ranges are in the unit at the end of the key; JSON also accepts the endings in "
+        "brackets.\n";
   if (const auto* kind = registry.model(name))
     text += (text.empty() ? "" : "\n") + model_text(registry, *kind);
   if (text.empty()) {
     // The names of all kinds are not listed: they are long and would come before the suggestion.
-    std::string unknown = fmt::format("unknown kind \"{}\"{}; `troupe describe` lists all", name,
+    std::string unknown = fmt::format("unknown kind \"{}\"{}; `troupe describe` lists all kinds", name,
                                       did_you_mean(name, kind_names(registry)));
     if (registry.plugged_controllers)  // the error of a plug-in is more specific
       if (const auto found = registry.plugged_controllers(name, unknown); !found)

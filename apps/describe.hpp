@@ -30,7 +30,7 @@ ExitCode describe(const DescribeOptions& options);
 /// preset, measure, fault and event.
 std::string list_kinds(const engine::Registry& registry);
 
-/// Returns the names of all kinds that list_kinds() lists, sorted, without duplicates.
+/// Returns the names of all kinds that list_kinds() lists, except events, sorted, without duplicates.
 std::vector<std::string_view> kind_names(const engine::Registry& registry);
 
 /// Returns, as text, the parameters of every kind of this name (a model and a sensor may have the same name):

@@ -67,7 +67,8 @@ std::optional<HashLogReader::Line> HashLogReader::next() {
   }
   Line line = parse(text);
   if (last_tick_ && line.tick != *last_tick_ + 1)
-    fail(fmt::format("tick {} after tick {}: a hash log has one line per tick", line.tick, *last_tick_));
+    fail(fmt::format("tick {} follows tick {}: lines are missing or repeated, the log is damaged", line.tick,
+                     *last_tick_));
   last_tick_ = line.tick;
   return line;
 }
@@ -89,7 +90,7 @@ void HashLogReader::read_header(const std::string& line) {
     fail(fmt::format("\"{}\" is not a header line; expected # KEY: VALUE", line.substr(0, k_shown)));
   const std::string key = line.substr(2, colon - 2);
   if (!header_.entries.emplace(key, RunHeader::Entry{line.substr(colon + 2), number_}).second)
-    fail(fmt::format("duplicate header \"{}\"", key));
+    fail(fmt::format("the header \"{}\" occurs twice", key));
 }
 
 HashLogReader::Line HashLogReader::parse(const std::string& text) const {

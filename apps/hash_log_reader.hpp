@@ -17,8 +17,8 @@ namespace troupe::apps {
 /// The first line of every hash log.
 inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 
-/// Reads a hash log line by line, because hash logs may have gigabytes. Every error in the file is thrown as
-/// InputError: `run.log:31: error: ...`.
+/// Reads a hash log line by line, because a hash log may be gigabytes long. Every error in the file is thrown
+/// as InputError: `run.log:31: error: ...`.
 class HashLogReader {
  public:
   /// Opens the file and reads its header.

@@ -13,7 +13,7 @@ namespace troupe::apps {
 
 /// Options of `troupe lint`.
 struct LintOptions {
-  std::filesystem::path world;
+  std::filesystem::path world;                     ///< world file to check
   std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
 };
 

@@ -103,14 +103,14 @@ unsigned thread_count(std::string_view text) {
   const auto threads = number<unsigned>(text);
   if (!threads || *threads < 1 || *threads > partition::Parallel::k_most_threads)
     refuse("--threads", text,
-           fmt::format("a number of threads, 1 to {}", partition::Parallel::k_most_threads));
+           fmt::format("a number of threads from 1 to {}", partition::Parallel::k_most_threads));
   return *threads;
 }
 
 unsigned rank_count(std::string_view text) {
   const auto ranks = number<unsigned>(text);
   if (!ranks || *ranks < 1 || *ranks > k_most_ranks)
-    refuse("--ranks", text, fmt::format("a number of ranks, 1 to {}", k_most_ranks));
+    refuse("--ranks", text, fmt::format("a number of ranks from 1 to {}", k_most_ranks));
   return *ranks;
 }
 

@@ -19,7 +19,8 @@ class Option;
 /// Command-line options that several commands share.
 namespace troupe::apps {
 
-/// Converts a text to a number of type T. Returns nothing if the text contains anything else than the number.
+/// Converts a whole text to a number of type T. Returns std::nullopt if the text is not a number, contains
+/// anything else (a space, a unit, a leading `+`), or is outside the range of T.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -27,7 +28,7 @@ std::optional<T> number(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
-/// Converts a text to a finite number. Returns nothing if the text is inf or nan, or contains anything else.
+/// Like number<double>(), but also returns std::nullopt for inf and nan.
 std::optional<double> finite(std::string_view text);
 
 /// Throws CLI::ValidationError for the value `text` of the option `option`. With `expected` = "a number of
@@ -58,7 +59,7 @@ CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
-/// Options that determine a run: the world, everything that changes its results, and its end.
+/// Options of the commands that load a world: the world file, the settings of its simulation, and its end.
 struct WorldOptions {
   std::filesystem::path world;  ///< file of the world, or of the checkpoint
   bool is_checkpoint = false;   ///< `world` is a checkpoint
@@ -72,18 +73,20 @@ void add_world_options(CLI::App& app, WorldOptions& options);
 /// Adds --for, --seed, --raytracer, --robots, --spare, --set, --plugin-path, --controller and --simd. Parsing
 /// fills `options`, which must outlive `app`.
 void add_run_settings(CLI::App& app, WorldOptions& options);
-/// Add only the option --for or only --set, for commands without the other options of add_run_settings().
-/// help: description of --set; set: receives pairs of a JSON pointer and a value.
+/// Adds --for, for commands without the other options of add_run_settings(). Parsing sets options.for_s.
 void add_end_option(CLI::App& app, WorldOptions& options);
+/// Adds --set, for commands without the other options of add_run_settings(). help: the description of --set;
+/// set: receives, for each --set, the JSON pointer and the JSON text of the new value.
 void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
 
 /// Returns the end of the run in world time, s: the value of --for, or else the quit time of the world file.
 /// Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
-/// Adds --simd, which takes effect in the whole process as soon as it is parsed.
+/// Adds --simd. As soon as it is parsed, it selects the instruction set for range finding of the process.
 void add_simd_option(CLI::App& app);
-/// Selects the instruction set that the environment variable TROUPE_SIMD names, if it is set. Throws
-/// InputError if this computer cannot run it or if the name is unknown.
+/// Selects the instruction set for range finding that the environment variable TROUPE_SIMD names. Does
+/// nothing if the variable is not set. Throws InputError if the name is unknown or the processor lacks the
+/// set.
 void obey_simd_variable();
 /// Adds --rank-seed, which sets SimulationOptions::rank_seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
@@ -91,11 +94,11 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options);
 void add_rank_limit_option(CLI::App& app, WorldOptions& options);
 /// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
-/// Returns the folders in `given`, then those in the environment variable TROUPE_PLUGIN_PATH, then those in
-/// STAGEPATH, where users of Stage keep their plug-ins.
+/// Returns the folders in which plug-ins are searched, in this order: those in `given`, those in the
+/// environment variable TROUPE_PLUGIN_PATH, and those in STAGEPATH, where users of Stage keep their plug-ins.
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given);
-/// Returns the options with folders from environment variables added: those of STAGEPATH to the search path
-/// for worlds, as in Stage, and those of plugin_path() to the plug-in path.
+/// Returns the options with the folders that environment variables list: search_path also contains those of
+/// STAGEPATH, as in Stage, and the member plugin_path is the result of the function plugin_path().
 SimulationOptions with_environment(SimulationOptions options);
 
 }  // namespace troupe::apps

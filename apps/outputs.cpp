@@ -50,7 +50,8 @@ void check_same_run(const HashLogReader& log, const Simulation& simulation) {
     const bool is_there = header != entries.end();
     if (is_free(key) || (is_there && header->second.value == value)) continue;
     throw OutputError(
-        fmt::format("{}:{}: error: {} is {}, but \"{}\" in the checkpoint: the log belongs to another run",
+        fmt::format("{}:{}: error: {} is {}, but \"{}\" in the checkpoint: the log belongs to another run; "
+                    "choose another file",
                     log.file().string(), is_there ? header->second.line : 1, key,
                     is_there ? fmt::format("\"{}\"", header->second.value) : "not given", value));
   }
@@ -65,16 +66,18 @@ void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
   std::optional<HashLogReader::Line> line = log.next();
   while (line && line->tick < simulation.tick()) line = log.next();
   if (!line)
-    throw OutputError(fmt::format("{}: error: the log ends before tick {}, at which the checkpoint was saved",
-                                  file.string(), simulation.tick()));
-  if (line->tick != simulation.tick())
-    throw OutputError(
-        fmt::format("{}: error: the log begins after tick {}, at which the checkpoint was saved",
-                    file.string(), simulation.tick()));
-  if (line->text != simulation.hash_log_line())
     throw OutputError(fmt::format(
-        "{}:{}: error: the state at tick {} differs from the checkpoint: the log belongs to another run",
-        file.string(), line->number, line->tick));
+        "{}: error: the log ends before tick {}, at which the checkpoint was saved: choose another file",
+        file.string(), simulation.tick()));
+  if (line->tick != simulation.tick())
+    throw OutputError(fmt::format(
+        "{}: error: the log begins after tick {}, at which the checkpoint was saved: choose another file",
+        file.string(), simulation.tick()));
+  if (line->text != simulation.hash_log_line())
+    throw OutputError(
+        fmt::format("{}:{}: error: the state at tick {} differs from the checkpoint: the log belongs to "
+                    "another run; choose another file",
+                    file.string(), line->number, line->tick));
   fs::resize_file(file, bytes_of_lines(file, line->number));
 }
 

@@ -31,9 +31,9 @@ struct Input {
   std::filesystem::path file;
   std::string_view what;  ///< what the file is, for messages: "the world"
 };
-/// Throws OutputError unless each of `outputs` (empty paths are skipped) can be written: its folder exists
-/// and is writable, it is not a folder itself, and it is neither an input nor the same file as another
-/// output. Creates nothing, so that an invalid world leaves no files.
+/// Throws OutputError unless each of `outputs` can be written: its folder exists, the file itself or (if it
+/// does not exist yet) the folder is writable, and the path names neither a folder, nor one of `inputs`, nor
+/// another output. Skips empty paths. Creates nothing, so that an invalid world leaves no files.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
 /// Checks that files can be written into a folder. If the folder does not exist yet, checks that it can be
 /// created. Ignores an empty path. Creates nothing. Throws OutputError.
@@ -59,7 +59,7 @@ class HashLog : public Observer {
   std::optional<std::uint64_t> written_;  // the last tick of a continued log
 };
 
-/// Returns the output of --hash-log.
+/// Returns a new output with the option --hash-log.
 std::unique_ptr<RunOutput> hash_log_output();
 
 }  // namespace troupe::apps

@@ -89,9 +89,9 @@ std::string contents_of(const fs::path& page, double mb, double max_mb, const wo
     text += fmt::format("{}: every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n",
                         page.string(), ordinal(data.stride), data.recorded, max_mb);
   if (data.at_rest)
-    text += fmt::format(
-        "{}: moving parts are drawn at rest, because the recording does not contain the field joint\n",
-        page.string());
+    text +=
+        fmt::format("{}: moving parts are drawn at rest, because the recording has no positions of joints\n",
+                    page.string());
   return text;
 }
 

@@ -19,10 +19,10 @@ struct RunHeader {
   std::map<std::string, Entry> entries;  ///< by key: version, world, seed, ...
 };
 
-/// Throws InputError if the two headers differ. Its text has one line per difference, which begins with the
-/// name of the second file and a line number. With `across_domains`, versions, compilers, flags and
-/// instruction sets may differ. With `across_runs`, worlds, seeds and options may differ. Threads, tile size,
-/// recorded fields and recording interval are not compared, because they change no result.
+/// Throws InputError if the two headers differ. The error has one line per difference, which begins with the
+/// name of the second file and, for text files, a line number. With `across_domains`, versions, compilers,
+/// flags and instruction sets may differ. With `across_runs`, worlds, seeds and options may differ. Threads,
+/// tile size, recorded fields and recording interval are not compared, because they change no result.
 void refuse_unlike(const RunHeader& first, const RunHeader& second, bool across_domains, bool across_runs);
 
 }  // namespace troupe::apps

@@ -11,12 +11,12 @@ namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
 }  // namespace CLI
 
-/// The option --controller, whose scripts need a Python interpreter. The program does not link Python. If the
-/// option is given, the program executes `python3 -m troupe` with the same arguments. This Python package
-/// links the functions of the program, and calls set_script_reader() before run_command_line().
+/// The option --controller, which names a Python script with controllers. The program does not link Python.
+/// If the option is given, the program replaces itself by `python3 -m troupe` with the same arguments. The
+/// package `troupe` contains the same commands; it calls set_script_reader() before run_command_line().
 namespace troupe::apps {
 
-/// A function that reads a script and returns it.
+/// A function that reads the Python script `file` and returns it. Throws if the script has errors.
 using ReadScript = std::function<std::shared_ptr<const Script>(const std::filesystem::path& file)>;
 
 /// Sets the function that reads scripts, for the rest of the process.

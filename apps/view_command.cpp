@@ -38,7 +38,7 @@ with TLS (--allow-host).
 WORLD may also be a checkpoint (troupe run --checkpoint); the run then continues from it. All actions of the users, such
 as moving a robot, are written to the session file WORLD.session.jsonl (if it exists: WORLD.session-2.jsonl, ...). The
 command troupe run WORLD --session WORLD.session.jsonl repeats the run with these actions, with the same bits. For a
-checkpoint, the command is troupe resume CHECKPOINT --session. See docs/live.md.
+checkpoint, the command is troupe resume CHECKPOINT --session FILE. See docs/live.md.
 
 Exit codes: 0 ended by --for or the world's stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C or SIGTERM.
 
@@ -94,8 +94,8 @@ class Redirect {
   fs::path file_;
 };
 
-/// Loads the world, with bodies that can be removed, or resumes the checkpoint, whose reserves and removable
-/// bodies are those of its run. Throws InputError.
+/// Loads the world, all of whose robots users can then remove, or resumes the checkpoint, in which users can
+/// remove or add only the bodies that could be removed or added in its run. Throws InputError.
 Simulation load(const ViewOptions& options) {
   const SimulationOptions& simulation = options.simulation;
   const bool is_checkpoint = worldio::is_checkpoint(options.world);

@@ -12,8 +12,8 @@
 
 namespace troupe {
 
-/// The names of the files that a world was read from. The place of a finding stores the number of its file
-/// (Where::file) instead of the name.
+/// The names of the files that a world was read from, each with a number. A place in a file (Where) stores
+/// the number instead of the name.
 class SourceFiles {
  public:
   /// Returns the number of a file. Adds it on first use; the same name always gives the same number.
@@ -55,8 +55,8 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Collects the errors and warnings of a load so that they are reported together. Messages longer than 8000
-/// characters are cut. Not thread-safe.
+/// Collects the errors and warnings that are found while a world is loaded, so that they are reported
+/// together. Messages longer than 8000 characters are cut. Not thread-safe.
 class Diagnostics {
  public:
   /// thorough: true for `troupe lint`. If true, warning_once() reports every place and not only the first,
@@ -71,8 +71,8 @@ class Diagnostics {
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error. If it is the k_most_errors-th, throws InputError with the errors so far, as
-  /// throw_if_errors() does, because reading more of the input would only cost time and memory.
+  /// Adds an error. The k_most_errors-th call throws InputError, as throw_if_errors() does, because reading
+  /// more of the input would only cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< limit per load, see error()
   /// Adds a warning.
@@ -109,7 +109,7 @@ class Diagnostics {
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// The message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean "diff"?)`.
 /// what: what the name stands for, here `drive`. known: the allowed names, of which the first 50 in
-/// alphabetical order are listed. If there are more than 2000, the message has no suggestion. If `known` is
+/// alphabetical order are listed. The message has no suggestion if `known` has more than 2000 names. If it is
 /// empty, the message is `unknown drive "dif"; no drive exists`.
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 /// The names joined as `a, b, c`.

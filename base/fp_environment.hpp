@@ -4,9 +4,9 @@
 
 namespace troupe {
 
-/// Checks that the calling thread rounds to nearest and keeps denormal numbers, as IEEE 754 requires. The
-/// error names each violation, such as "denormal results are flushed to zero". A usual cause is a library
-/// that gcc linked with -ffast-math: the thread that loads it then flushes denormals to zero.
+/// Checks that the calling thread rounds to nearest and keeps denormal numbers, as IEEE 754 requires. If
+/// it does not, the error names each violation, such as "denormal results are flushed to zero". A usual cause
+/// is a library that gcc linked with -ffast-math: a thread that loads this library flushes denormals to zero.
 Result<> check_fp_environment();
 
 /// Restores the default floating-point environment of the calling thread: round to nearest, denormals kept,

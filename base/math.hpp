@@ -35,7 +35,7 @@ struct SinCos {
 SinCos sincos(double radians);
 
 /// Computes the sines and cosines of many angles. Each result has the same bits as from sincos(double), but
-/// the call takes half the time, because the compiler vectorises the loop. `out` must have the size of
+/// takes half the time, because the compiler vectorises the loop. `out` must have the size of
 /// `radians`. (There is no such function for atan2: because of its three divisions it would not be faster.)
 void sincos(std::span<const double> radians, std::span<SinCos> out);
 

@@ -55,8 +55,8 @@ class Random {
   unsigned left_ = 0;                     // number of draws of block_ that are not used yet
 };
 
-/// The finaliser of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): a bijection in which every bit of the
-/// result depends on every bit of x.
+/// Mixes the bits of x: a bijection in which every bit of the result depends on every bit of x. It is the
+/// finaliser of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
 inline std::uint64_t scramble(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;

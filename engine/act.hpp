@@ -16,7 +16,7 @@ namespace troupe::engine {
 struct Act {
   /// The kind of action.
   enum class Kind : std::uint8_t {
-    move,     ///< places a body at `pose`, if it is free there
+    move,     ///< places a body at `pose`, if that pose is free
     speed,    ///< commands `speed` to a robot, once
     hold,     ///< commands `speed` to a robot before every tick, overriding its controller, until `release`
     release,  ///< ends a `hold`: the robot follows the commands of its controller again
@@ -43,7 +43,7 @@ struct Act {
 
   friend bool operator==(const Act&, const Act&) = default;
 };
-/// The names of Act::Kind in files and messages, in its order.
+/// The names of the actions in files and messages, in the order of Act::Kind.
 inline constexpr std::array<std::string_view, 10> k_acts{"move", "speed",  "hold",    "release", "command",
                                                          "add",  "remove", "disable", "enable",  "set"};
 

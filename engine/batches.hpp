@@ -46,9 +46,10 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   }
 }
 
-/// Calls work(rows, type) in parallel for batches of rows of one type that are near one another in the world.
-/// It is for work that reads the neighbours of a row, which are then likely to be in the CPU cache. order:
-/// the rows, in an order in which neighbours in the world are near one another (BodyIndex::order())
+/// Calls work(rows, type) in parallel for batches of rows. The rows of a batch are of one type and near one
+/// another in the world. For work that reads the neighbours of a row, which are then likely to be in the CPU
+/// cache. order: the rows, in an order in which neighbours in the world follow one another
+/// (BodyIndex::order())
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
                     std::span<const std::uint32_t> order, Work&& work) {
@@ -63,9 +64,9 @@ void for_neighbours(const WorldState& state, partition::Parallel& parallel,
   });
 }
 
-/// Calls work(rows, type) in parallel for batches of rows of one type from a block of consecutive rows. It is
-/// for work that does not read the neighbours of a row: memory is then read sequentially. Only bodies that
-/// are in the world take part.
+/// Calls work(rows, type) in parallel for batches of rows. The rows of a batch are of one type and from one
+/// block of consecutive rows, so that memory is read sequentially. For work that does not read the neighbours
+/// of a row. Rows whose bodies are not in the world are left out.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange range, Work&& work) {
   const std::size_t row_count = range.end - range.first;
@@ -81,7 +82,7 @@ void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange
   });
 }
 
-/// for_blocks() for all rows.
+/// Like the function above, for all rows of the world.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& work) {
   for_blocks(state, parallel, {0, state.row_count()}, work);

@@ -22,7 +22,8 @@ Blinkers::Blinkers(WorldState& state)
       index_(state.geometry) {}
 
 /// Returns for each state table 1 if a kind of device may read the rows of other bodies in the table,
-/// otherwise 0. It may read the tables of places (SensingView) and the tables that the kind declares.
+/// otherwise 0. A kind may read the tables of places (SensingView) and those that it declares
+/// (DeviceKind::reads).
 std::vector<std::uint8_t> Blinkers::tables_read_by(const DeviceKind& kind) const {
   std::vector<std::uint8_t> reads(state_.tables.size(), 0);
   const auto declares = [&](std::string_view name) {
@@ -145,8 +146,8 @@ void Blinkers::end_effect(const BodyType::Device& device, const Effect& effect) 
     state_.for_tables_of(Row(r), [&](std::size_t t, std::size_t at) {
       if (state_.tables[t].hash_row(at) == before_[t].hash_row(at)) return;
       throw StepError(
-          fmt::format("tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", but the "
-                      "kind of the device does not declare to change this body (scope)",
+          fmt::format("tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", but "
+                      "this body is outside the scope that the device's kind declares (DeviceKind::scope)",
                       state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
                       state_.tables[t].component(), state_.spec.name(state_.bodies[r])));
     });

@@ -53,7 +53,7 @@ class Blinkers {
   // Per kind of device: for each state table, whether the kind reads the rows of other bodies in it.
   std::map<const DeviceKind*, std::vector<std::uint8_t>> reads_;
 
-  // Of the effect that is being applied.
+  // The state before the effect that is being applied.
   std::vector<StateTable> before_;
   std::vector<std::uint8_t> inside_;  // one per row: 1 if it was in the tree of the source or of the target
 };

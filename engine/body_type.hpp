@@ -35,7 +35,7 @@ struct BodyType {
   std::vector<std::int32_t> obstacle_joints;
   partition::ObstacleShape grip;       ///< shape that grippers detect; empty if they cannot grip the body
   std::vector<Vec2> outline_vertices;  ///< vertices of all outlines, body frame, m
-  std::vector<RayOutline> outlines;    ///< outlines that rangers see; their vertices come first
+  std::vector<RayOutline> outlines;    ///< outlines that rangers see; first in outline_vertices
   std::vector<RayOutline> hidden_outlines;  ///< outlines that only sensors other than rangers see
   /// Radius of the circle about the body's origin that encloses every outline, obstacle and fiducial target
   /// with every joint at rest, m.
@@ -113,8 +113,8 @@ struct BodyType {
 };
 
 /// The number of readings that a device with these parameters has: the sum of the parameters that count
-/// readings (Field::counts_readings), including those in lists of parameter blocks. It is used to check the
-/// memory of a device before it is allocated.
+/// readings (Field::counts_readings), including those in lists of parameter blocks. Callers compare this
+/// number with a limit before they prepare the device, which allocates memory for the readings.
 double samples_asked_for(const FieldTable& table, const Record& params);
 
 /// Calls the hooks of a device kind that compile a device: prepare, bind_part, bind_world and reach_m. `spec`

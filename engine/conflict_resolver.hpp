@@ -24,7 +24,7 @@ using partition::PlacedShape;
 // Largest number of dependencies that are stored for a row. For a row with more dependencies, the geometric
 // tests are repeated in each round.
 inline constexpr std::size_t k_listed = 64;
-inline constexpr std::uint32_t k_unlisted = ~0u;  // Waiting::count of a row with more dependencies
+inline constexpr std::uint32_t k_unlisted = ~0u;  // Waiting::count of a row with more than k_listed
 
 // A motion that is longer than this is called far. Bodies with far motions are not looked up in the spatial
 // index. Instead, each mover is tested against all of them, because a lookup would have to widen the search

@@ -151,7 +151,7 @@ class Conflicts {
   /// An outcome and the round of resolution that found it, in one word that is read and written atomically.
   class Resolution {
    public:
-    Resolution() = default;  ///< of round 0; real rounds begin with 1
+    Resolution() = default;  ///< of round 0: not resolved; rounds are counted from 1
     Resolution(std::uint32_t round, Outcome outcome)
         : word_(round * k_outcomes + static_cast<std::uint32_t>(outcome)) {}
     std::uint32_t round() const { return word_ / k_outcomes; }
@@ -195,7 +195,7 @@ class Conflicts {
   std::uint64_t rounds_ = 0;
   double longest_ = 0;
 
-  // Lists that threads append to, in any order: no outcome depends on it. Unused if no body waits.
+  // Lists to which threads append in any order. No outcome depends on that order. Unused if no body waits.
   std::size_t reserved_ = 0;
   std::unique_ptr<Waiting[]> waiting_;
   std::unique_ptr<Waiting[]> still_waiting_;

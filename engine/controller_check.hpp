@@ -18,7 +18,7 @@ namespace troupe::engine {
 struct ControllerFinding {
   /// The repetition that found the difference.
   enum class Repeat : std::uint8_t {
-    start,   ///< a second start of a memory, in storage that held other bytes before
+    start,   ///< a second call of ControllerKind::start, in storage with other bytes
     again,   ///< a second decision of the same controller
     afresh,  ///< a decision of a newly made controller with the same parameters
   };
@@ -122,7 +122,7 @@ class ControllerCheck {
   /// A change of parameters by an intervention of the world.
   struct Setting {
     std::uint64_t tick = 0;                ///< last tick with the old parameters
-    const SettingSpec* setting = nullptr;  ///< in the world's spec
+    const SettingSpec* setting = nullptr;  ///< the change, in the world's spec
   };
   std::vector<Setting> settings_;  // sorted by tick
   std::size_t followed_ = 0;       // number of settings that fresh_types_ and type_specs_ include

@@ -21,7 +21,8 @@
 #include <utility>
 #include <vector>
 
-/// A struct lists its members once, in a function that fills a FieldTable:
+/// A struct, such as the parameters of a kind, describes its members once, in a function that fills a
+/// FieldTable:
 ///
 ///     enum class Law : std::uint8_t { disc, walls };
 ///     constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
@@ -125,7 +126,7 @@ constexpr Fact above(double min) { return Fact(Fact::Kind::above, min); }  ///< 
 constexpr Fact at_most(double max) { return Fact(Fact::Kind::at_most, max); }
 constexpr Fact within(double min, double max) { return Fact(Fact::Kind::at_least, min, max); }
 ///@}
-/// Allowed values of a std::string. Enums have names_of().
+/// Allowed values of a std::string. For an enum, names_of() gives them.
 constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
   return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
 }
@@ -156,7 +157,7 @@ struct MemberType {
   double min = -std::numeric_limits<double>::infinity();  ///< smallest value of the type
   double max = std::numeric_limits<double>::infinity();   ///< largest value of the type
   bool optional = false;                                  ///< whether the member is a std::optional
-  bool is_unsigned = false;  ///< whether it is an unsigned 64-bit integer, whose bits a Value keeps
+  bool is_unsigned = false;  ///< whether it is an unsigned 64-bit integer; a Value keeps its bits
   std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
   const FieldTable& (*table)() = nullptr;          ///< for records: returns described<T>()
   /// Returns the value of a member. Null for records.
@@ -472,7 +473,7 @@ struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
 /// has a field of that name.
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
-/// Appends a field for a member that has no generic access: Field::member is null.
+/// Appends a field for a member that has no generic access (Description::apart()): Field::member is null.
 void add_apart(FieldTable& table, std::string_view name);
 /// Appends the fields of a member that is itself a described struct, from its table `part`. Their offsets
 /// become offsets in `object`, and their defaults, if they have any, are the values in `member`.
@@ -490,8 +491,8 @@ class Description {
   /// become the defaults. It must outlive the description.
   constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
 
-  /// Describes a member as a field. Its name must be unique in the struct, and must live as long as the
-  /// program or the plug-in.
+  /// Describes a member as a field. The text `name` must be unique in the struct, and must live as long as
+  /// the program or the plug-in.
   template <auto k_member, class... Facts>
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;

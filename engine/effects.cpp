@@ -15,7 +15,9 @@ void Effects::reserve(std::size_t most) {
 void Effects::emit(const Effect& effect) {
   const std::size_t at = count_.fetch_add(1, std::memory_order_relaxed);
   if (at >= most_)
-    throw std::length_error("a device emitted more effects in a tick than its kind declares (most_effects)");
+    throw std::length_error(
+        "a device emitted more effects in a tick than its kind declares "
+        "(DeviceKind::Prepared::most_effects)");
   effects_[at] = effect;
 }
 

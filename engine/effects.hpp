@@ -32,10 +32,10 @@ struct Birth {
   BodyId body;                                ///< the new body; invalid if none was born
 };
 
-/// An action of one body on another in a tick, such as gripping, charging or releasing it. No body may write
-/// to the rows of another body, so its device only emits a record of the action. Devices emit effects in the
-/// phase `actuate`, in any order and on any thread. After all bodies have moved, the effects are applied one
-/// by one, in an order that does not depend on the threads.
+/// An action of one body on another in a tick, such as gripping, charging or releasing it. A device must not
+/// write to the rows of other bodies. It therefore only emits a record of the action, the effect. Devices
+/// emit effects in the phase `actuate`, in any order and on any thread. After all bodies have moved, the
+/// effects are applied one by one, in an order that does not depend on the threads.
 struct Effect {
   BodyId source;                    ///< the acting body
   std::uint32_t device = 0;         ///< the acting device: index within the source's type
@@ -45,7 +45,7 @@ struct Effect {
   std::array<double, 4> payload{};  ///< arguments of the verb, in SI units; positions in the world frame
   std::uint32_t reserve = 0;        ///< for a birth: index into WorldSpec::reserves
 
-  /// Whether it is a birth or a death, which the engine itself applies.
+  /// Whether the effect is a birth or a death, which the engine itself applies.
   bool is_of_life() const { return verb == k_birth || verb == k_death; }
 };
 

@@ -12,9 +12,9 @@ namespace troupe::engine {
 /// The types of events, in the order in which one robot's events of one tick are listed.
 enum class EventType : std::uint8_t {
   stall_ends,    ///< the motion of the robot was blocked in the tick before, but not in this tick
-  held_ends,     ///< its motion would have ended out of bounds in the tick before, but not in this tick
+  held_ends,     ///< the robot's motion was out of bounds in the tick before, but not in this tick
   stall_begins,  ///< the motion of the robot was blocked in this tick, but not in the tick before
-  held_begins,   ///< its motion would have ended out of bounds in this tick, but not in the tick before
+  held_begins,   ///< the robot's motion was out of bounds in this tick, but not in the tick before
   release,       ///< the robot stopped carrying another body
   grip,          ///< the robot began to carry another body
   birth,         ///< the body was born
@@ -36,12 +36,12 @@ std::string_view event_name(EventType type);  ///< name in files and tables: "st
 /// An event of a tick.
 struct Event {
   EventType type;  ///< type of the event
-  BodyId body;     ///< the body that it concerns
+  BodyId body;     ///< the body that the event concerns
   BodyId other;    ///< for `release` and `grip`: the other body; not valid() for other types
 };
 
-/// Finds the events of a tick by comparing the state after it with the state before it. It stores only what
-/// it needs of the state before, so it may start at any tick.
+/// Finds the events of a tick by comparing the state after the tick with the state before. The object stores
+/// the parts of the earlier state that it needs, so watching may begin at any tick.
 class EventWatch {
  public:
   /// Starts from the present state of the world.

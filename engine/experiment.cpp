@@ -34,8 +34,8 @@ std::string_view without_number(std::string_view name) {
   return name.substr(0, name.find_last_not_of("0123456789") + 1);
 }
 
-/// Whether a name is the name of a population followed by digits, as those of its bodies are. "r217" is of
-/// population "r2", and also of population "r".
+/// Whether the name of a body is the name of a population followed by digits. The name "r217" fits population
+/// "r2", and also population "r".
 bool is_of_population(const Names& names, Name name, std::string_view population) {
   const std::string& word = names.words()[name.word];
   if (word == population)
@@ -95,7 +95,7 @@ Record& params_of(TypeSpec& type, const SettingSpec& setting) {
 
 constexpr std::string_view k_keeps_shape =
     "\"set\" must not change the number or layout of the readings and state fields, or the devices that a "
-    "controller uses";
+    "controller uses; give such parameters in the type";
 
 /// Checks whether the parameters of a drive may change from `before` to `params` while the world runs. The
 /// error says which parameter cannot change, or which value is not allowed.
@@ -169,8 +169,8 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
     placed_at_.resize(rows());
 }
 
-/// Compiles the faults of the spec, and the first fault event of each body that the seed chooses. Throws if
-/// the spec of a fault has errors.
+/// Compiles the faults of the spec, selects the bodies that may fail, and computes the first event of each
+/// fault in each of these bodies. Throws if the spec of a fault has errors.
 void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   e.faults.clear();
@@ -303,12 +303,12 @@ void World::build_conditions() {
   state_.tables.emplace_back(
       "condition", HashGroup::memory, StateTable::Layout::rows,
       sparse({{"speed", Element::f64, 1, "",
-               "factor on the velocity of its drive; 0: the velocity is not changed",
+               "factor on the velocity of the drive; 0: the velocity is not changed",
                offsetof(Condition, speed)},
               {"dead", Element::u32, 1, "",
                "devices that do not work: bit d for device d of the type, from 0", offsetof(Condition, dead)},
               {"out", Element::u8, 1, "",
-               "why its devices, controllers and drive are stopped; bit 0: disabled, bit 1: "
+               "why devices, controllers and drive of the body are stopped; bit 0: disabled, bit 1: "
                "dropped out; 0: they run",
                offsetof(Condition, out)}}),
       state_.bodies, sizeof(Condition));
@@ -354,8 +354,8 @@ double World::speed_scale(Row row) const {
   return speed == 0 ? 1 : speed;
 }
 
-/// Applies the interventions and fault events that are due at the end of the present tick. Interventions come
-/// first, in the order of the file; fault events follow.
+/// Applies the interventions and fault events that are due at the end of the last completed tick.
+/// Interventions come first, in the order of the file; fault events follow.
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
@@ -440,8 +440,8 @@ std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
   return {all.data(), count};
 }
 
-/// Adds the bodies of an intervention `add`. Ends early if one body finds no free position in k_trials draws.
-/// Returns whether any body was added.
+/// Adds the bodies of an intervention `add`. Ends early if the pose of the intervention is not free, or if
+/// none of k_trials random poses for a body is free. Returns whether any body was added.
 bool World::add(const Experiment::Intervention& intervention) {
   const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
   const std::uint32_t trials = spec.pose ? 1 : k_trials;
@@ -472,8 +472,8 @@ bool World::is_setting(const Experiment::Intervention& intervention) const {
   return state_.spec.experiment.at[intervention.spec].action == Action::set;
 }
 
-/// Applies a setting that is not applied, or undoes one that is. It swaps the prepared data of the
-/// intervention with the present data of the type, so that no memory is allocated during a run.
+/// Applies a setting if it is not in force, and otherwise undoes it: swaps the prepared data of the
+/// intervention with the present data of the type. No memory is thus allocated during a run.
 void World::swap_setting(Experiment::Intervention& intervention) {
   const SettingSpec& setting = *state_.spec.experiment.at[intervention.spec].setting;
   BodyType& type = state_.types[setting.type.index()];
@@ -520,9 +520,8 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
     if (spec && spec->action != Action::set) continue;
     const Result<> built = build_setting(spec ? *spec->setting : setting, registry, types, compiled[i]);
     if (!built && spec)
-      return Error{
-          fmt::format("with these values, the intervention \"set\" at {:g} s would be impossible: {}",
-                      spec->time_s, built.error().text)};
+      return Error{fmt::format("with these values, the world's intervention \"set\" at {:g} s would fail: {}",
+                               spec->time_s, built.error().text)};
     if (!built) return built.error();
   }
   swap_settings_back(e.next);

@@ -21,10 +21,10 @@ struct Experiment {
 
   /// A compiled InterventionSpec.
   struct Intervention {
-    std::uint64_t tick = 0;    ///< it is applied at the end of this tick
+    std::uint64_t tick = 0;    ///< applied after this tick, at the beginning of the next one
     std::size_t spec = 0;      ///< index into ExperimentSpec::at
     std::uint32_t stream = 0;  ///< stream of its random numbers
-    std::vector<Row> whom;     ///< all rows of the group, in order of ids; empty for `add` and `set`
+    std::vector<Row> whom;     ///< rows of all bodies of the group, in order of ids; none for `add`, `set`
     std::size_t reserve = 0;   ///< for `add`: the reserve of the bodies, an index into WorldSpec::reserves
     /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. When the
     /// intervention is applied, they are swapped with the data of the old parameters.
@@ -46,7 +46,7 @@ struct Experiment {
   std::vector<Fault> faults;  ///< the faults of all specs, in their order
   /// A fault event: a fault begins or ends in a body.
   struct FaultEvent {
-    std::uint64_t tick = 0;   ///< it is applied at the end of this tick
+    std::uint64_t tick = 0;   ///< applied after this tick, at the beginning of the next one
     std::uint32_t fault = 0;  ///< index into `faults`
     BodyId body;              ///< the impaired body
     Row row;                  ///< row of the body

@@ -44,7 +44,7 @@ std::string text_of(const StopSpec& condition);
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
-    population,  ///< the name of a population without number: NAME of NAME0, NAME1, ...
+    population,  ///< the name of a population: NAME for the bodies NAME0, NAME1, ...
     type,        ///< the name of a body type (TypeSpec::name)
     model,       ///< the name of one body
   };
@@ -82,7 +82,8 @@ struct InterventionSpec {
     move,     ///< moves one body to `pose`
     set,      ///< changes parameters of a type
   };
-  /// World time. The intervention is applied at the end of the first tick that ends at this time or later.
+  /// World time, s. The intervention is applied after the first tick that ends at this time or later, in the
+  /// phase `intervene` of the tick that follows.
   double time_s = 0;
   Action action = Action::remove;  ///< kind of intervention; its name is in k_actions
   GroupSpec whom;                  ///< affected bodies; for `add`, a population with a reserve
@@ -92,14 +93,14 @@ struct InterventionSpec {
   std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
   Where where;                         ///< file position, for messages
 };
-/// The names of Action in files, in its order.
+/// The names of the actions in files, in the order of InterventionSpec::Action.
 inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "disable",
                                                            "enable", "move", "set"};
 
 /// Faults that may occur in bodies of a group. Bodies that are born later never have faults.
 struct FaultSpec {
   GroupSpec whom;     ///< bodies that may fail; chosen when a world is built or restarted
-  double from_s = 0;  ///< earliest world time at which a fault may occur
+  double from_s = 0;  ///< earliest world time at which a fault may occur, s
   /// One possible fault of the bodies.
   struct Impairment {
     std::string kind;  ///< name in Registry::faults
@@ -111,7 +112,7 @@ struct FaultSpec {
 
 /// The experiment of a world.
 struct ExperimentSpec {
-  std::vector<StopSpec> stop_when;   ///< the run ends when one of them holds
+  std::vector<StopSpec> stop_when;   ///< the run ends when at least one of these is true
   std::vector<InterventionSpec> at;  ///< interventions, in any order of time
   std::vector<FaultSpec> faults;     ///< faults of bodies that are present at tick 0
 

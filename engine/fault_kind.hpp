@@ -10,16 +10,16 @@ namespace troupe::engine {
 
 struct BodyType;
 
-/// The effect of a fault on a body, and how often it occurs.
+/// The effect of a fault on a body, and how often the fault occurs.
 struct Impairment {
   std::uint32_t dead = 0;  ///< devices that stop working: bit d for device d of the type
   double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
   bool drops_out = false;  ///< true: a drop-out, which stops all devices, all controllers and the drive
   double per_s = 0;        ///< mean rate of occurrence, 1/s, from FaultSpec::from_s on; 0: once, at from_s
-  double lasts_s = 0;      ///< duration of a drop-out, s; it may then occur again; 0: it never ends
+  double lasts_s = 0;      ///< duration of a drop-out, s; afterwards it may recur; 0: it never ends
 };
 
-/// The largest number of devices that can fail: Impairment::dead has as many bits.
+/// The largest number of devices of a type that can fail: the number of bits of Impairment::dead.
 inline constexpr std::size_t k_most_fallible = 32;
 
 /// A kind of fault. It defines only the effect of the fault on a body. The world decides which robots fail

@@ -56,8 +56,8 @@ struct ModelKind {
   Color color{1, 0, 0, 1};              ///< default colour
   /// True: a model without blocks or a bitmap is a box; false: it has no solids.
   bool has_default_body = true;
-  std::string_view device;  ///< device kind of each model of this kind; empty: the model is no device
-  FieldTable params;        ///< parameters of that device, or of the model itself
+  std::string_view device;  ///< DeviceKind::name of the device that such a model adds; empty: none
+  FieldTable params;        ///< parameters of that device; if `device` is empty, of the model itself
 };
 
 /// The argument of the hooks of a device: the rows of one body type whose device senses or acts in a tick,
@@ -80,7 +80,7 @@ struct DeviceBatch {
   /// The random numbers of a row in this tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const;
   /// The random numbers of a row in this tick, from an independent stream with this name. A kind that wraps
-  /// another kind uses such a stream, so that its draws do not change those of the wrapped kind.
+  /// another kind uses such a stream, so that the wrapped kind gets the same random numbers as without it.
   Random random(std::size_t i, std::string_view name) const;
   /// Transform from the body frame to the world frame, including the displacement of the joint that the
   /// device is mounted on.
@@ -90,8 +90,8 @@ struct DeviceBatch {
   const Velocity& velocity(std::size_t i) const;
   /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
   const Command& command(std::size_t i) const;
-  /// Whether a device of the row's body (an index into BodyType::devices) is active or subscribed to
-  /// (World::subscribe()).
+  /// Whether a device of the row's body is active or subscribed to (World::subscribe()). Here and below,
+  /// `its_device` is the index of the device in BodyType::devices.
   bool senses(std::size_t i, std::size_t its_device) const;
   /// Whether a device of the row's body is switched on: no controller has switched it off.
   bool is_on(std::size_t i, std::size_t its_device) const;
@@ -162,11 +162,11 @@ struct Camera {
 
 /// Specifies which marked parts (parts with a Returns::fiducial that is not 0) a sensor detects.
 struct SoughtMarks {
-  std::int32_t key = 0;       ///< Returns::fiducial_key of the parts
+  std::int32_t key = 0;       ///< the sensor detects only parts with this Returns::fiducial_key
   bool at_any_height = true;  ///< false: only parts whose height interval contains the height of the sensor
 };
 
-/// The flags, as in Stage, that a device holds.
+/// The flags that a device holds. As in Stage, a flag is a coloured token that bodies hold and exchange.
 struct HeldFlags {
   std::size_t count = 0;       ///< number of flags that it holds now
   std::uint64_t received = 0;  ///< number of flags that other bodies gave it since tick 0
@@ -178,7 +178,7 @@ struct DeviceView {
   const std::any& data;     ///< result of DeviceKind::prepare
   const StateTable& state;  ///< state of the device, by slot
   std::size_t slot = 0;     ///< index of the row in `state`
-  std::uint32_t body = 0;   ///< index into Frame::mobile
+  std::uint32_t body = 0;   ///< index of the device's body in Frame::mobile
   Pose pose_world_device;   ///< present pose, including the displacement of joints
 
   /// Converts a point from the device frame to the world frame, m.
@@ -213,14 +213,14 @@ struct DeviceKind {
   std::string_view name;  ///< name in files: "ranger"
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// Names of the joints that it moves; empty if it moves none. If there is only one joint, its name may be
-  /// empty.
+  /// Names of the joints that the device moves; empty if it moves none. If there is only one joint, its name
+  /// may be empty.
   std::vector<std::string_view> joints;
-  /// Whether it can pick up other bodies (World::attach()).
+  /// Whether the device can pick up other bodies (World::attach()).
   bool carries = false;
-  /// Whether it is a drive. It is then commanded by the controllers of its part and of the parts mounted on
-  /// that part. Its command struct is a Command (command_fields()), and its state begins with its estimated
-  /// pose.
+  /// Whether the device is a drive. Such a device is commanded by the controllers of its part and of the
+  /// parts mounted on that part. Its command struct is a Command (command_fields()), and its state begins
+  /// with its estimated pose.
   bool drives = false;
   /// A solid of a device, with its joints at rest.
   struct Fixture {
@@ -241,7 +241,7 @@ struct DeviceKind {
   struct Prepared {
     std::any data;                     ///< the argument `data` of the hooks
     std::vector<StateField> percepts;  ///< fields of the device's state table
-    std::size_t percept_bytes = 0;  ///< size of the struct of a row (memory_fields); 0: rows are no structs
+    std::size_t percept_bytes = 0;     ///< size of a row if rows are structs (memory_fields); else 0
     std::vector<StateField> commands;  ///< commands from controllers: fields of a struct (memory_fields)
     std::size_t command_bytes = 0;     ///< size of the command struct; 0: the device takes no commands
     /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must not
@@ -268,10 +268,10 @@ struct DeviceKind {
     std::optional<Camera> camera;      ///< for cameras: their images
     std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
-  /// Compiles the parameters, which the caller has checked against the limits of their table. It must be a
-  /// pure function.
+  /// Compiles the parameters, which the caller has checked against the limits of their table. The hook must
+  /// be a pure function.
   ///
-  /// pose_body_device: frame in which the parameters are given
+  /// pose_body_device: the frame in which the parameters are given, as a pose in the body frame
   Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
   /// Called once after `prepare`: completes `data` from the type and from the part that carries the device
   /// (an index into TypeSpec::parts). The error says why the type or the part does not suit the device. Null:
@@ -280,14 +280,14 @@ struct DeviceKind {
   /// Called once after `bind_part`: completes `data` from the world. The error says why the world does not
   /// suit the device. Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
-  /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. It is
-  /// for kinds whose reach depends on the part or the world. Null: the reach is Prepared::reach_m.
+  /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. For
+  /// kinds whose reach depends on the part or the world. Null: the reach is Prepared::reach_m.
   double (*reach_m)(const std::any& data) = nullptr;
   /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes of the row are 0
   /// before the call. Null: they stay 0.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
-  /// Called in the phase `sense`: writes the percepts of every row of the batch. It must read only the state
-  /// at the end of the last tick. Returns the number of rays cast. Null: the device senses nothing.
+  /// Called in the phase `sense`: writes the percepts of every row of the batch. The hook must read only the
+  /// state at the end of the last tick. Returns the number of rays cast. Null: the device senses nothing.
   std::uint64_t (*sense)(const SenseBatch& batch) = nullptr;
   /// Called together with the drives, before the controllers decide: executes the commands of the previous
   /// tick. Null: the device has no actions.
@@ -380,12 +380,12 @@ struct DriveKind {
   void (*drive)(const std::any& data, const DriveBatch& batch);
   /// Returns the velocity of a robot until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;
-  /// Parameters that the engine itself implements, not the kind.
+  /// Hooks that read parameters whose effect the engine itself implements, not the kind.
   ///@{
-  /// How robots with this drive estimate their poses; the error says why the parameters are inconsistent.
-  /// Null: their estimates are their true poses.
+  /// Returns how robots with this drive estimate their poses. The error says why the parameters are
+  /// inconsistent. Null: their estimates are their true poses.
   Result<Localization> (*localization)(const Record& params) = nullptr;
-  /// The number of pushable bodies that a robot can push at once, 0 to k_most_pushed. Null: 0.
+  /// Returns the number of pushable bodies that a robot can push at once, 0 to k_most_pushed. Null: 0.
   std::int64_t (*pushes)(const Record& params) = nullptr;
   ///@}
 };
@@ -393,7 +393,7 @@ struct DriveKind {
 /// The largest number of sensors and other devices that one controller can use.
 inline constexpr std::size_t k_most_devices_read = 16;
 
-/// The state of one sensor, or other device, of one robot.
+/// The state of one sensor or other device of one robot, as its controllers read it.
 class Readings {
  public:
   Readings() = default;
@@ -437,7 +437,7 @@ struct Actions {
   /// commands.
   std::span<std::byte* const> devices;
   /// The bit of each chosen device in Command::off, in the order of Percept::devices. switch_device() uses
-  /// them.
+  /// these bits.
   std::span<const std::uint32_t> switches;
 
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
@@ -561,7 +561,7 @@ struct ControllerKind {
   std::string_view name;    ///< name in files: "wander"
   std::string_view text;    ///< one sentence for `troupe describe`
   FieldTable params;        ///< its parameters
-  bool needs_drive = true;  ///< false: bodies without a drive may have it too
+  bool needs_drive = true;  ///< false: bodies without a drive may also have the controller
   bool switches = false;    ///< whether it may call Actions::switch_device()
   /// True: all robots of a type that decide in a tick are in one batch, in the order of their ids, and
   /// `decide` is called on the thread that steps the world, after all other controllers; if several ranks
@@ -570,9 +570,9 @@ struct ControllerKind {
   bool is_collective = false;
   /// Fields of the memory struct of each robot. The engine owns its bytes.
   std::vector<StateField> memory;
-  std::size_t memory_bytes = 0;  ///< size of that struct; 0: it has no memory
-  /// Initialises a memory struct. It must set every field, whatever the bytes of the struct held before.
-  /// `troupe check --controllers` tests this: it calls the hook on two memories that are filled with
+  std::size_t memory_bytes = 0;  ///< size of that struct; 0: the controller has no memory
+  /// Initialises a memory struct. The hook must set every field, whatever the bytes of the struct held
+  /// before. `troupe check --controllers` tests this: it calls the hook on two memories that are filled with
   /// different bytes.
   void (*start)(std::byte* memory);
 
@@ -596,8 +596,8 @@ struct ControllerKind {
                          std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries although its file does not list them.
   std::vector<std::string_view> brings;
-  /// Decides for all robots of the batch: sets their commands and memories. make_controller_kind() makes it
-  /// from a function for one robot.
+  /// Decides for all robots of the batch: sets their commands and memories. make_controller_kind() makes this
+  /// hook from a function for one robot.
   void (*decide)(const std::any& data, const DecideBatch& batch);
 };
 
@@ -626,8 +626,7 @@ struct Registry {
   /// registry and its copies. Empty: there are no plug-ins.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
-  /// Callbacks that find sensors and other devices, and measures, of plug-ins; otherwise like
-  /// `plugged_controllers`.
+  /// Callbacks that find the devices and the measures of plug-ins, like `plugged_controllers`.
   ///@{
   std::function<Result<const DeviceKind*>(std::string_view name, std::string unknown)> plugged_devices;
   std::function<Result<const MeasureKind*>(std::string_view name, std::string unknown)> plugged_measures;

@@ -24,7 +24,8 @@ struct SpatialLine {
 
   /// Whether the line may touch the circle with this centre (world frame, m) and radius (m).
   bool passes_near(const Vec2& centre, double radius) const;
-  /// A box that contains the line between the fractions `first` and `last` of its length.
+  /// A box (world frame, m) that contains a section of the line: from the fraction `first` to the fraction
+  /// `last` of its length, both from 0 to 1.
   Box piece(double first, double last) const;
 };
 
@@ -33,7 +34,7 @@ struct SpatialLine {
 /// their memory.
 class LineCrossings {
  public:
-  /// If no line is longer than this, m, one search around the origin serves all lines. Otherwise the
+  /// A length, m. If no line is longer, one search around the origin serves all lines. Otherwise the
   /// surroundings of each line are searched, piece by piece.
   static constexpr double k_together_m = 12;
 

@@ -73,14 +73,16 @@ class Links {
     std::uint32_t joint;  ///< index of the joint
     Pose goal;            ///< goal of the joint, relative to rest
   };
-  /// The calls of ask() for these rows in this tick, as long as no joint has moved; one per joint.
+  /// Returns the goals that ask() has set for joints of these rows in this tick, one per joint. Call this
+  /// before resolve_joints(), which resolves them.
   std::vector<AskedGoal> asked_goals(RowRange rows) const;
   /// State of the joint's motion.
   Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }
   /// Tests the joint motions that ask() requested, and carries out those that nothing blocks. longest_motion:
   /// upper bound on the distance that any body has moved since the spatial index was built, m.
   void resolve_joints(double longest_motion);
-  /// Whether any joint had a goal in this tick. Until the next call of ask(), further calls return false.
+  /// Returns whether any joint had a goal in this tick. Further calls of this function return false, until
+  /// ask() is called again.
   bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
   void clear_goals(Row row);  ///< sets the joints of a row to Goal::none
   void carry();               ///< moves carried bodies with their carriers

@@ -33,10 +33,12 @@ void World::build_lives() {
   state_.tables.emplace_back(
       "life", HashGroup::pose, StateTable::Layout::rows,
       sparse({{"birth", Element::u64, 1, "",
-               "number of ticks completed at its birth; 0: present from the start", offsetof(Life, birth)},
+               "number of ticks completed when the body was born; 0: present from the start",
+               offsetof(Life, birth)},
               {"x", Element::f64, 1, "m", "position at birth, world frame; 0 if present from the start",
                offsetof(Life, x)},
-              {"y", Element::f64, 1, "m", "position at birth, world frame", offsetof(Life, y)},
+              {"y", Element::f64, 1, "m", "position at birth, world frame; 0 if present from the start",
+               offsetof(Life, y)},
               {"presence", Element::u8, 1, "", "0: in the world, 1: not yet born, 2: dead",
                offsetof(Life, presence)}}),
       state_.bodies, sizeof(Life));
@@ -164,8 +166,8 @@ void World::die(Row row) {
 void World::resolve_lives(std::span<const Effect> effects) {
   if (!state_.life_table)
     throw std::logic_error(
-        "a device requested a birth or a death, but the world has no reserve and no device kind declares "
-        "ends_lives");
+        "a device requested a birth or a death, but the world has no reserve and no device that declares "
+        "that it may emit deaths (DeviceKind::Prepared::ends_lives)");
   for (const Effect& effect : effects)
     if (effect.verb == k_death && effect.target.index() < state_.rows.size() && row(effect.target).valid())
       die(row(effect.target));

@@ -35,7 +35,7 @@ class Measure {
 /// A kind of measure. A measure can be computed for all robots, for some of them, or for one.
 struct MeasureKind {
   std::string_view name;        ///< name of the measure and of its column
-  Unit unit = Unit::none;       ///< SI unit, the suffix of the column's name
+  Unit unit = Unit::none;       ///< SI unit of the values; the column's name ends with it
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
   std::string_view formula;     ///< the definition as a formula, with n robots i at positions x_i
@@ -54,8 +54,8 @@ struct MeasureKind {
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);
 };
 
-/// Makes the kind of a class M. Its constructor takes (world, robots), or (world, params, robots) if M has a
-/// described `struct Params` (engine/description.hpp).
+/// Makes a measure kind from a class M, which is derived from Measure. The constructor of M takes (world,
+/// robots), or (world, params, robots) if M has a described `struct Params` (engine/description.hpp).
 template <class M>
 MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view text,
                               std::string_view definition, std::string_view formula = {}) {

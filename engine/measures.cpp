@@ -116,7 +116,7 @@ std::vector<Row> robots_of(const World& world, std::string_view of) {
     const Row row = world.row(body);
     return row.valid() && world.type(row).drive;
   };
-  // If "r1" is a robot, as the second of population "r", it does not mean the robots r10 to r19.
+  // If "r1" is a robot (of population "r"), the name does not also stand for the robots r10 to r19.
   const BodyId named = of.empty() ? BodyId() : world.find(of);
   const bool is_one = named.valid() && is_robot(named);
   std::vector<Row> robots;

@@ -58,10 +58,10 @@ class MeasureSet {
   std::uint64_t seen_ = 0;                          // tick of the last see()
 };
 
-/// Returns the robots that the name `of` stands for, in order of ids. These are all robots of a type with
-/// this name and, in addition, the robot with this name or alias. If there is no such robot, they are also
-/// the robots of the population with this name: those whose name is `of` followed by digits. Returns all
-/// robots if `of` is empty, and no robots if there is no type, population or robot with this name.
+/// Returns the robots that the name `of` stands for, in order of ids: all robots of the type with this name,
+/// and the robot with this name or alias. If no single robot has this name or alias, the robots of the
+/// population with this name are added: those whose name is `of` followed by digits. Returns all robots if
+/// `of` is empty, and no robots if there is no type, population or robot with this name.
 std::vector<Row> robots_of(const World& world, std::string_view of);
 /// Names of all types and populations of robots, sorted.
 std::vector<std::string> names_of_robots(const World& world);

@@ -25,7 +25,7 @@ class Movement {
   void build();
   /// Computes the odometry error of each robot from the seed (Localization::error_of()).
   void draw_odometry_errors();
-  /// Discards the motion and the free circle of a row. Call this when the row's body gets another pose.
+  /// Discards the motion and the FreeCircle of a row. Call this when the row's body gets another pose.
   void rest(Row row);
   /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
   void count_stalls();
@@ -45,8 +45,8 @@ class Movement {
 
   std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolution
   double longest() const { return conflicts_.longest(); }       ///< Conflicts::longest()
-  std::size_t stalled() const { return stalled_; }  ///< number of rows that were blocked or out of bounds
-  std::size_t out_of_bounds() const { return out_of_bounds_; }  ///< rows that were out of bounds
+  std::size_t stalled() const { return stalled_; }              ///< number of rows blocked or out of bounds
+  std::size_t out_of_bounds() const { return out_of_bounds_; }  ///< number of rows out of bounds
 
  private:
   /// Adds the motion of this tick to the odometry estimate of a robot. It is called only if the motion was

@@ -36,7 +36,7 @@ class Names {
   /// All words in the order in which they were added; the first is empty.
   std::span<const std::string> words() const { return words_; }
 
-  /// Returns the name with this text. Adds its word if the table lacks it.
+  /// Returns the name with this text. If the table lacks the word of the name, adds that word.
   Name add(std::string_view text);
   /// Returns the name with this text and number: add("r", 17) equals add("r17").
   Name add(std::string_view text, std::uint32_t number);

@@ -95,10 +95,10 @@ double floor_cell(const PlacementRule& rule, const partition::ObstacleShape& sha
   return rule.cell_m > 0 ? rule.cell_m : std::max(shape.radius / 2, k_least_m);
 }
 
-/// The connected part of a region in which a body can move around, as a set of square grid cells. A cell
-/// belongs to it only if a disc that encloses the body, placed at the cell, is free of the static scene. It
-/// is the part that contains the point PlacementRule::from or, if the rule has no such point, the largest
-/// part.
+/// The connected part of a region in which a body can move around, as a set of square grid cells. A cell is
+/// open if a disc that encloses the body, placed at the cell, is free of the static scene. Of the connected
+/// parts of the open cells, this is the one that contains the point PlacementRule::from or, if the rule has
+/// no such point, the largest one.
 class Floor {
  public:
   Floor(const PlacementRule& rule, const partition::ObstacleShape& shape, const partition::StaticScene& scene,
@@ -222,7 +222,7 @@ class Spaced {
 struct Ahead {
   Pose pose;
   std::uint32_t trial = 0;  ///< number of the trial that yielded the pose
-  bool is_open = false;     ///< whether the rule and the bounds allow it and it is free of the static scene
+  bool is_open = false;     ///< whether the rule and the bounds allow the pose and no wall blocks it
 };
 
 }  // namespace

@@ -29,8 +29,8 @@ partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const Par
 class Crowd {
  public:
   /// Adds a body. Bodies are numbered from 0 in the order in which they are added. The crowd keeps a
-  /// reference to the shape, which must outlive it. A body with an empty shape gets a number, but overlaps no
-  /// other.
+  /// reference to the shape, so the shape must outlive the crowd. A body with an empty shape gets a number,
+  /// but overlaps no other.
   void add(const partition::ObstacleShape& shape, const Pose& pose_world_body);
   std::size_t size() const { return bodies_.size(); }  ///< number of bodies
 
@@ -81,12 +81,13 @@ struct PlacementRule {
   Ring polygon;            ///< polygon that must contain the bodies' origins, m; empty: not restricted
   Box spill;               ///< grid: second box, filled when all cells of `region` are used, m
   double pitch_m = 1;      ///< grid: edge of the cells, m
-  /// grid: x and y are each displaced by a random distance, at most this, to either side, m
+  /// grid: largest random displacement of x and of y from the grid, in either direction, m
   double jitter_m = 0;
   Vec2 mean{0, 0};        ///< gaussian: mean position, m
   Vec2 deviation{1, 1};   ///< gaussian: standard deviations along x and y, m
   double distance_m = 1;  ///< poisson_disc: smallest distance between the origins of two bodies, m
-  /// free_floor: a point of the floor, m; not set: the largest connected floor is used
+  /// free_floor: a point of the connected floor on which bodies are placed, m; not set: the largest such
+  /// floor is used
   std::optional<Vec2> from;
   double cell_m = 0;  ///< free_floor: step of the search along x and y, m; 0: half the body's radius
   std::optional<double> heading;  ///< heading of all bodies, rad; not set: uniformly random

@@ -120,13 +120,14 @@ void Placer::check_rules() {
     const double cells = grid_cells(rule);
     cells_so_far += cells;
     if (cells > k_max_cells)
-      error(population, fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are allowed",
+      error(population, fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are allowed: "
+                                    "give a larger \"pitch_m\"",
                                     cells, rule.pitch_m, k_max_cells));
     else if (cells_so_far > k_max_cells)
       error(
           population,
           fmt::format("the regions of this population and of those before it have {:.4g} cells in total; at "
-                      "most {:.0f} are allowed",
+                      "most {:.0f} are allowed: give a larger \"pitch_m\"",
                       cells_so_far, k_max_cells));
   }
 }

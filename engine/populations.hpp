@@ -17,7 +17,7 @@ namespace troupe::engine {
 
 /// A population: bodies NAME0, NAME1, ... of one type, placed by a rule.
 struct PopulationSpec {
-  std::string name;           ///< NAME, without number; also selects the random stream
+  std::string name;           ///< NAME of the bodies NAME0, NAME1, ...; also selects the random stream
   TypeId type;                ///< index into WorldSpec::types
   std::size_t count = 0;      ///< number of bodies at tick 0
   std::size_t reserve = 0;    ///< further bodies that may be born later, with the next numbers: ReserveSpec
@@ -40,12 +40,12 @@ class Occupancy {
   /// a reference to the types of the spec: no type may be added or changed during its lifetime.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
   /// Makes the static scene from all static bodies of the spec, and the crowd from its other bodies at tick
-  /// 0. Throws std::length_error as shape() does.
+  /// 0. Throws std::length_error if an outline is too complex for convex_pieces().
   explicit Occupancy(const WorldSpec& spec);
 
   const partition::StaticScene& scene() const { return scene_; }  ///< the static solids that are obstacles
   Crowd& crowd() { return crowd_; }                               ///< the bodies that are not static
-  /// Obstacle shape of a type. Throws std::length_error as obstacle_shape() does.
+  /// Obstacle shape of a type. Throws std::length_error if an outline is too complex for convex_pieces().
   const partition::ObstacleShape& shape(TypeId type);
 
  private:
@@ -72,9 +72,9 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupan
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
-/// Places bodies that place() has appended again, with another seed: changes their poses and their random
-/// colours. Bodies of a reserve have no pose yet: only their random colours change. A population without
-/// enough room is an error, reported at PopulationSpec::where_place. Thread-safe.
+/// Gives the bodies that place() has appended other poses and other random colours, from another seed. Bodies
+/// of a reserve have no pose yet: only their random colours change. A population without enough room is an
+/// error, reported at PopulationSpec::where_place. Thread-safe.
 ///
 /// bodies      the bodies of these populations and their reserves, in the order of place()
 /// bounds      the bounds of the world (WorldSpec::bounds)

@@ -47,7 +47,7 @@ struct Conflicts::Resolver::Pushed {
   Vec2 now;     // position at the present sample
 };
 
-/// Place of a body at the time when it is the turn of the mover. All bodies of higher priority that may
+/// Place of a body at the turn of the mover (class Conflicts, `rule`). All bodies of higher priority that may
 /// affect the mover are resolved before its turn.
 struct Conflicts::Resolver::Place {
   Transform at;
@@ -143,8 +143,8 @@ bool Conflicts::Resolver::has_moved_before(const Mover& mover, std::uint32_t row
 std::span<const Conflicts::Push> Conflicts::Resolver::pushes_before(const Mover& mover,
                                                                     std::uint32_t row) const {
   if (is_plain(row) || !has_moved_before(mover, row)) return {};
-  // If the zones of the row and the mover do not overlap, another thread may be resolving the row right
-  // now.
+  // If the zones of the row and the mover do not overlap, the pushes of the row do not affect the mover, and
+  // another thread may be writing them right now.
   if (!partition::in_reach(mover.from.position(), zone_radius(mover.row), crowd_.poses[row].position(),
                            zone_radius(row)))
     return {};

@@ -26,7 +26,7 @@ bool moves(const DeviceKind& kind) {
   return kind.joints_moved != nullptr || kind.apply != nullptr || kind.born != nullptr;
 }
 
-/// Whether a device of the world declares that it reads this of other bodies (DeviceKind::reads).
+/// Whether a device of the world declares that it reads the data `name` of other bodies (DeviceKind::reads).
 bool is_read(const World& world, std::string_view name) {
   return std::ranges::any_of(world.types(), [&](const BodyType& type) {
     return std::ranges::any_of(type.devices, [&](const BodyType::Device& device) {
@@ -35,14 +35,15 @@ bool is_read(const World& world, std::string_view name) {
   });
 }
 
-/// Whether others than the controllers of the body read the state of such a device: other bodies, or the
-/// phase move.
+/// Whether the states of devices of this kind are also read by other bodies or in the phase move, not only by
+/// the controllers of their own bodies.
 bool shows_state(const World& world, const DeviceKind& kind) {
   return !kind.is_sensor() || kind.shows_color || kind.is_spent != nullptr || moves(kind) ||
          is_read(world, kind.name);
 }
 
-/// Whether others than the device itself read the commands to such a device.
+/// Whether the commands to devices of this kind are also read by other bodies or in the phase move, not only
+/// by the devices themselves.
 bool shows_commands(const World& world, const DeviceKind& kind) {
   return moves(kind) || is_read(world, fmt::format("{}/command", kind.name));
 }
@@ -118,7 +119,7 @@ ReceivedOrder Replica::expect(Order wanted, unsigned from) {
     const bool is_of_this_world = received.world == number_;
     if (is_of_this_world && order == Order::failed) failed_[from] = received;
     if (is_of_this_world && (order == wanted || order == Order::failed)) return received;
-    // That rank sent its rows before it knew that this one has failed.
+    // The other rank sent its rows before it knew that this rank has failed.
     if (is_of_this_world && wanted == Order::exchange && order == Order::together) continue;
     if (!is_of_this_world || from != 0 || wanted != Order::agree)
       throw std::logic_error(fmt::format("internal error: rank {} expected message {} of rank {} and got {}",
@@ -138,8 +139,8 @@ RowRange Replica::rows_in(const StateTable& table, const RowRange& rows) const {
   return {before(rows.first), before(rows.end)};
 }
 
-/// Calls visit(bytes) for each contiguous part of those rows of the tables of this sharing whose bodies have
-/// the rows `rows`.
+/// Calls visit(bytes) for each contiguous piece of the tables with this sharing. Only the table rows of those
+/// bodies are visited that have the rows `rows` in the world.
 template <class Visit>
 void Replica::for_rows(Sharing sharing, const RowRange& rows, Visit&& visit) const {
   for (std::size_t t = 0; t < parts_.tables.size(); ++t) {
@@ -158,7 +159,7 @@ void Replica::get_kept(MessageReader& message, const RowRange& rows) {
   for_rows(Sharing::kept, rows, [&](std::span<std::byte> bytes) { message.get_bytes(bytes); });
 }
 
-/// Appends those rows of which other ranks have no or old values: in the tables that are kept or sent.
+/// Appends the rows whose present values other ranks do not have: those in tables that are kept or sent.
 void Replica::put_own(MessageWriter& message, const RowRange& rows) const {
   const auto put = [&](std::span<std::byte> bytes) { message.put_bytes(bytes); };
   for_rows(Sharing::kept, rows, put);
@@ -171,7 +172,7 @@ void Replica::get_own(MessageReader& message, const RowRange& rows) {
   for_rows(Sharing::sent, rows, get);
 }
 
-/// Appends the whole state, and what the program has set.
+/// Appends the whole state, and the subscriptions (World::subscribe()).
 void Replica::put_state(MessageWriter& message) {
   message.put(world_.tick());
   const std::vector<BodyId> subscribed = world_.subscribed();
@@ -241,7 +242,7 @@ void Replica::follow(Order order, MessageReader message) {
       transport_.send(0, std::move(answer));
       return;
     }
-    case Order::failed: return;  // of a tick that has ended here already
+    case Order::failed: return;  // from a tick that has already ended on this rank
     default:
       throw std::logic_error(fmt::format("internal error: rank {} got order {} between two ticks",
                                          transport_.rank(), static_cast<int>(order)));
@@ -396,7 +397,7 @@ void Replica::agree(const std::function<void()>& callback) {
       ReceivedOrder received = expect(Order::agree, 0);
       if (received.order == Order::failed) {
         is_exchanged_ = true;  // the callback threw: no message follows in this tick
-        throw StepError("the callback before the tick failed on rank 0");
+        throw StepError("the callback of before_tick() threw an exception on rank 0");
       }
       if (received.rest.get<bool>()) adopt_state(received.rest, true);
     }
@@ -444,7 +445,8 @@ void Replica::on_rank_0(const std::function<void()>& work) {
   began_s_[static_cast<std::size_t>(Phase::decide)] += transport_.seconds() - stopped_s;
 }
 
-/// Appends what this rank has written in the phases sense to decide and other ranks read.
+/// Appends those data that this rank has written in the phases sense, actuate and decide, and that other
+/// ranks read.
 void Replica::put_written(MessageWriter& message) {
   message.put(parts_.beams - beams_before_);
   const RowRange rows = own();
@@ -534,7 +536,7 @@ void Replica::fail() {
   message.put(failure.robot);
   message.put_text(failure.text);
   transport_.send_to_all(std::move(message));
-  if (is_callback) return;  // the others wait for nothing but this message
+  if (is_callback) return;  // the other ranks wait only for this message
   std::vector<Failure> failures;
   for (unsigned rank = 0; rank < ranks(); ++rank) {
     if (rank == transport_.rank()) {
@@ -547,9 +549,9 @@ void Replica::fail() {
   throw_first(failures, own);
 }
 
-/// Throws the error that one process would have reported: that of the earliest phase, in it the exception of
-/// a kind rather than a velocity that is not finite, and then that of the lowest robot or rank. own: the
-/// exception of this rank, if it has one; thrown unchanged if it is no StepError.
+/// Throws the error that a single process would have reported: the error of the earliest phase. Within a
+/// phase, exceptions of kinds come before velocities that are not finite; then the lowest robot or rank
+/// counts. own: the exception of this rank, if it has one; thrown unchanged if it is no StepError.
 void Replica::throw_first(std::vector<Failure>& failures, const std::exception_ptr& own) {
   if (own) {
     try {

@@ -35,23 +35,24 @@ class World;
 enum class Sharing : std::uint8_t {
   alike,  ///< every rank computes every row, in the phases intervene and move; nothing is sent
   sent,   ///< the owner computes a row and sends it to all ranks in each tick, before the phase move
-  kept,   ///< the owner computes a row; the rows of other ranks are old, until rank 0 gathers them
+  kept,   ///< the owner computes a row; other ranks have old values, until rank 0 gathers
 };
-/// The sharing of each state table of a world, by the index of the table. It follows from the tables and from
-/// what the kinds of devices declare.
+/// Returns how each state table of a world is shared, in the order of World::tables(). This follows from the
+/// tables and from what the kinds of devices declare.
 ///
-/// - A sensor writes its readings in the phase sense, and only the controllers of its own body read them:
-///   kept. So are the memories of controllers and most commands.
-/// - A device that acts writes its state in the phase actuate, and others may read it: sent. So are the
-///   readings and commands that a kind of device in the world declares to read (DeviceKind::reads), and the
-///   commands of devices with hooks in the phase move.
-/// - All else is computed by every rank alike.
+/// kept    The readings of sensors, because only the controllers of the sensor's own body read them. Also the
+///         memories of controllers, and most commands.
+/// sent    The states of devices that act, because other bodies may read them. Also the readings and commands
+///         that a kind of device in the world declares to read (DeviceKind::reads), and the commands to
+///         devices with hooks in the phase move.
+/// alike   All other tables.
 std::vector<Sharing> sharing_of(const World& world);
 
-/// A cut of the rows into one range per rank: rank r owns the rows from cut[r] to cut[r + 1].
+/// A division of the rows into one range per rank: rank r owns the rows from cut[r] up to, but not including,
+/// cut[r + 1].
 using Cut = std::vector<std::uint32_t>;
-/// Returns a cut with which all ranks would take the same time, if each row of a rank took the same part of
-/// the time that its rank has taken. times: of each rank, in any unit.
+/// Returns a cut with which all ranks would take about the same time. It assumes that all rows of a rank took
+/// equally long. times: the time that each rank took with `cut`, in any unit
 Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 
 /// The data of a world that a Replica reads and writes.
@@ -64,32 +65,34 @@ struct ReplicaParts {
 
 /// Options of a Replica. They change no result.
 struct ReplicaOptions {
-  /// If it is given, the rows of the ranks change at random in each tick, as this seed says; for tests.
+  /// If set: the rows that each rank owns change at random in each tick, with this seed. For tests.
   std::optional<std::uint64_t> cut_seed;
   /// True: hashes() also compares the tables that all ranks compute alike, and throws if they differ.
   bool verify = false;
-  /// True: the program may keep references to rows across steps. Once it has read the state, rank 0 gathers
-  /// all rows after each tick, and once it has changed the state, it sends the state before each tick.
+  /// True: the program may keep references to rows across steps. After the first time that the program reads
+  /// the state, rank 0 gathers all rows after each tick. After the first time that the program changes the
+  /// state, rank 0 sends the whole state to the other ranks before each tick.
   bool keeps_references = false;
-  /// On ranks other than 0: returns how often this rank was asked for a checkpoint. Null: never.
+  /// On ranks other than 0: returns how often a user has requested a checkpoint from this process, by the
+  /// signal SIGUSR1. Null: never.
   std::function<std::uint32_t()> requests;
 };
 
 /// One of several replicas of a world, each of which belongs to one *rank*: a thread or process
 /// (docs/architecture.md). Every rank holds all rows and computes the phases `move` and `index` for all of
-/// them. Each rank senses, actuates and decides for its own rows. Once a tick, all ranks exchange what others
-/// may read (Sharing::sent), the effects and the goals of joints. Results do not depend on the number of
-/// ranks, nor on which rows a rank owns.
+/// them. Each rank senses, actuates and decides for its own rows. Once a tick, all ranks exchange the rows
+/// that other ranks may read (Sharing::sent), the effects and the goals of joints. Results do not depend on
+/// the number of ranks, nor on which rows a rank owns.
 ///
 /// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the others to do the same, and
 /// returns hashes and tables as if there were one world. The other ranks call follow() for each order.
 class Replica {
  public:
-  /// Makes `world` a replica. All ranks construct theirs at the same point, with equal worlds at tick 0.
-  /// `transport` and `registry` must outlive this object.
+  /// Makes `world` a replica. All ranks construct their replicas at the same point of the program, with equal
+  /// worlds at tick 0. `transport` and `registry` must outlive this object.
   ///
-  /// number: identifies the world among those of the ranks
-  /// registry: that of the world
+  /// number: identifies the world, because the ranks may compute several worlds
+  /// registry: the registry that `world` was made with
   Replica(World& world, const Registry& registry, partition::Transport& transport, std::uint32_t number,
           ReplicaOptions options);
   ~Replica();
@@ -99,7 +102,7 @@ class Replica {
   std::uint32_t number() const { return number_; }  ///< number of the world
   unsigned ranks() const { return transport_.ranks(); }
   const partition::Transport& transport() const { return transport_; }
-  /// What each rank has done in the last tick.
+  /// Sizes and times of the work of each rank in the last tick.
   std::span<const RankWork> work() const { return work_; }
   /// How often rows were given to other ranks because the ranks took unequal times.
   std::uint64_t rebalanced() const { return rebalanced_; }
@@ -111,16 +114,20 @@ class Replica {
   void follow(Order order, partition::MessageReader message);
 
   // ---- Called by World
-  /// Computes a tick: work() must compute its phases, and call agree() and exchange(). If it throws on any
-  /// rank, this function throws on all of them. has_callback: agree() will get a callback; only rank 0 knows.
+  /// Computes a tick: work() must compute its phases, and call agree() and exchange(). If work() throws on
+  /// any rank, this function throws on all of them. has_callback: whether agree() will get a callback; used
+  /// on rank 0 only
   void tick(bool has_callback, const std::function<void()>& work);
-  /// Called after interventions and faults: calls the callback before_tick() of rank 0, unless it is empty.
-  /// The other ranks then adopt what it changed.
+  /// Called after the interventions and faults of a tick were applied. On rank 0, calls `callback`, which
+  /// World::before_tick() has set, unless it is empty. The other ranks then adopt the changes that the
+  /// callback has made.
   void agree(const std::function<void()>& callback);
-  /// Called at the end of the phase decide: calls work() on rank 0 alone, with the rows of all ranks
-  /// complete. What it writes to the rows that ranks compute for themselves then goes back to them.
+  /// Called at the end of the phase decide: calls work() on rank 0 alone, when that rank has the present rows
+  /// of all ranks. Afterwards, each rank receives the values that work() has written to the rows that the
+  /// rank owns.
   void on_rank_0(const std::function<void()>& work);
-  /// Called after the phase decide.
+  /// Called after the phase decide: sends the rows that other ranks may read, the effects and the goals of
+  /// joints to all ranks, and receives theirs.
   void exchange();
   void begin(Phase phase);  ///< called when a phase begins, for errors and times
 
@@ -129,8 +136,8 @@ class Replica {
   std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
 
   void gather();   ///< World::gather()
-  void touch();    ///< World::touch(): the program is going to change the state
-  void replace();  ///< the program is going to replace the whole state
+  void touch();    ///< called before the program changes the state: World::touch()
+  void replace();  ///< called before the program replaces the whole state
   void reset();    ///< called by World::reset(), which then resets its own world
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies);  ///< called by World::restart()
   void set(const SettingSpec& setting);  ///< called by World::set(), which has changed its own world
@@ -155,8 +162,8 @@ class Replica {
   /// The rows of a table whose bodies have the rows `rows` of the world.
   RowRange rows_in(const StateTable& table, const RowRange& rows) const;
   partition::MessageWriter message_of(Order order) const;
-  /// Returns the message with this order from a rank, or the one with which that rank failed in this tick.
-  /// Obeys other orders, which rank 0 may give before.
+  /// Waits for the message with this order from a rank and returns it. If that rank fails in this tick,
+  /// returns its message with Order::failed instead. Obeys other orders that rank 0 gives before.
   ReceivedOrder expect(Order order, unsigned from);
 
   void put_state(partition::MessageWriter& message);
@@ -195,14 +202,15 @@ class Replica {
   std::atomic<bool> is_touched_ = false;
   bool is_read_ = false;                  // the program has read the state
   std::atomic<bool> is_written_ = false;  // the program has changed the state
-  bool is_stale_ = false;                 // rank 0 lacks the rows of other ranks in the tables that are kept
+  bool is_stale_ = false;                 // rank 0 has old rows of other ranks in tables with Sharing::kept
   bool is_in_tick_ = false;               // the program cannot read or change the state
   bool has_callback_ = false;
   bool is_exchanged_ = false;  // in this tick, the messages of all ranks were received
   bool is_agreed_ = false;     // in this tick, agree() has returned
   Phase phase_ = Phase::intervene;
   std::uint64_t beams_before_ = 0;  // at the beginning of the tick
-  // When the phases of this tick began on this rank; `decide` moved forward by the time of on_rank_0().
+  // Times at which the phases of this tick began on this rank, s. The time of on_rank_0() is added to that of
+  // `decide`, so that it does not count as work.
   std::array<double, k_phases> began_s_{};
   std::vector<std::optional<ReceivedOrder>> failed_;  // one per rank: how it failed in this tick
   std::size_t exchanged_bytes_ = 0;                   // length of the last message of exchange()

@@ -16,7 +16,7 @@ class ShapeBuffer {
   /// The shape that finish() completed; valid until the next call of begin().
   const partition::ObstacleShape& shape() const { return shape_; }
 
-  /// Allocates memory for a number of pieces of up to `corners` corners.
+  /// Allocates memory for a shape of `pieces` pieces, each with up to `corners` corners.
   void reserve(std::size_t pieces, std::size_t corners);
   void begin();  ///< removes all pieces, keeps their memory
   /// Adds a convex piece of a body. The piece is given in the body's frame; `mount` is the body's frame

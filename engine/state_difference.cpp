@@ -69,8 +69,8 @@ bool same_fields(const StateTable& a, const StateTable& b) {
   });
 }
 
-/// Difference between two tables of one component: the number of bodies whose rows differ (`entities`), and
-/// the first value that differs. If the tables have different bodies or fields, `entities` is 0.
+/// Difference between two tables of one component: the number of bodies whose rows differ (`bodies`), and the
+/// first value that differs. If the tables have different bodies or fields, `bodies` is 0.
 ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
   ComponentDifference found{.component = a.component(), .group = a.group()};
   if (a.component() != b.component() || a.rows() != b.rows() || !same_fields(a, b)) return found;
@@ -99,8 +99,8 @@ ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
 }
 
 /// Adds the difference `other` to `into`. The two are differences in two tables of one component, which has
-/// one table per body type. The result shows the value of the body with the lower id. Its member `entities`
-/// is 0 if that of `into` or `other` is 0.
+/// one table per body type. The result shows the value of the body with the lower id. In it, `bodies` is 0 if
+/// `into` or `other` has 0 there.
 void merge(ComponentDifference& into, const ComponentDifference& other) {
   if (into.bodies == 0 || other.bodies == 0) {
     into.bodies = 0;

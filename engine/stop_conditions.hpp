@@ -15,9 +15,9 @@ namespace troupe::engine {
 /// world. Not thread-safe; the measures are computed on the worker threads of the world.
 class StopConditions {
  public:
-  /// Measuring begins with the present state. The conditions are not evaluated yet. Reports the same errors
-  /// as MeasureSet, at the positions of the conditions in the file. World and registry must outlive the
-  /// object.
+  /// Begins to measure with the present state. Does not evaluate the conditions: see() and ask() do. Reports
+  /// the same errors as MeasureSet, at the positions of the conditions in the file. World and registry must
+  /// outlive the object.
   StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
                  Diagnostics& diagnostics);
 

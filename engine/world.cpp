@@ -270,10 +270,10 @@ void World::build_tables() {
         sparse({{"carrier", Element::u32, 1, "", "id of the body that carries this body, plus 1; 0: none"},
                 {"joint", Element::u32, 1, "",
                  "joint of the carrier that holds this body, counted from 1; 0: none"},
-                {"x", Element::f64, 1, "m", "in the frame of the carrier, displaced by that joint"},
-                {"y", Element::f64, 1, "m", "in the same frame"},
-                {"z", Element::f64, 1, "m", "in the same frame"},
-                {"heading", Element::f64, 1, "rad", "in the same frame"}}),
+                {"x", Element::f64, 1, "m", "in the frame of the carrier, displaced by its joint `joint`"},
+                {"y", Element::f64, 1, "m", "in the same frame as x"},
+                {"z", Element::f64, 1, "m", "in the same frame as x"},
+                {"heading", Element::f64, 1, "rad", "in the same frame as x"}}),
         state_.bodies);
   }
 
@@ -290,10 +290,10 @@ void World::build_tables() {
       state_.tables.emplace_back(
           fmt::format("joint/{}", joint.name), HashGroup::pose, Layout::rows,
           std::vector<StateField>{
-              {"x", Element::f64, 1, "m", "relative to its rest pose"},
-              {"y", Element::f64, 1, "m", "relative to its rest pose"},
-              {"z", Element::f64, 1, "m", "relative to its rest pose"},
-              {"heading", Element::f64, 1, "rad", "relative to its rest pose; not wrapped"}},
+              {"x", Element::f64, 1, "m", "relative to the joint's rest pose"},
+              {"y", Element::f64, 1, "m", "relative to the joint's rest pose"},
+              {"z", Element::f64, 1, "m", "relative to the joint's rest pose"},
+              {"heading", Element::f64, 1, "rad", "relative to the joint's rest pose; not wrapped"}},
           bodies[t]);
     }
     if (auto& drive = state_.types[t].drive; drive && drive->localization.kind == Localization::Kind::odom) {
@@ -598,7 +598,7 @@ void World::set_poses(std::span<const Placed> placed) {
       throw std::invalid_argument(
           fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",
                       state_.spec.name(body(place.row)), p.x, p.y, p.z, p.heading,
-                      is_finite(p) ? "that is outside the world's bounds" : "these must be finite numbers"));
+                      is_finite(p) ? "outside the world's bounds" : "the numbers must be finite"));
     if (const std::optional<BodyId> by = carrier(place.row))
       throw std::invalid_argument(fmt::format("\"{}\" cannot be placed: \"{}\" carries it",
                                               state_.spec.name(body(place.row)), state_.spec.name(*by)));

@@ -90,13 +90,13 @@ class World {
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
-  /// Returns to S(0). The tables, the tick, the counters and all data derived from them are then as after
-  /// construction. Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step
-  /// that threw.
+  /// Returns to S(0), the state at tick 0. The tables, the tick, the counters and all data derived from them
+  /// are then as after construction. Callbacks and subscriptions stay. This allocates no memory, and is
+  /// allowed after a step that threw.
   void reset();
-  /// Goes to S(0) with another seed and other poses of the bodies. The run then has the same results as a run
-  /// of a new world whose spec has this seed and these bodies. Only the order of the rows may differ.
-  /// Callbacks and subscriptions stay. This is allowed after a step that threw.
+  /// Goes to S(0), the state at tick 0, with another seed and other poses of the bodies. The run then has the
+  /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
+  /// rows may differ. Callbacks and subscriptions stay. This is allowed after a step that threw.
   ///
   /// bodies: one for each body of the spec, in the same order and with the same names and types. Poses and
   /// colours may differ. If a static body has another pose, the static scene is rebuilt.
@@ -128,21 +128,21 @@ class World {
   /// junk. In the state of the remaining bodies, except the device's own body, the components that the kind
   /// does not declare to read (DeviceKind::reads) are junk. If no kind reads more than it declares, the
   /// hashes of the run stay the same (docs/determinism.md). A step throws a StepError if an effect of a
-  /// device changes the state of a body that its kind does not declare to change (DeviceKind::scope). The
-  /// mode is slow: each call takes time proportional to the number of rows. Throws std::invalid_argument
-  /// unless the world has one thread and the exact ray engine.
+  /// device changes the state of a body that is outside the scope which the kind of the device declares
+  /// (DeviceKind::scope). The mode is slow: each call takes time proportional to the number of rows. Throws
+  /// std::invalid_argument unless the world has one thread and the exact ray engine.
   void hide_beyond_reach(bool on);
   std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
   double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
   /// World time, s: tick() * tick_s().
   double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
-  /// Sets the callback that step() calls at the beginning of each phase, with that phase, and at the end of
-  /// the tick, with std::nullopt.
+  /// Sets the callback that step() calls at the beginning of each phase and at the end of the tick. The
+  /// argument is the phase that begins, or std::nullopt at the end of the tick.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
   /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
   /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways
-  /// that are allowed between two steps. The exceptions of the callback propagate from step(). It replaces
-  /// the previous callback. Call before_tick() between steps.
+  /// that are allowed between two steps. The exceptions of the callback propagate from step(). A second call
+  /// of before_tick() replaces the callback. Call before_tick() between steps.
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
   /// A callback that step() calls in place of a controller, once per batch of robots. The callback must
   /// itself call controller.kind->decide(controller.data, batch). Several threads call it at once, so it must
@@ -153,16 +153,17 @@ class World {
   /// this between steps.
   void on_decide(OnDecide callback) { on_decide_ = std::move(callback); }
 
-  /// The data that devices may read of the world (engine/sensing_view.hpp), at present. Functions that
-  /// devices share with other code, such as first_met(), take this view as an argument. It is valid as long
-  /// as the world exists.
+  /// A view of those data of the world that devices may read (engine/sensing_view.hpp). It always shows the
+  /// present state, and is valid as long as the world exists. Functions that devices share with other code,
+  /// such as first_met(), take such a view as an argument.
   const CommittedView& view() const { return state_.view; }
 
   // ---- ranks: engine/ranks.cpp. Several ranks (threads or processes) may compute one world together. Each
   // rank then has a World of its own, called a replica (engine/replica.hpp), and the functions below keep the
   // replicas equal.
-  /// Connects this world to a replica; null disconnects it. Called by the constructor and the destructor of
-  /// Replica. Returns references to the data of this world that the replica exchanges with other ranks.
+  /// Connects this world to a replica; a null pointer disconnects it. Called by the constructor and the
+  /// destructor of Replica. Returns references to the data of this world that the replica exchanges with
+  /// other ranks.
   ReplicaParts join(Replica* replica);
   /// On rank 0: fetches the table rows that only other ranks compute (Sharing::kept), so that the tables here
   /// are complete. Functions that read whole tables call this first. It does nothing on other ranks, during a
@@ -172,8 +173,8 @@ class World {
     if (replica_ != nullptr) gather_rows();
   }
   /// Called by Replica on ranks other than 0, after a program has changed the state on rank 0: replaces the
-  /// state by that of rank 0. Works like restore(), but checks nothing. is_in_tick: whether the interventions
-  /// of the present tick have already been applied.
+  /// state by that of rank 0. Works like restore() with the same `tick` and `fill`, but checks nothing.
+  /// is_in_tick: whether the interventions of the present tick have already been applied.
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
 
   // ---- constants and indices
@@ -230,15 +231,15 @@ class World {
   std::span<const Command> commands() const { return state_.as<Command>(WorldState::k_command); }
   /// Whether the row's last motion was blocked or would have ended out of bounds.
   bool stalled(Row row) const;
-  /// Whether the row's last motion would have ended out of bounds.
+  /// Whether the row's last motion would have ended outside the bounds of the world (WorldSpec::bounds).
   bool is_out_of_bounds(Row row) const;
   /// Estimated pose of a robot, m and rad. It is given in the frame that the Localization of its drive
   /// defines: by default the world frame, or with odometry the frame of the robot's first pose.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   Estimates estimates(const BodyType& type) const;  ///< estimated poses of all robots of a type
-  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate; its height is
-  /// ignored. Throws std::logic_error if the robot has no odometry, and std::invalid_argument if the pose is
-  /// not finite.
+  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate, m and rad; the z
+  /// of the pose is ignored. Throws std::logic_error if the robot has no odometry, and std::invalid_argument
+  /// if the pose is not finite.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command to a robot's drive. Call this between steps.
   void set_command(Row row, const Command& command) {
@@ -263,9 +264,9 @@ class World {
   /// body carries both.
   bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
   /// Attaches the body `cargo` to the body `carrier`. From now on the cargo keeps its present pose relative
-  /// to the carrier or, unless `joint` is k_rigid, relative to this joint of the carrier. Returns false and
-  /// changes nothing if the cargo is already carried, if it carries the carrier, directly or through others,
-  /// or if the carrier cannot carry bodies. Only DeviceKind::apply may call this.
+  /// to the joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier
+  /// itself. Returns false and changes nothing if the cargo is already carried, if it carries the carrier,
+  /// directly or through others, or if the carrier cannot carry bodies. Only DeviceKind::apply may call this.
   bool attach(Row cargo, Row carrier, std::int32_t joint) { return links_.attach(cargo, carrier, joint); }
   /// Detaches a body from its carrier; its pose stays. Only DeviceKind::apply may call this.
   void release(Row cargo) { links_.release(cargo); }
@@ -275,7 +276,7 @@ class World {
   /// intervention can remove bodies, or if WorldSpec::mortal is set. Only then does the state have the
   /// component `life`.
   bool has_lives() const { return state_.life_table.has_value(); }
-  /// Presence of the row's body; Presence::there in a world without lives.
+  /// Whether the row's body is in the world, unborn or dead; Presence::there if has_lives() is false.
   Presence presence(Row row) const { return state_.view.presence(row); }
   /// Whether the row's body is in the world. An unborn or dead body is not in the spatial index, and does not
   /// sense, decide or move. Its state is 0, except for the component `life` and the pose of a dead body.
@@ -295,8 +296,8 @@ class World {
     return state_.spec.reserves[reserve].count - next_born_[reserve];
   }
   /// Spawns the next body of a reserve at a pose (world frame, m and rad). If the pose is not free or the
-  /// reserve is used up, no body is born, and Birth::status says which of the two is the case. A new body
-  /// starts with the state that it would have had at tick 0. Throws std::invalid_argument if the pose is not
+  /// reserve is used up, no body is born, and Birth::status says which of the two is the case. Apart from its
+  /// pose, a new body has the state of a body at tick 0. Throws std::invalid_argument if the pose is not
   /// finite. Each call rebuilds the spatial index of all bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body from the world; bodies that it carries stay where they are. Does nothing if the body is
@@ -321,16 +322,15 @@ class World {
   bool set_disabled(Row row, bool disabled);
   /// Changes parameters of a type, for all its bodies, as the intervention `set` of a world file does. The
   /// change becomes part of spec(), as an intervention at the present time, until reset() or restart(). The
-  /// error says why it is not possible; the world is then unchanged. If several ranks compute the world,
-  /// all of them apply the change. `registry` must be that of the constructor. Call this between steps, or in
-  /// the callback of before_tick().
+  /// error says why the parameters cannot change; the world is then unchanged. If several ranks compute the
+  /// world, all of them apply the change. `registry` must be that of the constructor. Call this between
+  /// steps, or in the callback of before_tick().
   Result<> set(const SettingSpec& setting, const Registry& registry);
   /// Number of interventions that set() has added at the end of ExperimentSpec::at.
   std::size_t settings_made() const { return experiment_.made; }
   /// The spec of a type with its present parameters, which settings may have changed.
   TypeSpec present_type(TypeId type) const;
-  /// Number of bodies in the world that are disabled, or that a fault impairs, for example by a broken
-  /// device.
+  /// Number of bodies in the world that are disabled or have a fault, such as a broken device.
   std::size_t impaired_count() const { return state_.now.impaired; }
 
   /// An argument of set_poses(): a row, and a pose for its body.
@@ -347,7 +347,8 @@ class World {
   void set_poses(std::span<const Placed> placed);
   /// The bodies that set_poses() placed between the last two steps, or in the phase `intervene` of the last
   /// step, and all bodies that were carried at that time. Placed::pose is the pose that the body had before
-  /// the motions of the last step. Measures of the distance travelled use this list. It is not state.
+  /// the motions of the last step. Measures of the distance travelled use this list, so that jumps do not
+  /// count as travel. The list is not part of the state.
   std::span<const Placed> placed_before_step() const { return placed_before_; }
   /// Whether the row's body could be at a pose (world frame, m and rad): it would be within the world's
   /// bounds, and would overlap neither the static scene nor another body that is an obstacle. False if the
@@ -412,8 +413,8 @@ class World {
   double mean_displacement() const;
 
   // ---- for viewers
-  FrameScene frame_scene() const;  ///< the data to draw that are constant during a run
-  Frame frame() const;             ///< the data to draw that change with each tick
+  FrameScene frame_scene() const;  ///< the constant data for drawing the world
+  Frame frame() const;             ///< the data for drawing that change with each tick
 
  private:
   [[noreturn]] void throw_half_made() const;

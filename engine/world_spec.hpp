@@ -129,11 +129,12 @@ struct ControllerSpec {
 
 /// A body type: everything that identical bodies share.
 struct TypeSpec {
-  std::string name;                 ///< name, unique in the world
-  std::vector<PartSpec> parts;      ///< parts in depth-first order; part 0 is the root
-  std::vector<JointSpec> joints;    ///< joints; each comes after its parent joint
-  std::optional<DriveSpec> drive;   ///< drive; not set: the bodies have none
-  std::vector<DeviceSpec> devices;  ///< devices; one that moves a joint comes before those on the joint
+  std::string name;                ///< name, unique in the world
+  std::vector<PartSpec> parts;     ///< parts in depth-first order; part 0 is the root
+  std::vector<JointSpec> joints;   ///< joints; each comes after its parent joint
+  std::optional<DriveSpec> drive;  ///< drive; not set: the bodies have none
+  /// Devices. A device that moves a joint comes before the devices that are mounted on the joint.
+  std::vector<DeviceSpec> devices;
   /// The controllers, in the order in which they decide in a tick. If several controllers command one drive,
   /// the last command counts.
   std::vector<ControllerSpec> controllers;
@@ -156,7 +157,7 @@ struct BodySpec {
 /// ids (docs/lives.md). They have the ids [first, first + count) and are all of one type. Each body gets its
 /// pose when it is born.
 struct ReserveSpec {
-  std::string population;   ///< name of the population, without number: "r" for the bodies "r0", "r1", ...
+  std::string population;   ///< name of the population: "r" for the bodies "r0", "r1", ...
   BodyId first;             ///< lowest id of the reserve
   std::uint32_t count = 0;  ///< number of bodies in the reserve
 };
@@ -201,7 +202,8 @@ struct WorldSpec {
   /// True: a program may remove and disable bodies, even if the world file has no reserve, intervention or
   /// fault.
   bool mortal = false;
-  /// Further names of bodies; no name occurs twice. In Stage, generated names remain as aliases.
+  /// Further names of bodies; no name occurs twice. For example, a model of a Stage file with the key `name`
+  /// can also be found under the name that Stage generates for it.
   std::vector<NamedBody> aliases;
   /// Parts that have a name independent of their body's name. The key is that name (in Stage: `name "/x"` in
   /// a child model).

@@ -41,7 +41,7 @@ struct WorldState {
     k_pose,      ///< Pose of the body
     k_velocity,  ///< Velocity of the drive
     k_command,   ///< Command to the drive
-    k_stall,     ///< Stall
+    k_stall,     ///< whether the last motion was blocked: Stall
   };
   /// Values of the component `stall`: what became of the last motion.
   enum Stall : std::uint8_t {
@@ -128,14 +128,14 @@ struct WorldState {
   ///@}
   /// Box in which motions must end, m, world frame.
   Box bounds() const;
-  /// The component `carrier` of a row. The world must have it.
+  /// The component `carrier` of a row. The world must have this component.
   ///@{
   Carried& carried(std::uint32_t row) { return tables[*carrier_table].as<Carried>(row); }
   const Carried& carried(std::uint32_t row) const { return tables[*carrier_table].as<Carried>(row); }
   ///@}
-  /// The component `life` of a row. The world must have it.
+  /// The component `life` of a row. The world must have this component.
   Life& life(Row row) { return tables[*life_table].as<Life>(row.index()); }
-  /// The component `condition` of a row. The world must have it.
+  /// The component `condition` of a row. The world must have this component.
   ///@{
   Condition& condition(Row row) { return tables[*condition_table].as<Condition>(row.index()); }
   const Condition& condition(Row row) const { return tables[*condition_table].as<Condition>(row.index()); }

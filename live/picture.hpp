@@ -15,11 +15,12 @@ namespace troupe::live {
 struct Picture {
   std::uint64_t number = 0;  ///< number of the picture, from 1
   std::string state;         ///< members of the JSON object that every client receives with the picture
-  /// Further members of this object, by client: the inspected robot and the plotted measure.
+  /// Further members of this object that only one client receives, by client: for example, the state of the
+  /// robot that the client inspects.
   std::map<std::uint64_t, std::string> own;
   /// The poses of the robots that the page shows: first all x, then all y, then all headings, then, if
-  /// heights can change, all z. Lengths are in steps of k_replay_step_m. A heading is in steps, k_replay_turn
-  /// per turn, from 0; k_gone: the robot is not in the world.
+  /// heights can change, all z. Lengths are in steps of k_replay_step_m. Headings are in steps of
+  /// 1 / k_replay_turn of a turn, from 0; a robot that is not in the world has the heading k_gone.
   std::vector<std::int32_t> poses;
   std::vector<std::uint8_t> colors;  ///< red, green, blue of each robot; empty if no body shows colours
   /// For each client that colours robots by a value: one byte per robot, see take_shades().
@@ -28,9 +29,9 @@ struct Picture {
 /// Heading of robots that are not in the world.
 inline constexpr std::int32_t k_gone = -1;
 
-/// Fills the poses and colours of a picture. order: the ids of the robots that the page shows, in its order;
-/// has_z: whether heights can change (both are members of worldio::LivePage). has_colors: whether robots show
-/// colours that change.
+/// Fills the poses and colours of a picture. order: the ids of the robots that the page shows, in the order
+/// of the page; has_z: whether heights can change (both are members of worldio::LivePage). has_colors:
+/// whether robots show colours that change.
 void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
           Picture& picture);
 

@@ -188,9 +188,11 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   void answer(const http::request<http::empty_body>& request) {
     host_ = view_of(request[http::field::host]);
     if (!server_.is_allowed(host_, socket_.socket())) {
-      server_.backend.refused("a request whose Host header is not this machine");
-      return respond(http::status::forbidden,
-                     "The Host header of this request does not name this machine.\n");
+      server_.backend.refused(
+          "a request whose Host header names neither this machine nor a host of --allow-host");
+      return respond(
+          http::status::forbidden,
+          "The Host header of this request names neither this machine nor a host of --allow-host.\n");
     }
     if (websocket::is_upgrade(request)) {
       const std::string_view origin = view_of(request[http::field::origin]);

@@ -39,10 +39,11 @@ class ViewBackend {
 class ViewServer {
  public:
   struct Options {
-    std::uint16_t port = 0;  ///< 0: any free port
+    std::uint16_t port = 0;  ///< TCP port; 0: any free port
     /// IP address on which the server listens. Empty: 127.0.0.1, and ::1 if the machine has it.
     std::string bind;
-    /// Names of proxies: the header `Host` of a request may contain one of them, or a name of this machine.
+    /// Names of proxies. The server refuses requests whose header `Host` names none of them and not this
+    /// machine.
     std::vector<std::string> hosts;
     std::string page;        ///< HTML of the page
     std::string token;       ///< token for full control
@@ -68,7 +69,7 @@ class ViewServer {
   /// one. May be called on any thread.
   void offer();
   /// Tells the server that a client has drawn a picture, so that the next picture may be sent to it. Call it
-  /// on the server's thread.
+  /// from functions of ViewBackend only, because it must run on the server's thread.
   void drawn(std::uint64_t client);
 
  private:

@@ -170,7 +170,8 @@ void View::Impl::received(std::uint64_t client, bool may_steer, std::string_view
   const auto what = json.is_object() ? json.value("do", Json()) : Json();
   if (!what.is_string()) {
     refused("a message without \"do\"");
-    return server_->send(client, R"({"type":"refused","reason":"a message must be an object with \"do\""})");
+    return server_->send(
+        client, R"({"type":"refused","reason":"a message must be a JSON object with the text \"do\""})");
   }
   if (what == "drawn") return server_->drawn(client);
   const auto id = json.value("id", Json());
@@ -188,7 +189,10 @@ void View::Impl::received(std::uint64_t client, bool may_steer, std::string_view
   }
   if (is_full)
     return server_->send(
-        client, fmt::format(R"({{"type":"refused",{}"reason":"too many messages are waiting"}})", said));
+        client,
+        fmt::format(
+            R"({{"type":"refused",{}"reason":"too many messages are waiting: send this one again later"}})",
+            said));
   wake_.notify_one();
 }
 
@@ -380,7 +384,7 @@ void View::Impl::obey(const Message& message) {
   }
 }
 
-/// Answers a request that changes nothing. Returns false if it is another request.
+/// Answers a request that changes nothing. Returns false if the request is of another sort.
 bool View::Impl::obey_question(const Request& request, std::uint64_t client) {
   if (request.what() != "parameters") return false;
   try {
@@ -402,7 +406,7 @@ void View::Impl::play(std::uint64_t ticks) {
   line_.clear();
 }
 
-/// Obeys a request that runs or pauses the world. Returns false if it is another request.
+/// Obeys a request that runs or pauses the world. Returns false if the request is of another sort.
 bool View::Impl::obey_clock(const Request& request) {
   if (request.what() == "play") {
     play(0);
@@ -434,7 +438,7 @@ bool View::Impl::obey_clock(const Request& request) {
   return true;
 }
 
-/// Obeys a request that changes what a viewer sees. Returns false if it is another request.
+/// Obeys a request that changes what a viewer sees. Returns false if the request is of another sort.
 bool View::Impl::obey_watch(const Request& request, Client& client) {
   const engine::World& world = simulation_.world();
   if (request.what() == "inspect") {
@@ -456,8 +460,8 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
     ColorValue color{.component = request.name("component"), .field = request.name("field"), .column = {}};
     if (request.has("column")) color.column = static_cast<std::uint32_t>(request.number("column", 0, 1e9));
     if (!has_value(world, color))
-      throw ActRefused(fmt::format("no field \"{}\" of the component \"{}\" with this column", color.field,
-                                   color.component));
+      throw ActRefused(fmt::format("there is no field \"{}\" with this column in the component \"{}\"",
+                                   color.field, color.component));
     client.color = std::move(color);
   } else if (request.what() == "layers") {
     client.layers = request.names("layers", layers_of(world));
@@ -467,8 +471,8 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
   return true;
 }
 
-/// Postpones a request that is possible only between two ticks to the end of the current tick. Returns false
-/// if it is another request.
+/// Postpones a request that is possible only between two ticks: its work is done when the current tick has
+/// ended. Returns false if the request is of another sort.
 bool View::Impl::postpone(const Request& request, std::uint64_t client) {
   using What = Job::What;
   Job job{.client = client, .id = request.id(), .seed = {}};
@@ -515,7 +519,8 @@ std::string View::Impl::do_job(const Job& job) {
 void View::Impl::restart(std::optional<std::uint64_t> seed) {
   if (!is_running_) throw ActRefused("a program steps this run, and only the program can restart it");
   if (simulation_.resumed_at_tick())
-    throw ActRefused("a run that began at a checkpoint cannot be restarted: end it, and start it again");
+    throw ActRefused(
+        "a run that began at a checkpoint cannot be restarted: end it, and resume the checkpoint again");
   const std::uint64_t end = simulation_.tick();
   stop_recording();
   if (seed)
@@ -565,7 +570,8 @@ fs::path View::Impl::new_file(std::string_view what) const {
         folder_ / (i == 1 ? fmt::format("{}.{}.h5", stem, what) : fmt::format("{}.{}-{}.h5", stem, what, i));
     if (!fs::exists(file)) return file;
   }
-  throw ActRefused(fmt::format("the folder already has {} files of this kind", k_most_files));
+  throw ActRefused(fmt::format(
+      "the folder already has {} files of this kind: move some of them to another folder", k_most_files));
 }
 
 std::string View::Impl::save_checkpoint() {
@@ -598,7 +604,7 @@ void View::Impl::limit_recording() {
   const std::uintmax_t size = fs::file_size(recording_, error);
   if (error || file_bytes_ + size < k_most_file_bytes) return;
   if (report_)
-    report_(fmt::format("{}: the recording ends, because the files of viewers have reached 10 GB",
+    report_(fmt::format("{}: the recording ends, because the files that viewers requested have reached 10 GB",
                         recording_.string()));
   stop_recording();
 }

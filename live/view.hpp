@@ -18,8 +18,8 @@ namespace troupe::live {
 inline constexpr double k_least_rate = 0.001;
 inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may request
 
-/// Shows a running simulation in browsers, where users can pause, change and command it (docs/live.md), and
-/// writes what they do to a session file:
+/// Shows a running simulation in browsers, where users can pause it, change it and drive its robots
+/// (docs/live.md). Writes the actions of the users to a session file:
 ///
 ///     troupe::Simulation simulation("cave.world", {.mortal = true});
 ///     troupe::live::View view(simulation);
@@ -27,7 +27,7 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 ///     view.run();
 ///
 /// Or the program steps the simulation itself. Each step then waits while a user has paused the run, and
-/// applies what users have commanded. The simulation never waits for a browser.
+/// applies the commands of the users. The simulation never waits for a browser.
 ///
 /// The view replaces the callback of Simulation::before_tick(). The simulation must outlive the view. Not
 /// thread-safe, but it serves the page on a thread of its own.
@@ -35,19 +35,19 @@ class View {
  public:
   /// Options of a view. All have a default.
   struct Options {
-    std::uint16_t port = 0;  ///< 0: any free port
-    /// IP address on which the server listens; empty: 127.0.0.1, and ::1 if the machine has it, which only
-    /// this machine can reach. With any other address, other machines can reach the page, and the connection
-    /// is not encrypted.
+    std::uint16_t port = 0;  ///< TCP port; 0: any free port
+    /// IP address on which the server listens. Empty: 127.0.0.1, and ::1 if the machine has it; other
+    /// machines cannot reach these two. With any other address, other machines can reach the page, and the
+    /// connection is not encrypted.
     std::string bind;
     std::vector<std::string> hosts;  ///< names of proxies through which browsers reach the page
     double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
     std::filesystem::path folder;    ///< folder for the session file, and for files that viewers request
     /// Returns true to end run(), and to end the wait of a step while the run is paused. Called at least
-    /// every 50 ms, on the thread that steps. Null: they never end in this way.
+    /// every 50 ms, on the thread that steps. Null: the same as a function that returns false.
     std::function<bool()> is_over;
-    /// Called with one line of text when a request is refused for the first time, and when a recording ends
-    /// early. May be called on the thread of the server. Null: such texts are dropped.
+    /// Called with one line of text when a request is refused (once for each reason), and when a recording
+    /// ends early. May be called on the thread of the server. Null: such texts are dropped.
     std::function<void(const std::string&)> report;
   };
   /// Starts the server and creates the session file. Throws std::runtime_error if the address or the port is
@@ -66,9 +66,9 @@ class View {
   /// Path of the session file. A restart begins a new file.
   std::filesystem::path session() const;
 
-  /// Waits for the first viewer that may steer, and then steps, pauses and changes the simulation as viewers
-  /// command, until Options::is_over returns true or a condition of the world's `stop_when` holds. Throws as
-  /// Simulation::step() does, and std::runtime_error if the session cannot be written.
+  /// Waits for the first viewer with full control, and then steps, pauses and changes the simulation as
+  /// viewers command, until Options::is_over returns true or a condition of the world's `stop_when` holds.
+  /// Throws as Simulation::step() does, and std::runtime_error if the session cannot be written.
   void run();
 
  private:

@@ -119,7 +119,7 @@ class View::Impl : private ViewBackend {
 
   // Used only by the simulation's thread.
   std::map<std::uint64_t, Client> clients_;
-  std::map<std::string, std::uint64_t> holders_;  // held robot -> the client that holds it
+  std::map<std::string, std::uint64_t> holders_;  // name of a robot that a viewer drives -> that client
   bool playing_ = false;
   bool has_begun_ = false;
   bool is_running_ = false;      // true: run() steps the simulation; false: the program does

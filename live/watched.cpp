@@ -23,7 +23,7 @@ using engine::StateTable;
 using WatchedJson = nlohmann::ordered_json;
 
 constexpr std::uint32_t k_most_values =
-    2048;  // of a field; excludes most of a camera image, whose numbers are of no use here
+    2048;  // shown of a field: leaves out most of a camera image, whose numbers are of no use here
 constexpr std::uint32_t k_few = 4;           // columns of a field that are listed one by one
 constexpr std::size_t k_most_lines = 20000;  // lines of a layer
 

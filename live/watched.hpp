@@ -17,8 +17,9 @@ namespace troupe::live {
 
 // The data that a viewer requests in addition to the poses and colours of all robots (docs/live.md).
 
-/// Returns the state of a body as JSON: pose, all fields of all its components, and the ranges of its
-/// rangers.
+/// Returns the state of a body as JSON: name, pose, the fields of all its components, the ranges of its
+/// rangers, and the commands to its devices. For a body without a row (see Row), such as a wall, only the
+/// name and whether it is alive.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.
@@ -30,10 +31,10 @@ struct ColorValue {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
 };
-/// Returns the fields by which robots can be coloured, as JSON objects: component, field, unit, text,
-/// columns.
+/// Returns the fields by which robots can be coloured, as a JSON list of objects with the members component,
+/// field, unit, text (a description) and columns. `columns` is 0 if the field has too many columns to list.
 nlohmann::ordered_json color_values(const engine::World& world);
-/// Whether the state has the value that `color` names.
+/// Whether the state has the component, field and column that `color` names.
 bool has_value(const engine::World& world, const ColorValue& color);
 /// Fills `shades` with one byte per robot of the page: 1 for the least value, 255 for the largest, and 0 for
 /// robots that do not have the value or are not in the world. Updates `least` and `most` of `color`. places:

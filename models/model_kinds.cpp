@@ -51,7 +51,8 @@ std::vector<engine::ModelKind> model_kinds() {
        .color = red,
        .device = "lightindicator"},
       {.name = "model",
-       .text = "a body without a sensor or a drive; models of the other kinds have its properties too",
+       .text = "a body without a sensor or a drive; models of the other kinds also have the properties of "
+               "this kind",
        .size = base,
        .color = red},
       {.name = "position", .text = "a body with a drive", .size = base, .color = red},

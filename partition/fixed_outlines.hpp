@@ -19,8 +19,8 @@ struct FixedEdge {
 /// The outlines of the static scene, for rangers and other sensors. They are divided into pieces: short
 /// chains of edges, each with an enclosing circle. The circles are indexed by the grid cell of their centre.
 /// A ranger skips a piece if its beams cannot reach the circle of the piece, as it does for bodies. An edge
-/// longer than the width of a piece is a piece of its own with several circles. The edge is not cut, because
-/// cutting would change the bits of readings.
+/// longer than `piece_m` (see the constructor) is a piece of its own with several circles. The edge is not
+/// cut, because cutting would change the bits of readings.
 class FixedOutlines {
  public:
   FixedOutlines() = default;

@@ -10,8 +10,8 @@
 
 namespace troupe::partition {
 
-/// Transports between ranks (the members that compute one world together, see Transport) that are threads of
-/// this process. Each rank has a mailbox to which the other ranks add messages.
+/// Transports (partition/transport.hpp) for ranks that are threads of this process. Ranks compute one world
+/// together. Each rank has a mailbox to which the other ranks add messages.
 class Mailboxes {
  public:
   /// seed: if it is given, messages arrive late and in a shuffled order that depends on it, as they may on a
@@ -25,7 +25,7 @@ class Mailboxes {
 
   Transport& of(unsigned rank);  ///< the transport of a rank; valid while this object lives
   /// Makes every waiting and later call of receive() that finds no message throw RankError with this text, on
-  /// all ranks. Called if a rank fails. Only the first text counts. Thread-safe.
+  /// all ranks. Call it if a rank fails. Only the first text counts. Thread-safe.
   void close(const std::string& reason);
 
  private:

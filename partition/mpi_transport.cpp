@@ -42,8 +42,8 @@ const troupe_mpi& load(const std::filesystem::path& module) {
                              ": not an MPI module of Troupe: it has no function troupe_mpi_module");
   const troupe_mpi& found = *reinterpret_cast<decltype(&troupe_mpi_module)>(symbol)();
   if (found.interface != TROUPE_MPI_INTERFACE)
-    throw std::runtime_error(module.string() +
-                             ": this MPI module was compiled for another version of Troupe");
+    throw std::runtime_error(
+        module.string() + ": this MPI module was compiled for another version of Troupe; compile it again");
   return found;
 }
 

@@ -34,9 +34,9 @@ bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 /// heap.
 class PlacedShape {
  public:
-  /// The shape must outlive the object. z: height of its frame, metres, world frame.
+  /// Places a shape, which must outlive the object. z: height of the shape's frame, metres, world frame.
   PlacedShape(const ObstacleShape& shape, const Transform& transform_world_body, double z);
-  /// The shape must outlive the object.
+  /// Places a shape, which must outlive the object.
   PlacedShape(const ObstacleShape& shape, const Pose& pose_world_body)
       : PlacedShape(shape, Transform(pose_world_body), pose_world_body.z) {}
   PlacedShape(const PlacedShape&) = delete;

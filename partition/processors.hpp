@@ -7,7 +7,7 @@ namespace troupe::partition {
 
 /// The number of processors that the calling thread may use, at least 1. It counts the processors in the
 /// affinity mask of the thread (set by taskset, SLURM or cpusets), but returns at most processor_quota(),
-/// rounded up. May be far below the number of processors of the machine. Reads a few small files.
+/// rounded up. The result may be far below the number of processors of the machine. Reads a few small files.
 unsigned processors_allowed();
 
 /// The processor time that Linux control groups grant this process, in processors: 1.5 means 150 ms of

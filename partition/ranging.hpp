@@ -119,8 +119,8 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
   return edge;
 }
 
-/// A set of beams of a fan: bit i is set if beam i is in the set. Functions ignore the sets for a scan, whose
-/// beams are found by their angles.
+/// A set of beams of a fan: bit i is set if beam i is in the set. For a scan, functions ignore the set and
+/// find the beams by their angles.
 using BeamSet = std::uint32_t;
 /// The set of all beams of a fan; for a scan all bits.
 inline BeamSet all_beams(const Fan& fan) {

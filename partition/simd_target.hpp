@@ -8,7 +8,8 @@ namespace troupe::partition {
 
 /// The instruction sets that the kernels of the exact ray engine are compiled for. All of them give the same
 /// bits and differ only in speed. Names: scalar (no vectors), ssse3, sse4, avx2, avx512 on x86-64; scalar,
-/// neon, sve, sve2, sve_256, sve2_128 on Arm; others as Highway calls them, in lower case.
+/// neon, sve, sve2, sve_256, sve2_128 on Arm; on other processors as the library Highway calls them, in lower
+/// case.
 struct SimdTargets {
   std::vector<std::string> usable;   ///< compiled in and supported by this processor, the best first
   std::vector<std::string> missing;  ///< compiled in but not supported by this processor

@@ -118,10 +118,10 @@ class TileDirectory {
   std::vector<Cell> tiles_;
 };
 
-/// Visits the rectangle of cells from low to high, both included, as far as its tiles are in the directory.
-/// The part of a row of cells that is in one tile is a run. For each run, calls visit(slot of the tile, index
-/// in the tile of the first cell, index one past that of the last cell, first cell); see
-/// GridGeometry::in_tile().
+/// Visits those cells of the rectangle from low to high, both included, whose tiles are in the directory.
+/// They are visited in runs: a run is the part of a row of cells that is in one tile. For each run, calls
+/// visit(slot of the tile, index in the tile of the first cell, index one past that of the last cell, first
+/// cell); see GridGeometry::in_tile().
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell low, Cell high,
                   Visit&& visit) {

@@ -53,7 +53,8 @@ class EdgeGrid {
   std::vector<FixedEdge> edges_;       // in (tile, cell) order
 };
 
-/// The static scene: the solids that never move. Provides outlines for rays, overlap tests and clearances.
+/// The static scene: the solids that never move. It provides their outlines for rays, tests whether a shape
+/// overlaps them, and distances to them.
 class StaticScene {
  public:
   StaticScene() = default;

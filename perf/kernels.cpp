@@ -236,7 +236,7 @@ BENCHMARK(build_world)
 
 /// Measures the sense phase. In each iteration, all sensors of every robot sense once, in the state after ten
 /// ticks. This includes the search for walls and bodies within range, the tests that discard some of them,
-/// and the computation of where the beams meet the others.
+/// and the intersection of the beams with the rest.
 void sweep(benchmark::State& state, const char* world_file, std::size_t robots) {
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t k_most_robots = 100000;
 
-/// The hospital with so many robots, and the order in which pages list them.
+/// The hospital with a given number of robots, and the order in which pages list these robots.
 struct Shown {
   Simulation simulation;
   worldio::LivePage page;

@@ -91,8 +91,8 @@ class Progress {
 };
 
 /// Removes from the plan the rows that the regular expression `only` does not select and the rows that cannot
-/// run here. Keeps the empty world if another loading row is kept. Adds the reasons why rows cannot run to
-/// `skipped`.
+/// run here. If a row about loading is kept, the row of the world without robots is kept too, because its
+/// memory is compared with that of the other rows. Adds the reasons why rows cannot run to `skipped`.
 void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipped) {
   const std::regex wanted(only);
   std::erase_if(plan.cases, [&](const Case& one) { return !std::regex_search(row_name(one), wanted); });

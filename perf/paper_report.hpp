@@ -43,9 +43,9 @@ struct Sheet {
 
 /// The speed-up of a row on several threads.
 struct Scaling {
-  const Timing* timing;
-  double speedup;  ///< wall time on one thread divided by wall time on several
-  double probe;    ///< speed-up of the same number of threads in probe_s(): the limit of the machine
+  const Timing* timing;  ///< the measurements of the row on several threads
+  double speedup;        ///< wall time on one thread divided by wall time on several
+  double probe;          ///< speed-up of probe_s() on the same number of threads: the limit of the machine
 };
 /// The speed-ups of all rows that were measured on one thread and on several.
 std::vector<Scaling> scalings(const Report& report);

@@ -13,7 +13,8 @@
 
 namespace troupe::perf {
 
-/// Measurements of a run (a row of a table). Members whose comments name no repetition are of the last one.
+/// Measurements of a run, which is a row of a table. Members whose comments do not mention repetitions hold
+/// values of the last repetition.
 struct Timing {
   Run run;
   std::size_t robots = 0;

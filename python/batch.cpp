@@ -13,8 +13,9 @@
 namespace troupe::python {
 namespace {
 
-/// A batch owned by Python. Arrays that refer to its memory keep it alive. It steps without the interpreter's
-/// lock, so that other Python threads can run; if they call it meanwhile, use() throws.
+/// A batch owned by Python. Arrays that refer to its memory keep it alive. The batch steps without the
+/// interpreter's lock, so that other Python threads can run. use() throws if one of them calls it during a
+/// step.
 class HeldBatch {
  public:
   explicit HeldBatch(BatchEnv&& batch) : batch_(std::move(batch)) {}
@@ -45,8 +46,8 @@ class HeldBatch {
 };
 using BatchHolder = std::shared_ptr<HeldBatch>;
 
-/// Reads the members of a dict. Members that the dict does not have keep their values. finish() throws for
-/// members that no call of read() named.
+/// Reads the members of a dict into variables. A variable keeps its value if the dict lacks its member.
+/// finish() throws if the dict has members that were not read.
 class Members {
  public:
   Members(std::string what, const py::handle& given) : what_(std::move(what)) {
@@ -197,8 +198,8 @@ std::vector<std::uint8_t> marks_of(const std::optional<py::array>& given, const 
   if (given->dtype().kind() != 'b' || given->ndim() != 1 ||
       static_cast<std::size_t>(given->size()) != batch.copies())
     throw py::value_error(fmt::format(
-        "{}: give an array of one bool for each of the {} copies, not {} of shape {}", name, batch.copies(),
-        std::string(py::str(given->dtype())), std::string(py::str(given->attr("shape")))));
+        "{}: give an array of one bool for each of the {} copies, not of {} with shape {}", name,
+        batch.copies(), std::string(py::str(given->dtype())), std::string(py::str(given->attr("shape")))));
   const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*given);
   return {marks.data(), marks.data() + marks.size()};
 }
@@ -238,8 +239,8 @@ void bind_batch(py::module_& module) {
                          found.bytes, b, false);
           },
           py::arg("name"), py::arg("team") = 0,
-          "The array of this name of a team, with observations after the last step, read-only: copies x "
-          "robots x columns.")
+          "Returns the array that the spec of a team calls `name`: the values after the last step, copies x "
+          "robots x columns,\nread-only.")
       .def(
           "actions",
           [](const BatchHolder& b, std::size_t team) {
@@ -252,8 +253,8 @@ void bind_batch(py::module_& module) {
                 actions, b, true);
           },
           py::arg("team") = 0,
-          "The actions of the next step: copies x robots x actions, numbers from -1 to 1. The caller writes "
-          "them.")
+          "Returns the array into which the caller writes the actions of the next step: copies x robots x "
+          "actions, numbers\nfrom -1 to 1.")
       .def(
           "rewards",
           [](const BatchHolder& b, std::size_t team) {
@@ -294,11 +295,11 @@ void bind_batch(py::module_& module) {
             BatchEnv& batch = b->use();
             return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
           },
-          "One bool per copy: whether the copy is over, that is, truncated, or all its robots in teams are "
-          "finished.")
+          "One bool per copy: whether its episode is over, that is, truncated, or finished for all robots of "
+          "all teams.")
       .def_property_readonly(
           "measure_columns", [](const BatchHolder& b) { return b->use().measure_columns(); },
-          "Names of the columns of `measures`, with their units.")
+          "Names of the columns of the array `measures`, with their units.")
       .def_property_readonly(
           "measures",
           [](const BatchHolder& b) {
@@ -314,7 +315,7 @@ void bind_batch(py::module_& module) {
             BatchEnv& batch = b->use();
             return shown(py::dtype::of<std::uint64_t>(), {extent(batch.copies())}, batch.seeds(), b, false);
           },
-          "One seed per copy: that of its current episode.")
+          "One seed per copy: the seed of its current episode.")
       .def(
           "reset",
           [](const BatchHolder& b, const Marks& which, const Seeds& seeds) {
@@ -323,8 +324,8 @@ void bind_batch(py::module_& module) {
           },
           py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
           "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed per "
-          "copy. A copy\nwithout a seed (None, or no list) begins its next episode, whose seed is derived "
-          "from the seed that was given last.")
+          "copy. A copy\nwithout a seed (None, or an empty list) begins its next episode, whose seed is "
+          "derived from the seed that the copy was\ngiven last.")
       .def(
           "step",
           [](const BatchHolder& b, const Marks& begins) {

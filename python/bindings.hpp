@@ -42,8 +42,8 @@ class Unlocked {
 /// The signal stays pending, so that Python raises KeyboardInterrupt later.
 bool is_interrupted();
 
-/// Calls the Python function `function` with one argument. If the interpreter exits meanwhile, a daemon
-/// thread blocks in this call until the process ends, as in Unlocked.
+/// Calls the Python function `function` with one argument. If the interpreter exits during the call, a daemon
+/// thread blocks in it until the process ends, for the reason that Unlocked explains.
 py::object call(py::handle function, py::handle argument);
 
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
@@ -57,13 +57,13 @@ class Held {
   /// Returns the simulation. The caller must hold the interpreter's lock. Throws std::logic_error while
   /// another thread steps the simulation.
   Simulation& use();
-  /// Makes `ticks` ticks. Checks for signals regularly, so that Ctrl-C interrupts it between two ticks.
+  /// Makes `ticks` ticks. Checks for signals regularly, so that Ctrl-C ends the run between two ticks.
   /// to_its_end: whether to stop early if a stop condition of the world ends the run.
   void step(std::uint64_t ticks, bool to_its_end = false);
-  /// Calls `task` without the interpreter's lock, as one long step that other threads must not interrupt.
-  /// Raises KeyboardInterrupt afterwards if Ctrl-C was pressed.
+  /// Calls `task` without the interpreter's lock. Until it returns, use() throws, as during a step. Raises
+  /// KeyboardInterrupt afterwards if Ctrl-C was pressed.
   void work(const std::function<void(Simulation&)>& task);
-  /// The simulation, for code that is called in a step.
+  /// The simulation, for code that runs during a step, in which use() throws.
   const Simulation& use_while_stepping() const { return simulation_; }
   /// Returns the simulation as use() does, for functions that a callback of on_tick() must not call. Throws
   /// std::logic_error in such a callback. what: name of the function, for the error text.
@@ -132,7 +132,7 @@ std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
 
-/// Returns the scripts that Python describes (python/troupe/_script.py): `sources` is a list of files and of
+/// Loads the controllers and measures of scripts (python/troupe/_script.py). sources: a list of files and of
 /// classes of controllers. Throws InputError.
 std::vector<std::shared_ptr<const Script>> scripts_of(const py::list& sources);
 
@@ -143,7 +143,7 @@ py::dtype dtype_of(engine::Element element);
 void bind_exit();
 /// Adds the exceptions of the module and maps C++ exceptions to Python exceptions.
 void bind_errors(py::module_& module);
-/// Returns an energy as a dict whose keys are the names of its members.
+/// Converts the energies of power packs, J, to a dict whose keys are the names of the members.
 py::dict dict_of(const Model::Energy& energy);
 
 // Each of the following functions adds classes and functions to the module.

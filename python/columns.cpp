@@ -47,7 +47,7 @@ std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots) {
   if (!where) return {};
   if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)
     refuse(fmt::format("where, of {},", std::string(py::str(where->dtype()))), *where, robots,
-           "one bool for each");
+           "one bool per robot");
   const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*where);
   return {marks.data(), marks.data() + marks.size()};
 }
@@ -77,8 +77,8 @@ py::array rows_for(const engine::StateField& field, const py::handle& value, py:
   if (!fits)
     refuse(fmt::format("\"{}\"", field.name), py::array(numpy.attr("asarray")(value)),
            static_cast<std::size_t>(robots),
-           columns == 1 ? "one number, or one for each"
-                        : fmt::format("{} numbers, or {} for each", columns, columns));
+           columns == 1 ? "one number, or one per robot"
+                        : fmt::format("{} numbers, or {} per robot", columns, columns));
   const py::array made = given.attr("astype")(dtype_of(field.element));
   const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
   if (is_whole && !numpy.attr("array_equal")(made, given).cast<bool>())
@@ -98,10 +98,10 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
   }
   const py::array rows = py::module_::import("numpy").attr("ascontiguousarray")(message);
   if (rows.ndim() == 0 || rows.shape(0) != robots)
-    refuse("message", rows, static_cast<std::size_t>(robots), "bytes, or one row for each");
+    refuse("message", rows, static_cast<std::size_t>(robots), "a `bytes`, or one row per robot");
   const py::ssize_t length = robots > 0 ? rows.nbytes() / robots : 0;
   const auto field = std::ranges::find(fields, "payload", &engine::StateField::name);
-  if (field == fields.end()) throw std::out_of_range(fmt::format("\"{}\" is not a radio", device));
+  if (field == fields.end()) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));
   const auto columns = static_cast<py::ssize_t>(field->columns);
   if (length > columns)
     throw py::value_error(

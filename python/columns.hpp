@@ -16,8 +16,8 @@ namespace troupe::python {
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Where = std::optional<py::array>;
 
-/// Throws ValueError for an argument of a wrong shape. name: of the argument; given: its value; robots: the
-/// number of robots; wanted: text that says what is expected instead, such as "one number, or one for each".
+/// Throws ValueError for an argument of a wrong shape. name: name of the argument; given: its value; robots:
+/// number of robots; wanted: text that says what is expected, such as "one number, or one per robot".
 [[noreturn]] void refuse(std::string_view name, const py::array& given, std::size_t robots,
                          std::string_view wanted);
 
@@ -28,7 +28,7 @@ class Column {
   Column(std::string_view name, const Numbers& numbers, std::size_t robots)
       : first_(numbers.data()), step_(numbers.ndim() == 0 ? 0 : 1) {
     if (numbers.ndim() > 1 || (numbers.ndim() == 1 && static_cast<std::size_t>(numbers.size()) != robots))
-      refuse(name, numbers, robots, "one number, or one for each");
+      refuse(name, numbers, robots, "one number, or one per robot");
   }
   double operator[](std::size_t i) const { return first_[i * step_]; }
 
@@ -37,13 +37,13 @@ class Column {
   std::size_t step_;
 };
 
-/// Converts the argument `where` of a command to the form of Swarm: one byte per robot, 0 skips the robot;
-/// empty: all robots.
+/// Converts the argument `where` of a command to what Swarm takes: one byte per robot, 0 if the command skips
+/// the robot; empty if it is for all robots.
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots);
 
 /// Returns a new array for a field: shape (robots,) or, if the field has several columns, (robots, columns).
 py::array empty_rows(const engine::StateField& field, py::ssize_t robots);
-/// The memory of a contiguous array.
+/// The memory of a contiguous array, as bytes; valid while the array exists.
 std::span<std::byte> bytes_of(py::array& array);
 std::span<const std::byte> const_bytes_of(const py::array& array);
 

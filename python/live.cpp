@@ -69,9 +69,9 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
                              "Address of the page for read-only access.")
       .def_property_readonly("session", &HeldView::session, "Path of the session file.")
       .def("run", &HeldView::run, py::arg("for_s") = py::none(),
-           "Waits for the first user, and then steps the simulation as users command, for `for_s` seconds of "
-           "world time, or until\na stop condition of the world holds; None: without a limit of time. Ctrl-C "
-           "ends it with KeyboardInterrupt.")
+           "Waits until the first user connects, and then steps the simulation as users command, until "
+           "`for_s` seconds of world\ntime have passed (None: no limit) or a stop condition of the world "
+           "holds. Ctrl-C ends the run with KeyboardInterrupt.")
       .def("close", &HeldView::close, "Ends the session and disconnects all users.");
   simulation.def(
       "view",
@@ -88,10 +88,10 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       py::kw_only(), py::arg("port") = 0, py::arg("rate") = 1.0, py::arg("out") = fs::path(),
       py::arg("bind") = "", py::arg("hosts") = std::vector<std::string>(),
       "Shows the simulation in a browser and returns a View with the address of the page. Either View.run() "
-      "steps the\nsimulation, or the program does; steps of the program wait while a user has paused the "
-      "run. `rate` limits the speed,\ntimes real time; 0 is no limit. The session file is created in the "
-      "folder `out`. Users can remove and disable robots\nonly in a world with \"mortal\": true. port, bind "
-      "and hosts are the options --port, --bind and --allow-host of\n`troupe view` (docs/live.md).");
+      "steps the\nsimulation, or the program calls step(), which waits while a user has paused the run. "
+      "`rate` limits the speed to a\nmultiple of real time; 0 is no limit. The session file is created in "
+      "the folder `out`. Users can remove and disable robots\nonly in a world with \"mortal\": true. port, "
+      "bind and hosts are the options --port, --bind and --allow-host of\n`troupe view` (docs/live.md).");
 }
 
 }  // namespace troupe::python

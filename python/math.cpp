@@ -45,7 +45,7 @@ void sum_rows(const double* first, std::size_t rows, std::size_t columns, double
 
 /// Returns the sums over the last axis of an array, added in ascending order of the index.
 py::array_t<double> ordered_sum(const Numbers& values) {
-  if (values.ndim() == 0) throw py::value_error("ordered_sum() of a single number: give an array");
+  if (values.ndim() == 0) throw py::value_error("ordered_sum() takes an array, found a single number");
   const std::vector<py::ssize_t> shape(values.shape(), values.shape() + values.ndim() - 1);
   py::array_t<double> sums(shape);
   sum_rows(values.data(), static_cast<std::size_t>(sums.size()),

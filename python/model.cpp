@@ -31,7 +31,7 @@ py::array elements_of(const engine::StateField& field, const py::handle& value) 
       numpy.attr("ascontiguousarray")(given.attr("reshape")(-1).attr("astype")(dtype_of(field.element)));
   if (made.size() != static_cast<py::ssize_t>(field.columns))
     throw py::value_error(
-        fmt::format("\"{}\" takes {} numbers, found {}", field.name, field.columns, made.size()));
+        fmt::format("\"{}\" takes exactly {} numbers, found {}", field.name, field.columns, made.size()));
   const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
   if (is_whole && !numpy.attr("array_equal")(made, given.attr("reshape")(-1)).cast<bool>())
     throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
@@ -50,8 +50,8 @@ py::dict command(HeldModel& m, const std::string& device, const py::kwargs& valu
     if (field == asked.fields.end()) {
       std::vector<std::string_view> known;
       for (const engine::StateField& each : asked.fields) known.push_back(each.name);
-      throw std::out_of_range(
-          unknown_name(fmt::format("command of \"{}\" of \"{}\"", device, m.model.name()), name, known));
+      throw std::out_of_range(unknown_name(
+          fmt::format("command field (device \"{}\" of \"{}\")", device, m.model.name()), name, known));
     }
     set.emplace_back(&*field, elements_of(*field, value));
   }
@@ -171,9 +171,9 @@ void bind_models(py::module_& module) {
           [](HeldModel& m, const std::string& sensor) { return view(m.use().ranges(sensor), m.held); },
           py::arg("sensor") = "",
           "Ranges that the ranger named `sensor` measured, m, float32, one per beam; an empty name means the "
-          "first sensor.\nThe array refers to the memory of the simulation: its content changes with each "
-          "step. Raises LookupError if\nthere is no such sensor, and RuntimeError if it does not run (see "
-          "Simulation.subscribe()).")
+          "first sensor,\nwhich must then be a ranger.\nThe array refers to the memory of the simulation: "
+          "its content changes with each step. Raises LookupError if\nthere is no such sensor, and "
+          "RuntimeError if it does not run (see Simulation.subscribe()).")
       .def(
           "intensities",
           [](HeldModel& m, const std::string& sensor) { return view(m.use().intensities(sensor), m.held); },
@@ -192,8 +192,8 @@ void bind_models(py::module_& module) {
             return std::vector<engine::StateField>(fields.begin(), fields.end());
           },
           py::arg("device"),
-          "The fields of a device that readings() can return: a list of Field (name, columns, dtype, unit, "
-          "description).")
+          "The fields of a device that readings() can return: a list of Field, whose member `text` describes "
+          "the field.")
       .def("command", &command, py::arg("device"),
            "Sets fields of the command of a device by name: robot.command(\"lamp\", shows=1, red=1). Other "
            "fields of the\ncommand keep their values. The command applies from the next step on. Returns the "
@@ -203,8 +203,8 @@ void bind_models(py::module_& module) {
           "random", [](HeldModel& m, const std::string& name) { return m.use().random(name); },
           py::arg("name"),
           "Returns a random number stream that depends only on the seed of the simulation, `name`, the robot "
-          "and the\ncurrent tick. A second call in the same tick returns the same numbers: use one name per "
-          "purpose.")
+          "and the\ncurrent tick. A second call with this name in the same tick returns the same numbers: "
+          "use one name per purpose.")
       .def(
           "energy",
           [](HeldModel& m) -> py::object {

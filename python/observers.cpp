@@ -24,7 +24,7 @@ using Wanted = std::variant<std::string, py::dict, py::function>;
 struct HeldMeasures {
   Holder held;
   std::optional<Measures> measures;     ///< not set: all columns are functions
-  std::vector<py::object> functions;    ///< per column: the function; null: the next one of `measures`
+  std::vector<py::object> functions;    ///< per column: the function; null: the next column of `measures`
   std::vector<std::string> names = {};  ///< per column
 
   void see() {
@@ -172,8 +172,8 @@ void bind_observers(py::module_& module) {
             return HeldRecording{held, Recording::resume(file, held->use())};
           },
           py::arg("file"), py::arg("simulation").none(false),
-          "Continues the recording of a run that was resumed from a checkpoint, from the current tick on. "
-          "Frames after the\ncurrent tick are removed.")
+          "Continues an existing recording, for a run that was resumed from a checkpoint, from the current "
+          "tick on. Frames\nafter the current tick are removed from the file.")
       .def(
           "observe", [](HeldRecording& r) { r.recording.observe(r.held->use()); },
           "Records the current state if its tick is a multiple of the recording interval. Call it after each "

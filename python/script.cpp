@@ -27,7 +27,7 @@
 #include <vector>
 
 /// Controllers and measures that are written in Python. python/troupe/_script.py reads a script and describes
-/// them; this file makes kinds of the engine from the descriptions.
+/// them; this file makes kinds of controllers and measures from the descriptions.
 namespace troupe::python {
 namespace {
 
@@ -41,8 +41,8 @@ constexpr std::size_t k_most_kinds = 64;  // controllers, and measures, in a pro
 struct PythonController {
   std::string name, text, file;
   py::object decide;                             ///< a bound method: decide(robots)
-  py::dtype memory;                              ///< of a row: a structured type
-  std::string start;                             ///< the bytes of a row at the start
+  py::dtype memory;                              ///< structured type of the memory of one robot
+  std::string start;                             ///< initial bytes of the memory of one robot
   std::optional<std::vector<std::string>> uses;  ///< names or kinds of the devices; not set: all
 };
 
@@ -92,7 +92,7 @@ void call_script(const std::string& file, Call&& function) {
 struct UsedDevice {
   std::string name;
   std::vector<StateField> readings, command;
-  std::vector<double> bearings;  ///< of a ranger
+  std::vector<double> bearings;  ///< of the beams, rad, frame of the ranger; empty for other devices
 };
 
 /// ControllerKind::Prepared::data of a controller in Python.
@@ -106,7 +106,7 @@ struct Film {
   std::unique_ptr<apps::Ffmpeg> ffmpeg;
 };
 
-/// The robots of a call of decide(). It can be used only during this call.
+/// The robots of a call of decide(). The object can be used only during this call.
 class RobotBatch {
  public:
   RobotBatch(const PreparedController& prepared, const DecideBatch& batch)
@@ -118,7 +118,7 @@ class RobotBatch {
       std::memcpy(static_cast<std::byte*>(memory_.mutable_data()) + i * row, batch.memory(i), row);
   }
 
-  /// Stores the memories. The object cannot be used afterwards.
+  /// Copies the array `memory` to the engine. The object cannot be used afterwards.
   void finish() {
     const auto row = static_cast<std::size_t>(prepared_.controller->memory.itemsize());
     if (batch_->memories.first != nullptr)
@@ -275,7 +275,8 @@ void RobotBatch::command(const std::string& device, const Where& where, const py
     if (field == fields.end()) {
       std::vector<std::string_view> known;
       for (const StateField& each : fields) known.push_back(each.name);
-      throw std::out_of_range(unknown_name(fmt::format("command of \"{}\"", device), name, std::move(known)));
+      throw std::out_of_range(
+          unknown_name(fmt::format("command field (device \"{}\")", device), name, std::move(known)));
     }
     set.emplace_back(&*field, rows_for(*field, value, size()));
   }
@@ -314,17 +315,16 @@ Result<ControllerKind::Prepared> prepare(const PythonController& controller,
       std::size_t d = 0;
       while (d < devices.size() && !fits(d)) ++d;
       if (d == devices.size())
-        return Error{fmt::format(
-            "uses the device \"{}\", which the type does not have (as a name or as a kind)", wanted)};
+        return Error{
+            fmt::format("uses the device \"{}\", but no device of the type has this name or kind", wanted)};
       chosen.push_back(d);
     }
   } else {
     for (std::size_t d = 0; d < devices.size(); ++d) chosen.push_back(d);
   }
   if (chosen.size() > engine::k_most_devices_read)
-    return Error{
-        fmt::format("uses {} devices, and at most {} are possible: name those that it needs in `uses`",
-                    chosen.size(), engine::k_most_devices_read)};
+    return Error{fmt::format("uses {} devices, but at most {} are allowed: list the needed devices in `uses`",
+                             chosen.size(), engine::k_most_devices_read)};
   PreparedController prepared{&controller, {}};
   for (const std::size_t d : chosen)
     prepared.devices.push_back({std::string(devices[d].name), devices[d].prepared.percepts,
@@ -484,17 +484,17 @@ std::vector<std::shared_ptr<const Script>> scripts_of(const py::list& sources) {
 void bind_script(py::module_& module) {
   py::class_<RobotBatch, std::shared_ptr<RobotBatch>>(
       module, "Robots",
-      "The robots for which a controller decides, in ascending order of their ids: the argument of decide(). "
-      "Functions that\nSwarm also has do the same here. The object can be used only during the call of "
-      "decide().")
+      "The n robots for which a controller decides, in ascending order of their ids: the argument of "
+      "decide(). Functions that\nSwarm also has do the same here. The object can be used only during the "
+      "call of decide().")
       .def("__len__", [](const RobotBatch& robots) { return robots.size(); })
       .def_property_readonly("ids", &RobotBatch::ids)
       .def_property_readonly("tick", [](const RobotBatch& robots) { return robots.batch().tick; })
       .def_property_readonly("time_s", [](const RobotBatch& robots) { return robots.batch().time_s; })
       .def_property_readonly("tick_s", [](const RobotBatch& robots) { return robots.batch().tick_s; })
       .def_property_readonly("memory", &RobotBatch::memory,
-                             "The memories of the robots: a structured array with one row per robot. Values "
-                             "that decide() writes to it are there in\nthe next call.")
+                             "The memories of the robots: a structured array with one row per robot. The "
+                             "next call of decide() finds the values that\nthis call writes to the array.")
       .def("estimates", &RobotBatch::estimates, "Estimated poses, n x 4: x, y, z (m), heading (rad).")
       .def("readings", &RobotBatch::readings, py::arg("field"), py::arg("device") = "",
            "The values of a field of a sensor or another device: shape (n,) or (n, columns).")
@@ -502,11 +502,12 @@ void bind_script(py::module_& module) {
           "ranges", &RobotBatch::ranges, py::arg("sensor") = "",
           "Ranges of the ranger of this name or, without a name, of the first ranger, m: n x beams, float32.")
       .def("bearings", &RobotBatch::bearings, py::arg("sensor") = "",
-           "Headings of the beams of a ranger in its frame, rad.")
+           "Headings of the beams of the ranger named `sensor`, rad, in the frame of the ranger. An empty "
+           "name means the first ranger.")
       .def("heard", &RobotBatch::heard, py::arg("dtype"), py::arg("device") = "radio",
            "The messages that radios received, as Swarm.heard() returns them.")
       .def("commands", &RobotBatch::commands, py::arg("device"),
-           "The present commands of a device: a dict of arrays.")
+           "The present commands of a device: a dict with one array per field of the command.")
       .def("command", &RobotBatch::command, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
            "Sets fields of the commands of a device by name, as Swarm.command() does.")
       .def("say", &RobotBatch::say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
@@ -549,9 +550,10 @@ void bind_script(py::module_& module) {
           },
           py::arg("n"), "One uniformly distributed integer from 0 to n - 1 per robot.");
 
-  py::class_<Film>(module, "_Film",
-                   "A film that ffmpeg encodes, for a `with` block: the file is kept if the block raises no "
-                   "exception.")
+  py::class_<Film>(
+      module, "_Film",
+      "A film that ffmpeg encodes, for a `with` block: the file is written only if the block raises no "
+      "exception.")
       .def(py::init([](const std::filesystem::path& file, int width, int height, double fps) {
              return Film{std::make_unique<apps::Ffmpeg>(file, width, height, fps)};
            }),

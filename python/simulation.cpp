@@ -222,7 +222,7 @@ py::tuple cast_many(const Holder& held,
                     double range_max, HeldModel* without) {
   if (starts.ndim() != 2 || starts.shape(1) != 4)
     throw py::value_error(
-        fmt::format("starts has shape {}; give an array of n x 4: x, y, z, heading for each ray",
+        fmt::format("starts has shape {}; give an array of n x 4: x, y, z, heading of each ray",
                     std::string(py::str(starts.attr("shape")))));
   Simulation& simulation = held->use();
   const Model* passes = without != nullptr ? &without->use() : nullptr;
@@ -353,19 +353,23 @@ SimulationClass bind_simulation(py::module_& module) {
                              "A world and its state. Only one thread at a time may use a simulation.",
                              py::dynamic_attr());
   simulation
-      .def(py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
-           py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
-           py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
-           py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
-           py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
-           "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
-           "world file, whose\nrelative paths are resolved from the folder of `name`.\nrobots: size of the "
-           "only population, or a dict of population names and sizes. threads: number of worker threads;\n0: "
-           "one per processor that the process may use. ranks: number of ranks, which divide the robots "
-           "among themselves, each\nwith its own copy of the world and `threads` threads (docs/cluster.md); "
-           "no result depends on it. seed and ranging\nreplace those of the world file. set: values of the "
-           "world file to replace, a dict from JSON pointers to new values.\ncontrollers: a list of scripts "
-           "(file names) and of classes derived from Controller. Raises InputError if the world\nis invalid.")
+      .def(
+          py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
+          py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
+          py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
+          py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
+          py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
+          "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
+          "world file, whose\nrelative paths are resolved from the folder of `name`.\nrobots: size of the "
+          "only population, or a dict of population names and sizes. threads: number of worker threads;\n0: "
+          "one per processor that the process may use. ranks: number of ranks, which divide the robots among "
+          "themselves, each\nwith its own copy of the world and `threads` threads (docs/cluster.md); no "
+          "result depends on this number. seed\nand ranging (\"exact\" or \"grid\") replace the values of "
+          "the world file. set: other values of the world file to replace,\na dict from JSON pointers to new "
+          "values. controllers: a list of scripts (file names) and of classes derived from\nController. "
+          "search_path, plugin_path: folders in which included files and plug-ins are searched. tile_size_m: "
+          "edge length\nof the tiles of the spatial index, m, which affects only the speed; 0: automatic. "
+          "Raises InputError if the world\nis invalid.")
       .def_static(
           "from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
           py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
@@ -398,7 +402,7 @@ SimulationClass bind_simulation(py::module_& module) {
             for (const auto& [key, value] : held->use().effective_options()) options[py::str(key)] = value;
             return options;
           },
-          "The options that the simulation uses (world, seed, threads, ...), as texts, for logs.")
+          "The options that the simulation uses (world, seed, threads, ...): a dict of texts, for logs.")
       .def_property_readonly(
           "time_s", [](const Holder& held) { return held->use().time_s(); }, "World time, s.")
       .def_property_readonly(
@@ -529,7 +533,9 @@ SimulationClass bind_simulation(py::module_& module) {
           "Names of all robots in the world, in the order of their ids.")
       .def(
           "subscribe", [](const Holder& held, const std::string& model) { held->use().subscribe(model); },
-          py::arg("model"), "Makes all sensors of a robot run. Call it before the first step.")
+          py::arg("model"),
+          "Makes all sensors of the robot named `model` run, also those that no controller reads. Call it "
+          "before the first step.")
       .def("spawn", &spawn, py::arg("population"), py::arg("pose"),
            "Spawns a robot: places the next unborn body of a population's reserve at a pose in the world "
            "frame, m and rad.\nReturns its Model, or None if the place is occupied or outside the bounds of "
@@ -560,9 +566,9 @@ SimulationClass bind_simulation(py::module_& module) {
             return py::module_::import("json").attr("loads")(held->use().parameters(type));
           },
           py::arg("type"),
-          "The present parameters of a type: a list of dicts like those for set(), one for the drive and for "
-          "each device\nand controller. Infinite values, and lists of objects such as transducers, are left "
-          "out.")
+          "The present parameters of a type: a list of dicts of the form that set() takes, one for the drive "
+          "and for each device\nand controller. Infinite values, and lists of objects such as transducers, "
+          "are left out.")
       .def(
           "energy", [](const Holder& held) { return dict_of(held->use().energy()); },
           "The sums of the energies of all power packs, J, as a dict with the keys of Model.energy().")

@@ -57,7 +57,7 @@ void set_poses(HeldSwarm& held, const Numbers& poses, const Where& where) {
   Swarm& swarm = held.use();
   const std::size_t n = swarm.size();
   if (poses.ndim() != 2 || static_cast<std::size_t>(poses.shape(0)) != n || poses.shape(1) != 4)
-    refuse("poses", poses, n, "x, y, z, heading for each");
+    refuse("poses", poses, n, "x, y, z, heading per robot");
   swarm.set_poses({reinterpret_cast<const Pose*>(poses.data()), n}, mask_of(where, n));
 }
 
@@ -92,7 +92,8 @@ void command_device(HeldSwarm& held, const std::string& device, const Where& whe
     if (field == fields.end()) {
       std::vector<std::string_view> known;
       for (const engine::StateField& each : fields) known.push_back(each.name);
-      throw std::out_of_range(unknown_name(fmt::format("command of \"{}\"", device), name, known));
+      throw std::out_of_range(
+          unknown_name(fmt::format("command field (device \"{}\")", device), name, known));
     }
     set.emplace_back(name, rows_for(*field, value, held.size()));
   }
@@ -174,10 +175,13 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
             return py::array_t<double>(static_cast<py::ssize_t>(bearings.size()), bearings.data());
           },
           py::arg("sensor") = "",
-          "Headings of the beams of the ranger of the first robot, rad, in the frame of the sensor.")
+          "Headings of the beams of the ranger named `sensor` of the first robot, rad, in the frame of the "
+          "ranger. An empty\nname means its first ranger.")
       .def(
           "range_bound", [](HeldSwarm& s, const std::string& sensor) { return s.use().range_bound(sensor); },
-          py::arg("sensor") = "", "Largest range that the ranger of the first robot can report, m.")
+          py::arg("sensor") = "",
+          "Largest range that the ranger named `sensor` of the first robot can report, m. An empty name "
+          "means its first ranger.")
       .def(
           "subscribe", [](HeldSwarm& s) { s.use().subscribe(); },
           "Makes all sensors of all robots run. Call it before the first step.")
@@ -217,8 +221,9 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       .def(
           "heard", &heard, py::arg("dtype"), py::arg("device") = "radio",
           "The messages that the radios named `device` received in the last tick, as two arrays of shape (n, "
-          "most_heard): the\nmessages as elements of `dtype`, and whether there is a message of exactly this "
-          "size. readings() returns their\nsenders, ranges and bearings in the same order.")
+          "most_heard): the\nmessages as elements of `dtype`, and whether there is a message of exactly the "
+          "size of `dtype`. most_heard is a\nparameter of the radio. readings() returns the senders, ranges "
+          "and bearings of the messages in the same order.")
       .def("set_poses", &set_poses, py::arg("poses").none(false), py::kw_only(),
            py::arg("where") = py::none(),
            "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If one pose is "

@@ -18,8 +18,8 @@ using engine::Element;
 using engine::StateField;
 using engine::StateTable;
 
-/// A state table of a simulation, which it keeps alive. It stores a pointer, because the address of a table
-/// does not change while the simulation lives.
+/// A state table, for Python. It keeps its simulation alive. It stores a pointer, because the address of a
+/// table does not change while the simulation lives.
 struct Table {
   Holder held;
   const StateTable* table;

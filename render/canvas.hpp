@@ -14,7 +14,8 @@
 namespace troupe::render {
 
 /// Selects the colour of a triangle. `own` is the colour stored in its vertices. `body`, `edge` and `mark`
-/// are the members with these names of the instance that is drawn, so that instances share a mesh.
+/// are colours of the instance that is drawn (its members with these names), so that instances with different
+/// colours share a mesh.
 enum class Paint : std::uint32_t { own, body, edge, mark };
 
 // ---- flat layers, in the plane of the picture
@@ -125,7 +126,7 @@ using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;
 /// An OpenGL renderer for layers. It may be used on any thread, but only by one thread at a time.
 class Canvas {
  public:
-  /// Throws std::runtime_error if OpenGL is not available.
+  /// Creates an OpenGL context without a window. Throws std::runtime_error if OpenGL is not available.
   Canvas();
   ~Canvas();
   Canvas(const Canvas&) = delete;

@@ -11,14 +11,15 @@
 
 namespace troupe::render {
 
-/// The viewpoint of a picture. By default it looks straight down, and the whole scene is in the picture.
+/// The viewpoint of a picture. By default the camera looks straight down and shows the whole scene.
 struct Camera {
   bool perspective = false;  ///< true: perspective view; false: parallel (orthographic) view
   double pitch = 0;          ///< rad: 0 looks straight down, pi/2 looks horizontally
   double yaw = 0;            ///< rad: counter-clockwise, 0 looks along +y
   /// World point in the picture's centre, m. If not given, it is chosen so that the scene is in the picture.
   std::optional<Eigen::Vector3d> center;
-  /// Width of the picture at the centre, m. If not given, it is chosen so that the scene fits.
+  /// Width of the part of the world that is visible in the picture's middle row, m. If not given, it is
+  /// chosen so that the whole scene is visible.
   std::optional<double> across_m;
   /// World position of a perspective camera, m. If given, `center` and `across_m` are ignored. Parallel views
   /// ignore it.
@@ -56,8 +57,8 @@ struct Layers {
   bool energy = false;  ///< bars that show the remaining energy: Frame::charges
   bool footprints = false;  ///< outlines of the bodies on the floor
   bool coverage = false;    ///< squares of the floor that robots have visited: Frame::covered
-  bool density = false;     ///< squares of the floor, coloured by their numbers of robots
-  bool tiles = false;       ///< tiles of the spatial index, coloured by their numbers of robots
+  bool density = false;     ///< squares of the floor, coloured by the number of robots in each
+  bool tiles = false;       ///< tiles of the spatial index, coloured by the number of robots in each
   bool cells = false;       ///< outlines of the cells of the spatial index that contain robots
 };
 
@@ -135,7 +136,7 @@ class Painter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Draws one picture with a Painter of its own. It may be called from several threads at the same time.
+/// Draws one picture with a new Painter. This function may be called from several threads at the same time.
 Picture draw(const engine::FrameScene& scene, const engine::Frame& frame, const View& view);
 
 }  // namespace troupe::render

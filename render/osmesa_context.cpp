@@ -100,8 +100,8 @@ void OsmesaContext::release() { osmesa().make_current(nullptr, nullptr, 0, 0, 0)
 OsmesaContext::Procedure OsmesaContext::procedure(const char* name) const {
   const auto found = osmesa().get_procedure(name);
   if (!found)
-    throw std::runtime_error(
-        fmt::format("cannot draw: the installed OSMesa has no OpenGL function {}", name));
+    throw std::runtime_error(fmt::format(
+        "cannot draw: the installed OSMesa has no OpenGL function {}; install a newer version", name));
   return reinterpret_cast<Procedure>(found);
 }
 

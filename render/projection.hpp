@@ -12,8 +12,8 @@ namespace troupe::render {
 
 using Vec3 = Eigen::Vector3d;
 
-/// The mapping of world points to the picture. In the world frame, right() and up() are the axes of the
-/// picture, and back() points from the picture towards the viewer.
+/// The mapping of world points to the picture. right(), up() and back() are unit vectors in the world frame:
+/// the axes of the picture, and the direction from the picture towards the viewer.
 class Projection {
  public:
   /// A parallel view straight down, with the given framing. `heights` is the interval of heights, m, that the

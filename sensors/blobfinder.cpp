@@ -41,8 +41,9 @@ struct Finder {
       d.member<&Params::range>("range", meters, above(0), at_most(10000), "length of the rays");
       d.member<&Params::fov>("fov", radians, above(0), at_most(2 * k_pi),
                              "angle between the first column and the last");
-      d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "angle of the middle of the image to the left of the sensor's heading");
+      d.member<&Params::pan>(
+          "pan", radians, within(-2 * k_pi, 2 * k_pi),
+          "angle from the sensor's heading to the middle of the image; positive: to the left");
       d.member<&Params::colors>("colors", "only blobs of these colours are reported; []: all blobs");
       d.member<&Params::use_blob_return>(
           "use_blob_return",

@@ -54,7 +54,7 @@ struct Lens {
       d.member<&Params::fov_vertical>("fov_vertical", radians, above(0), at_most(k_widest),
                                       "angle from the lower to the upper edge of the picture");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "angle of the axis of view to the right of the camera's heading");
+                             "angle from the camera's heading to the axis of view; positive: to the right");
       d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2),
                               "angle of the axis of view above the horizontal; negative: downwards");
     }

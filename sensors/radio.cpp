@@ -28,7 +28,8 @@ using engine::Element;
 using engine::SenseBatch;
 using partition::BodyCircle;
 
-// Listeners in a square with edges of this many times their `hears` search for speakers together.
+// Listeners (radios that hear) within a square search together for speakers (radios that send). The edge of
+// the square is this number times the parameter `hears` of the listeners.
 constexpr double k_group_reaches = 2.25;
 
 enum class Walls : std::uint8_t { block, weaken, pass };
@@ -125,8 +126,8 @@ struct Radio {
   }
 };
 
-/// A radio of a body type that is on the channel of the listener: the listener hears its messages if it is
-/// near enough.
+/// A radio of a body type that is on the channel of the listener: the listener hears its messages if the
+/// two are near enough.
 struct Sender {
   const Radio* radio;
   const BodyType::Device* device;
@@ -183,7 +184,8 @@ class Listener {
   void weaken_links();
   void find_obstacles();
   bool arrives(Link& link);
-  /// The largest loss with which the current listener still hears the speaker, dB.
+  /// The largest loss, dB, with which the current listener (the radio whose readings are computed) hears the
+  /// speaker.
   double budget_of(const Speaker& speaker) const {
     return speaker.radio->params.power - radio_->params.sensitivity;
   }

@@ -70,8 +70,8 @@ class RadioPort {
     float quality = 0;                      ///< quality of the link, 0 (worst) to 1, see radio_kind()
     std::span<const std::uint8_t> payload;  ///< the bytes of the message; valid until the controller returns
 
-    /// Reads numbers from the payload, which must consist of exactly these types, one after another. If the
-    /// payload has another length, it returns false and reads nothing.
+    /// Reads numbers of these types from the payload, one after another. Returns false and reads nothing if
+    /// the length of the payload is not the sum of their sizes.
     template <class... T>
     bool read(T&... values) const {
       static_assert((std::is_arithmetic_v<T> && ...), "messages are made of numbers");
@@ -143,7 +143,7 @@ class RadioPort {
 /// hides     An outline hides the sender if the straight line between the two radios crosses the outline at a
 ///           height where the outline is, and if rangers see it. The listener's `walls` says whether static
 ///           geometry hides senders, its `bodies` whether other bodies do. The bodies of the two radios never
-///           hide. If the line only touches an outline, the outline hides the sender if it is to the right of
+///           hide. An outline that the line only touches hides the sender if the outline is to the right of
 ///           the line, seen from the radio on the body with the lower id. The result is the same in both
 ///           directions.
 /// chance    Each message that arrives is dropped with probability `drop_rate` of the listener. The random
@@ -166,7 +166,7 @@ class RadioPort {
 /// quality   The quality is 1 - loss / (power of the sender - sensitivity of the listener). With `disc` it is
 ///           at most 1 - distance / limit, where limit is the lesser of the sender's `range` and the
 ///           listener's `hears`. It is never below 0.
-/// edges     Radios at a distance of exactly the limit hear each other. Between radios at the same place the
+/// edges     Radios at exactly the largest distance hear each other. Between radios at the same place the
 ///           bearing is 0.
 engine::DeviceKind radio_kind();
 

@@ -173,7 +173,7 @@ std::uint64_t Ranger::sense(const engine::DeviceBatch& batch) const {
 
 engine::DeviceKind ranger_kind() {
   return engine::make_device_kind<Ranger>(
-      "ranger", "distances along beams to the first surface (sonar, infrared, laser)");
+      "ranger", "reads the distance along each beam to the first surface (sonar, infrared, laser)");
 }
 
 }  // namespace troupe::sensors

@@ -6,7 +6,8 @@
 namespace troupe::sensors {
 
 /// Casts the beams of a ranger with the exact ray engine for all rows of the batch, and writes their
-/// readings. The caller applies add_extras() afterwards.
+/// readings. The caller then calls add_extras(), which applies beam widths, noise of readings and lower
+/// limits.
 void cast_exact(const engine::DeviceBatch& batch, const RangerBeams& ranger);
 
 }  // namespace troupe::sensors

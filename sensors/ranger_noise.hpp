@@ -13,7 +13,7 @@ namespace troupe::sensors {
 /// differs from the one for the noise of readings, so that angular noise does not change the other noise.
 Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i);
 
-/// Computes the directions of beams with angular noise. Keeps the memory for the results.
+/// Computes the directions of beams with angular noise. Its memory is reused in each call of draw().
 class NoisyHeadings {
  public:
   /// Draws the directions of the beams of a group, for one row in one tick. Returns the x and the y

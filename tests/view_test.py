@@ -498,7 +498,7 @@ class Attacked(unittest.TestCase):
             self.assertEqual(caught.exception.args[0], 403)
         for host in ("127.0.0.1", "localhost:8000", "[::1]:8000"):
             self.assertEqual(self.get(host=host)[0], 200, host)
-        self.assert_said_once("whose Host header is not this machine")
+        self.assert_said_once("whose Host header names neither this machine nor a host of --allow-host")
 
     def test_other_addresses(self):
         with View("--bind", "127.0.0.2", "--allow-host", "proxy.example") as view:

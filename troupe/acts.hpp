@@ -26,8 +26,9 @@ class ActRefused : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The held robots of a simulation. From the act that holds a robot until the act that releases it, the robot
-/// is commanded the same speed before every tick. This overrides its controller.
+/// The held robots of a simulation: robots that a user or a program steers instead of their controllers. From
+/// the act that holds a robot until the act that releases it, the robot gets the same speed command before
+/// every tick, which overrides its controller.
 class Holds {
  public:
   /// Holds a robot from the next tick on. speed: forward and left in m/s, turn in rad/s. The body must exist

@@ -237,15 +237,15 @@ void BatchEnv::Impl::check_spec() const {
   if (spec.teams.empty()) refuse("the batch has no teams: give one or more");
   check_names(spec.teams, "team");
   for (const BatchTeam& team : spec.teams) {
-    check_names(team.arrays, fmt::format("array of team \"{}\"", team.name));
+    check_names(team.arrays, fmt::format("array (team \"{}\")", team.name));
     for (const BatchArraySpec& array : team.arrays) {
       if (array.parts.empty())
         refuse(
             fmt::format("array \"{}\" of team \"{}\" has no parts: give one or more", array.name, team.name));
       if (array.raw && (array.parts.size() != 1 || array.parts.front().of != Of::reading))
         refuse(
-            fmt::format("array \"{}\" of team \"{}\": an array with \"raw\" must have exactly one part, of "
-                        "the kind reading",
+            fmt::format("array \"{}\" of team \"{}\": an array with \"raw\" must have exactly one part, "
+                        "whose source is reading",
                         array.name, team.name));
       for (const BatchPart& part : array.parts) {
         if (part.of == Of::nearest && (part.count < 1 || part.count > k_most_neighbours))
@@ -399,8 +399,8 @@ void BatchEnv::Impl::plan_actions(TeamData& team, Simulation& simulation, BodyId
       if (field == asked.fields.end()) {
         std::vector<std::string_view> known;
         for (const engine::StateField& each : asked.fields) known.push_back(each.name);
-        throw std::out_of_range(
-            unknown_name(fmt::format("command of \"{}\"", action.device), action.command, std::move(known)));
+        throw std::out_of_range(unknown_name(fmt::format("command (device \"{}\")", action.device),
+                                             action.command, std::move(known)));
       }
       if (field->columns != 1)
         refuse(fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one",
@@ -425,10 +425,11 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
         unknown_name("measure", column.measure, {measure_columns.begin(), measure_columns.end()})));
   }
   const ArrayData& array =
-      named(team.arrays, fmt::format("array of team \"{}\"", team.spec->name), column.array);
+      named(team.arrays, fmt::format("array (team \"{}\")", team.spec->name), column.array);
   if (column.column >= array.columns)
-    refuse(fmt::format("{} of team \"{}\": there is no column {} in array \"{}\", which has {} columns", what,
-                       team.spec->name, column.column, column.array, array.columns));
+    refuse(fmt::format(
+        "{} of team \"{}\": there is no column {} in array \"{}\", which has {} columns, counted from 0",
+        what, team.spec->name, column.column, column.array, array.columns));
   return {static_cast<std::size_t>(&array - team.arrays.data()), column.column, false};
 }
 
@@ -777,7 +778,7 @@ unsigned BatchEnv::threads() const { return impl_->parallel.threads(); }
 
 BatchEnv::Array BatchEnv::array(std::size_t team, std::string_view name) const {
   Impl::TeamData& of = impl_->teams.at(team);
-  const auto& found = named(of.arrays, fmt::format("array of team \"{}\"", of.spec->name), name);
+  const auto& found = named(of.arrays, fmt::format("array (team \"{}\")", of.spec->name), name);
   Impl::ArrayData& array = of.arrays[static_cast<std::size_t>(&found - of.arrays.data())];
   return {array.element, array.columns, array.bytes};
 }

@@ -68,8 +68,8 @@ struct BatchArraySpec {
 /// outside this range are clipped to it.
 struct BatchAction {
   std::string device;  ///< name of a device that takes commands (Model::asked); empty: the drive
-  /// Of a drive: "forward", "left" (m/s) or "turn" (rad/s). Of a device: a field of its command that has one
-  /// column (Model::asked).
+  /// For the drive: "forward", "left" (m/s) or "turn" (rad/s; for a car drive the steering angle, rad). For a
+  /// device: a field of its command with a single column (Model::asked).
   std::string command;
   /// Value for -1, in the unit of the command. Values of integer fields are rounded to the nearest integer.
   double low = -1;
@@ -117,7 +117,7 @@ struct BatchTeam {
 struct BatchSpec {
   std::size_t copies = 1;             ///< number of copies of the world
   unsigned threads = 0;               ///< number of threads, as in SimulationOptions; changes no result
-  std::size_t ticks = 1;              ///< ticks of the world that a step makes
+  std::size_t ticks = 1;              ///< number of ticks by which a step advances the world
   double seconds = 60;                ///< longest episode, world time, s; longer episodes are truncated
   std::vector<BatchTeam> teams;       ///< no robot may be in two teams
   std::vector<std::string> measures;  ///< computed for each copy; names as for the constructor of Measures
@@ -147,7 +147,7 @@ struct BatchSpec {
 /// begin    each episode begins with one tick in which the policies give no commands, so that sensors have
 ///          readings
 /// seeds    the first episode of a copy has the seed given to reset(), or else the seed of the world plus the
-///          index of the copy. Seeds of later episodes are derived from it
+///          index of the copy. The seeds of its later episodes are derived from that seed
 /// threads  call all functions from one thread
 class BatchEnv {
  public:
@@ -155,8 +155,8 @@ class BatchEnv {
   /// std::out_of_range for unknown names in the spec, and std::invalid_argument for an inconsistent spec.
   /// options.threads is ignored.
   BatchEnv(const std::filesystem::path& world, const BatchSpec& spec, const SimulationOptions& options = {});
-  /// Makes copies of a loaded world, as Simulation::another() does. Several batches may be made from one
-  /// simulation. Throws as the other constructor and as Simulation::another().
+  /// Makes copies of the world of a simulation, at tick 0, as Simulation::another() does. Several batches may
+  /// be made from one simulation. Throws as the other constructor and as Simulation::another().
   BatchEnv(const Simulation& world, const BatchSpec& spec);
   ~BatchEnv();
   BatchEnv(BatchEnv&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
@@ -169,7 +169,7 @@ class BatchEnv {
   const Simulation& simulation(std::size_t copy) const;    ///< the simulation of a copy, read-only
   unsigned threads() const;                                ///< number of threads that step the copies
 
-  /// An array of a team.
+  /// The elements of one array of a team, for all copies of the world.
   struct Array {
     engine::Element element = engine::Element::f32;  ///< element type of `bytes`
     std::size_t columns = 0;                         ///< number of elements per robot

@@ -15,8 +15,8 @@ namespace troupe {
 /// `wander.turn_left_s`. If there is no such value, the error lists the known ones; if only the column does
 /// not exist, the error states the columns of the field.
 Result<ChosenValue> find_value(const engine::World& world, const std::string& name);
-/// Returns one number per body of Frame::mobile: the chosen value of the body, or NaN if the body does not
-/// have it.
+/// Returns one number per body of Frame::mobile (the bodies that are not static): the chosen value of the
+/// body, or NaN if the body does not have it.
 std::vector<double> values_of(const engine::World& world, const ChosenValue& value,
                               const engine::Frame& frame);
 

@@ -18,8 +18,8 @@ class Trails {
 
   /// tick_s: length of a tick, s.
   explicit Trails(double tick_s);
-  /// Whether see() would store a frame of this tick. It ignores the frames of most ticks, to limit the number
-  /// of points of a trail.
+  /// Whether see() would store a frame of this tick. see() ignores the frames of most ticks, to limit the
+  /// number of points of a trail.
   bool wants(std::uint64_t tick) const;
   void see(const engine::Frame& frame);  ///< stores the positions of the bodies of a frame
   /// Fills Frame::trails with one trail per body of Frame::mobile, which ends at its pose in `frame`.

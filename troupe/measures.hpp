@@ -48,9 +48,9 @@ class Measures {
 
   /// Returns the data about earlier ticks that the measures store, as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
-  /// Restores the bytes of memory(). The measures must be the same as those that returned the bytes, and the
-  /// simulation must be in the state of that time. Returns false, and changes nothing, if the number of bytes
-  /// does not match these measures.
+  /// Restores the data that memory() returned. The measures must be the same as those that returned the
+  /// bytes, and the simulation must be in the state that it had then. Returns false, and changes nothing, if
+  /// the number of bytes does not match these measures.
   bool remember(std::span<const std::byte> memory);
 
  private:

@@ -39,7 +39,7 @@ class PictureSource {
  public:
   virtual ~PictureSource() = default;
 
-  /// Name of the file, for error messages.
+  /// Name of the file that is drawn, a world file or a recording, for error messages.
   virtual std::string file() const = 0;
   /// Name of the world file, for labels in pictures.
   virtual std::string world() const { return file(); }

@@ -36,9 +36,9 @@ constexpr std::array<PictureLayer, 24> k_layers = {{
     {"shadows", true, "shadows of bodies on the floor"},
     {"headings", true, "a mark at the front of each robot"},
     {"stalls", true, "a red outline with a white rim around robots whose motion is blocked"},
-    {"scale", true, "a scale bar; in perspective the distance between grid lines"},
+    {"scale", true, "a scale bar; in perspective views, the distance between grid lines"},
     {"clock", true, "the simulated time"},
-    {"speed", false, "speed of the film, or of the run in a single picture, as a multiple of real time"},
+    {"speed", false, "speed as a multiple of real time: of the film or, in a single picture, of the run"},
     {"legend", true, "the colour scale of --color-by, with the unit"},
     {"bounds", true, "the outline of the world's bounds, if it has them"},
     {"types", false, "a legend of the types of robots: colour, name and number of robots"},
@@ -54,7 +54,7 @@ constexpr std::array<PictureLayer, 24> k_layers = {{
     {"footprints", false, "outlines of bodies on the floor"},
     {"coverage", false, "squares of 1 m x 1 m that robots have visited, older visits paler"},
     {"density", false, "squares of the floor, coloured by the number of robots in each"},
-    {"tiles", false, "number of robots per tile, the squares of the world that threads process in parallel"},
+    {"tiles", false, "number of robots in each tile; threads process these squares of the world in parallel"},
     {"cells", false, "cells of the spatial index that contain robots"},
 }};
 

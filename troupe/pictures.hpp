@@ -30,9 +30,10 @@ struct PictureOptions {
   /// Point at the centre of the picture, m, in the world frame. Not given: the camera chooses it.
   std::optional<std::array<double, 2>> center_m;
   /// Pitch (0: straight down, pi/2: horizontal) and yaw (counter-clockwise; 0: +y points away from the
-  /// viewer), rad.
+  /// viewer) of the camera, rad. Not given: the camera chooses them.
   std::optional<std::array<double, 2>> angle_rad;
-  /// Width of the part of the world that the picture shows, measured at its centre, m.
+  /// Width of the part of the world that the picture shows, measured at the centre of the picture, m. Not
+  /// given: the camera chooses it.
   std::optional<double> across_m;
   /// Layers to show in addition to the default ones, and, with a minus sign, default layers to hide:
   /// `scans,trails,-grid`.
@@ -56,7 +57,7 @@ struct PictureLayer {
   bool on;                ///< whether it is shown by default
   std::string_view text;  ///< description
 };
-/// All layers that pictures can have.
+/// Returns all layers that pictures can have, each with its default and its description.
 std::span<const PictureLayer> picture_layers();
 /// Returns success if all names in a list of layers (PictureOptions::layers) are known, else the error
 /// `unknown layer "scan"; known: ...`.
@@ -66,7 +67,7 @@ std::span<const std::string_view> picture_backgrounds();
 /// Returns success if there is a background of this name, else an error that lists the known names.
 Result<> check_background(const std::string& background);
 /// Returns success if this is the name of a camera, else an error that lists the known names. Does not check
-/// that a world has the model or the window that the name refers to.
+/// that the world has the model NAME of `follow:NAME`, or the entry `window`.
 Result<> check_camera(const std::string& camera);
 
 /// Draws pictures of one simulation:
@@ -83,8 +84,8 @@ class Pictures {
   /// the world does not have: a model to follow, an entry `window`, a field to colour by. Throws
   /// std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
-  /// Draws a recording or another source. Throws InputError also for layers and values that the source does
-  /// not contain.
+  /// Draws pictures of a recording or of another source. Throws as above, and InputError also for layers and
+  /// values whose data the source does not contain.
   Pictures(const PictureSource& source, PictureOptions options);
   ~Pictures();
   Pictures(Pictures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to

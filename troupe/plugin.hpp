@@ -17,7 +17,8 @@
 #include <vector>
 
 /// A plug-in is a shared library with controllers and sensors (docs/controllers.md); this header is all that
-/// its sources must include. A controller is a class whose objects are called for each robot in each tick:
+/// its sources must include. A controller is a class whose objects are called to decide on the commands of
+/// one robot:
 ///
 ///     #include <troupe/plugin.hpp>
 ///
@@ -48,8 +49,8 @@
 ///     TROUPE_MEASURE("crowding", Crowding)
 ///
 /// engine/sensing_view.hpp and engine/sight.hpp document the functions by which a sensor or another device
-/// reads the world. engine/world.hpp documents the functions by which `apply`, `born` and `draw` of a device
-/// read and change the world, and by which a measure reads it.
+/// reads the world. engine/world.hpp documents the functions by which a measure reads the world, and by which
+/// the functions `apply`, `born` and `draw` of a DeviceKind read and change it.
 
 namespace troupe {
 
@@ -92,8 +93,8 @@ namespace facts = engine::facts;
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// An element of the linked list of all controllers, of all devices or of all measures of this library.
-/// `Kind` says of which.
+/// An element of a linked list of kinds of this library. There are three lists, of controllers, devices and
+/// measures; `Kind` is ControllerKind, DeviceKind or MeasureKind.
 template <class Kind>
 struct Entry {
   using Make = Kind (*)(std::string_view name);  ///< returns the kind
@@ -152,9 +153,9 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
 
 /// Whether the compiler contracts a product and a sum to one fused multiply-add, which changes bits of
 /// results. The exact product x * y cannot be represented as a double. The rounded product equals z, so that
-/// x * y - z is 0; a fused operation returns the rounding error instead, 2^-54. The operands are volatile so
-/// that the expression is computed at run time, as the arithmetic of a controller is, and not folded by the
-/// compiler.
+/// x * y - z is 0 if the product is rounded; a fused operation returns the rounding error instead, 2^-54. The
+/// operands are volatile so that the expression is computed at run time, as the arithmetic of a controller
+/// is, and not folded by the compiler.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;
   const volatile double rounded_square = 0x1.0000004p0;

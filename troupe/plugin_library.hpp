@@ -84,12 +84,13 @@ struct Library {
   /// that its macro states.
   void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices,
                std::vector<engine::MeasureKind>& measures);
-  /// Hash of the bytes of the library file, which the loader writes; 0 before the first load. It is stored in
-  /// the library because a process loads a library only once, even if several simulations request it.
+  /// Hash of the bytes of the library file; 0 until the loader writes it at the first load. The hash is
+  /// stored in the library because a process loads a library only once, even if several simulations request
+  /// it.
   std::atomic<std::uint64_t>* contents;
 };
 
-/// The exported symbol: a function without arguments that returns a `const Library*`.
+/// Name of the symbol that a plug-in exports: a function without arguments that returns a `const Library*`.
 inline constexpr const char* k_symbol = "troupe_plugin";
 using Symbol = const Library* (*)();
 

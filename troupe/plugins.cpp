@@ -55,7 +55,7 @@ bool is_whole(std::string_view bytes) {
 /// the file. This is checked before loading, because loading runs code of the file.
 Result<> check_contents(std::string_view bytes) {
   if (!bytes.starts_with("\177ELF")) return Error{"is not a shared library"};
-  if (!is_whole(bytes)) return Error{"is truncated"};
+  if (!is_whole(bytes)) return Error{"is truncated: build it again"};
   if (mentions(bytes, plugin::k_symbol)) return {};
   if (mentions(bytes, "Init"))
     return Error{
@@ -178,7 +178,9 @@ auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unkn
 }
 
 Result<const Plugins::Library*> Plugins::load(std::string_view name) {
-  if (!plugin::is_name(name)) return Error{fmt::format("\"{}\" is not a valid name of a plug-in", name)};
+  if (!plugin::is_name(name))
+    return Error{
+        fmt::format("\"{}\" is not a valid name of a plug-in, which is one word without : and =", name)};
   const Loaded& library = loaded(name);
   if (!library.found) return library.found.error();
   if (!library.opened) return library.opened.error();
@@ -269,7 +271,7 @@ Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
       if constexpr (requires { kind.prepare; })
         if (!kind.prepare)
-          all_right = Error{fmt::format("has a {} \"{}\" without `prepare`", own.what, name)};
+          all_right = Error{fmt::format("has a {} \"{}\" whose member `prepare` is not set", own.what, name)};
       if (std::ranges::find(own.names, name) != own.names.end())
         all_right =
             Error{fmt::format("has two kinds with the name \"{}\", each a {}: rename one", name, own.what)};
@@ -292,7 +294,7 @@ void Plugins::add(std::shared_ptr<const Script> script) {
   const std::string name = script->name();
   if (!plugin::is_name(name))
     throw InputError(
-        fmt::format("{}: error: \"{}\" is not a valid name of a plug-in: it is one word without : and =",
+        fmt::format("{}: error: \"{}\" is not a valid name of a plug-in, which is one word without : and =",
                     script->file.string(), name));
   for (const auto& library : loaded_)
     if (library->name == name)

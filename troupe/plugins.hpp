@@ -16,7 +16,8 @@ namespace troupe {
 
 /// Loads controllers, devices and measures by name from plug-ins, which are shared libraries
 /// (docs/controllers.md). The name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to
-/// the kind "leader" in swarm.so. If several folders of the path have such a file, the first folder is used.
+/// the kind "leader" in swarm.so. If several of the searched folders have such a file, the file in the first
+/// of these folders is used.
 ///
 /// A library stays loaded until the process ends. After each load, the floating-point environment of the
 /// calling thread is restored, because a library that was linked with -ffast-math switches denormal numbers
@@ -57,7 +58,8 @@ class Plugins {
 
   /// The loaded libraries that this program can use, in the order of their names.
   std::vector<Library> libraries() const;
-  /// Warnings about side effects that loading a library had, `dancer.so: warning: ...`.
+  /// Warnings about side effects of loading a library, such as a changed floating-point environment:
+  /// `dancer.so: warning: ...`.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

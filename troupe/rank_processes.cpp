@@ -79,8 +79,9 @@ struct Follower {
       const Result<const Plugins::Library*> loaded = plugins->load(name);
       if (!loaded) throw InputError(fmt::format("plug-in \"{}\": {}", name, loaded.error().text));
       if ((*loaded)->contents != contents)
-        throw InputError(fmt::format("{} is another build of plug-in \"{}\" than that of rank 0",
-                                     (*loaded)->file.string(), name));
+        throw InputError(fmt::format(
+            "{} is another build of plug-in \"{}\" than that of rank 0: give all ranks the same file",
+            (*loaded)->file.string(), name));
     }
     Diagnostics diagnostics;
     const Where where;

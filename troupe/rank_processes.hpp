@@ -23,7 +23,8 @@ namespace troupe {
 class Plugins;
 
 /// The processes of one program, each of them a rank (docs/cluster.md). Rank 0 runs the program, and makes a
-/// replica (a copy) of each of its worlds on the other ranks, which only carry out orders of rank 0.
+/// replica (a copy) of each of its worlds on the other ranks, which only execute the orders that rank 0 sends
+/// them.
 class RankProcesses {
  public:
   /// transport: the connection to the other processes; it must outlive this object

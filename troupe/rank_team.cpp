@@ -50,7 +50,7 @@ struct RankTeam::Impl {
       threads.push_back(std::make_unique<partition::JobThread>(1));
       threads.back()->add([this, &lead, &registry, world, rank] { follow(lead, registry, world, rank); });
     }
-    for (unsigned rank = 1; rank < options.ranks; ++rank) mailboxes.of(0).receive(rank);  // it is ready
+    for (unsigned rank = 1; rank < options.ranks; ++rank) mailboxes.of(0).receive(rank);  // rank is ready
     replica.emplace(lead, registry, mailboxes.of(0), k_world, replica_options);
   }
   ~Impl() {
@@ -79,7 +79,7 @@ struct RankTeam::Impl {
   partition::Mailboxes mailboxes;
   engine::ReplicaOptions replica_options;
   std::optional<engine::Replica> replica;
-  std::vector<std::unique_ptr<partition::JobThread>> threads;  // destroyed first: they use the others
+  std::vector<std::unique_ptr<partition::JobThread>> threads;  // destroyed first: they use the members above
 };
 
 RankTeam::RankTeam(engine::World& lead, const engine::Registry& registry, const engine::WorldOptions& world,

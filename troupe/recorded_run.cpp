@@ -291,7 +291,7 @@ struct RecordedRun::Impl {
   }
 
   /// Returns one number per body of Frame::mobile, from all arrays of this component (or kind) and field. NaN
-  /// for bodies that no such array has.
+  /// for bodies without such an array.
   std::vector<double> values(const Frame& shown, std::string_view component, std::string_view field,
                              std::size_t column) const {
     const std::vector<std::uint32_t> places = places_in(shown);

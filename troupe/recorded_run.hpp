@@ -9,7 +9,7 @@
 
 namespace troupe {
 
-/// A recording (docs/recordings.md) as a source of pictures. It needs neither the world file nor its
+/// A recording (docs/recordings.md) as a source of pictures. Drawing it needs neither the world file nor its
 /// plug-ins, and simulates nothing. What pictures can show depends on the fields that were recorded
 /// (--record-fields): stalled robots need `stall`, scans of rangers need `ranges`, charges of power packs
 /// need `power_pack`, and colours by a value need the field of that value. Parts on joints are drawn at their

@@ -11,7 +11,7 @@
 namespace troupe {
 
 /// What a recording contains, and how it is written. Fields and interval that are not given are taken from
-/// `record` in the world file; if it is absent too, poses are recorded every 0.1 s.
+/// the key `record` of the world file. Without this key, poses are recorded every 0.1 s.
 struct RecordingOptions {
   /// Names of components of the state or of fields of sensors: "pose", "velocity", "stall", "ranges", ...;
   /// "all" for all of them. Empty: not given.
@@ -38,9 +38,9 @@ struct RecordingOptions {
 ///     }
 ///     recording.close();
 ///
-/// It does not change the simulation. If writing fails, the functions throw std::runtime_error that names the
-/// file. The file can then be read up to the last flushed frame, and nothing more is written to it. An error
-/// on the background thread is thrown by the next call.
+/// A recording does not change the simulation. If writing fails, the functions throw std::runtime_error,
+/// which names the file. The file can then be read up to the last flushed frame, and nothing more is written
+/// to it. An error on the background thread is thrown by the next call.
 class Recording {
  public:
   /// Creates the file. The current state is the first frame if its tick is a multiple of the recording
@@ -50,8 +50,9 @@ class Recording {
             const RecordingOptions& options = {});
   /// Continues the recording of a run that was resumed from a checkpoint, with the same fields and interval,
   /// and without a gap or a repeated frame. Frames after the current tick of the simulation are removed from
-  /// the file. `options` may state fields and interval again. Throws std::runtime_error if the file is not a
-  /// recording of this world, or if `options` differ from it.
+  /// the file. `options` may leave fields and interval empty, or repeat those of the recording. Throws
+  /// std::runtime_error if the file is not a recording of this run, or if fields or interval in `options`
+  /// differ from those of the recording.
   static Recording resume(const std::filesystem::path& file, const Simulation& simulation,
                           const RecordingOptions& options = {});
   Recording(Recording&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to

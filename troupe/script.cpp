@@ -20,7 +20,7 @@ bool is_of(std::string_view name, std::string_view robots) {
                             name.find_first_not_of("0123456789", robots.size()) == name.npos);
 }
 
-/// Returns the types whose robots get a controller. The error says why there are none.
+/// Returns the types that `robots` selects (Script::Controller::robots). The error says why there are none.
 Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::string& robots) {
   std::vector<std::size_t> types;
   for (std::size_t t = 0; t < world.types.size(); ++t)
@@ -67,8 +67,9 @@ void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, 
       for (const std::size_t t : *types) {
         TypeSpec& type = world.types[t];
         if (given[t] != nullptr) {
-          diagnostics.error(where, fmt::format("controller {}: the robots of type \"{}\" already get {}",
-                                               controller.kind.name, type.name, given[t]->kind.name));
+          diagnostics.error(
+              where, fmt::format("controller {}: the robots of type \"{}\" already get the controller {}",
+                                 controller.kind.name, type.name, given[t]->kind.name));
           continue;
         }
         given[t] = &controller;

@@ -16,7 +16,8 @@ namespace troupe {
 
 /// Controllers and measures that a program has read from a script, such as a Python file. A simulation uses
 /// them like those of a plug-in with the name of the script: `my.py` with a class `Wander` gives the
-/// controller `my:Wander`. Checkpoints state the script, and resuming needs it.
+/// controller `my:Wander`. A checkpoint stores the name and the hash of the script. To resume it, the script
+/// must be given again.
 struct Script {
   /// A controller of the script, and the robots that get it.
   struct Controller {
@@ -33,8 +34,8 @@ struct Script {
 };
 
 /// Makes the controllers of scripts the controllers of their robots, in place of those that the world gives
-/// them. Reports an error, at the line of the class, for a controller whose robots do not exist or are only
-/// some of those of their type, and for two controllers of one robot.
+/// them. Reports an error, at the line of the class, for a controller whose robots do not exist or share
+/// their type with other robots, and for two controllers of one robot.
 void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, engine::WorldSpec& world,
                         Diagnostics& diagnostics);
 

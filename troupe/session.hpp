@@ -63,7 +63,7 @@ class SessionReplay {
   /// The tick at which the session ended. Empty if the file does not state it, because the process died
   /// before SessionLog::end().
   std::optional<std::uint64_t> end_tick() const;
-  /// Number of acts that have not been applied yet.
+  /// Number of acts of the session that act() has not applied yet.
   std::size_t left() const;
   const std::vector<std::string>& warnings() const;  ///< warnings about the file, one line each
 

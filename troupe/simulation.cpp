@@ -38,7 +38,7 @@ namespace troupe {
 namespace {
 
 constexpr double k_longest_run_s =
-    1e12;  // longer than the age of the universe; its ticks still fit in 64 bits
+    1e12;  // 32,000 years: a longer time is a mistake; the ticks of 1e12 s fit in 64 bits
 constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest world
 
 /// Returns the first part of a line of version_line(), "troupe 0.2.0".
@@ -59,8 +59,8 @@ std::string check_version(const worldio::Checkpoint& checkpoint, bool across_ver
   return fmt::format("{}: warning: the checkpoint was written by {}; this program is {}{}",
                      checkpoint.file().string(), made_by, here,
                      is_other ? ""
-                              : ": results are the same bits for all compilers and processors (tiers T1 and "
-                                "T2, docs/determinism.md)");
+                              : ": the run continues with the same bits, because results do not depend on "
+                                "compiler or processor (docs/determinism.md)");
 }
 
 constexpr const char* k_spare = "spare";          // key in a header
@@ -448,8 +448,8 @@ Model::Reading Model::reading(std::string_view field, std::string_view wanted) c
       if (place_->owns(each) && (!device || device == &each))
         for (const engine::StateField& other : world.percepts(each).fields())
           if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
-    const std::string of = device ? fmt::format("field of \"{}\" of \"{}\"", device->name, name())
-                                  : fmt::format("field of the devices of \"{}\"", name());
+    const std::string of = device ? fmt::format("field (device \"{}\" of \"{}\")", device->name, name())
+                                  : fmt::format("field (all devices of \"{}\")", name());
     throw std::out_of_range(unknown_name(of, field, known));
   }
   if (device->kind->is_sensor()) place_->check_running(*device);
@@ -490,7 +490,7 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes, std::string_
     for (const engine::StateField& field : device->prepared.commands) own.push_back(field.name);
     throw std::invalid_argument(
         fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
-                    "struct has {} in {} bytes",
+                    "struct has the fields {} in {} bytes",
                     device->name, name(), device->kind->name, fmt::join(own, ", "),
                     device->prepared.command_bytes, fields, bytes));
   }
@@ -950,7 +950,8 @@ std::size_t Simulation::reserve_of(std::string_view population) const {
     known.push_back(reserve.population);
   throw std::out_of_range(fmt::format("no population \"{}\" with a reserve in {}{}", population,
                                       impl_->file.string(),
-                                      known.empty() ? "" : fmt::format("; known: {}", comma_list(known))));
+                                      known.empty() ? "; no population of this world has a reserve"
+                                                    : fmt::format("; known: {}", comma_list(known))));
 }
 
 void Simulation::remove(const Model& model) {

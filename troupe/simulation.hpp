@@ -52,8 +52,8 @@ using engine::RayHit;
 /// The largest number of ranks (SimulationOptions::ranks).
 inline constexpr unsigned k_most_ranks = 1024;  // = partition::k_most_ranks
 
-/// How a world is loaded and run. Only the options `seed`, `ranging`, `robots`, `set` and `spare` change the
-/// simulated results.
+/// How a world is loaded and run. Only the options `seed`, `ranging`, `robots`, `set`, `scripts` and `spare`
+/// change the simulated results.
 struct SimulationOptions {
   /// Number of worker threads, at most 1,024; a larger number throws std::invalid_argument. 0: one thread per
   /// processor that the affinity mask and the control groups of the process allow.
@@ -65,20 +65,20 @@ struct SimulationOptions {
   std::optional<std::uint64_t> seed;
   /// Replaces the ranging engine of the world file.
   std::optional<RangingEngine> ranging;
-  /// Numbers of robots, as pairs of the name of a population and its count; an empty name means the only
-  /// population of the world.
+  /// New numbers of robots of populations: pairs of the name of a population and its number of robots. An
+  /// empty name means the only population of the world.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values of the world file to replace: pairs of a JSON pointer and a JSON value, such as
   /// {"/populations/0/count", "500"}.
   std::vector<std::pair<std::string, std::string>> set;
-  /// Directories to search for a world or an included file, by the last component of its path, if the path
-  /// itself does not exist.
+  /// Directories in which Troupe looks for a world file, or for a file that it includes, that does not exist
+  /// at the given path. Only the file name is looked up there, without the folders of the given path.
   std::vector<std::filesystem::path> search_path;
   /// Directories to search for plug-ins, shared libraries with controllers and sensors that Troupe does not
   /// ship (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path;
-  /// Scripts whose controllers replace those of the world, and whose measures can be used
-  /// (troupe/script.hpp).
+  /// Scripts, such as Python files, with controllers and measures (troupe/script.hpp). The controllers
+  /// replace those that the world file gives to the same robots.
   std::vector<std::shared_ptr<const Script>> scripts;
   /// Allows the program to remove, disable and enable bodies, as `"mortal": true` in the world file does. The
   /// option changes no state hash as long as the program does not use it to remove or disable a body.
@@ -89,9 +89,10 @@ struct SimulationOptions {
   /// world without it.
   std::uint32_t spare = 0;
   /// Number of ranks among which the robots are divided, at most 1,024; a larger number, or 0, throws
-  /// std::invalid_argument. Each rank is a thread of this process that has its own copy of the world (its
-  /// replica) and its own worker threads (docs/cluster.md). With more than one rank, `threads` is the number
-  /// per rank; 0: the available processors, divided by the number of ranks.
+  /// std::invalid_argument, as does more than 1 if a launcher such as mpirun started several processes of
+  /// this program. Each rank is a thread of this process that has its own copy of the world (its replica) and
+  /// its own worker threads (docs/cluster.md). With more than one rank, `threads` is the number per rank; 0:
+  /// the available processors, divided by the number of ranks.
   unsigned ranks = 1;
   /// For tests of the ranks: if a seed is given, messages between ranks arrive late and shuffled, and robots
   /// move to random ranks during the run. Delays, order and ranks follow from the seed.
@@ -101,12 +102,13 @@ struct SimulationOptions {
   /// clock, robots move to other ranks if the ranks take unequal times, and rank_work() and rank_statistics()
   /// contain times. Null: no clock. No result depends on the clock.
   std::function<double(unsigned rank)> rank_clock;
-  /// The processes that compute the world together, of which this is rank 0; only the program `troupe` sets
-  /// this (docs/cluster.md). Null: this process alone.
+  /// The processes that compute the world together; this process is rank 0 of them. Only the program `troupe`
+  /// sets this option (docs/cluster.md). Null: this process computes the world alone.
   std::shared_ptr<RankProcesses> processes;
 };
 
-/// How a run is resumed from a checkpoint. Only the option `set` changes the simulated results.
+/// How a run is resumed from a checkpoint. Only the options `set`, `across_versions` and `across_plugins` can
+/// change the simulated results.
 struct ResumeOptions {
   /// Number of worker threads, as in SimulationOptions.
   unsigned threads = 0;
@@ -126,7 +128,7 @@ struct ResumeOptions {
   std::vector<std::shared_ptr<const Script>> scripts;
   /// Accepts plug-ins whose files differ from those that were loaded when the checkpoint was written.
   bool across_plugins = false;
-  unsigned ranks = 1;  ///< number of ranks, as in SimulationOptions; the saved run may have had another
+  unsigned ranks = 1;  ///< number of ranks, as in SimulationOptions; may differ from the saved run
   std::optional<std::uint64_t> rank_seed;           ///< for tests, as in SimulationOptions
   std::function<double(unsigned rank)> rank_clock;  ///< as in SimulationOptions
   std::shared_ptr<RankProcesses> processes;         ///< as in SimulationOptions
@@ -146,7 +148,7 @@ struct Statistics {
   std::size_t stalled = 0;            ///< robots whose last motion was blocked or out of bounds
   std::size_t held_at_bounds = 0;     ///< robots whose last motion was out of bounds
   double mean_displacement_m = 0;     ///< mean straight-line distance of robots from their start or birth, m
-  std::uint64_t conflict_rounds = 0;  ///< iterations to resolve conflicting motions, since tick 0
+  std::uint64_t conflict_rounds = 0;  ///< rounds in which conflicting motions were resolved, since tick 0
   std::size_t state_bytes = 0;        ///< memory of all state tables, bytes
 };
 
@@ -160,10 +162,11 @@ struct RankStatistics {
   double waited_s = 0;         ///< time spent waiting, s; 0 if neither rank_clock nor `processes` is given
   /// How often robots moved to other ranks because the slowest rank took more than 1.1 times the mean time.
   std::uint64_t rebalanced = 0;
-  std::uint64_t requests = 0;  ///< checkpoints that users requested from the other processes (SIGUSR1)
+  std::uint64_t requests = 0;  ///< signals SIGUSR1 (save a checkpoint) that other processes got
 };
 
-/// Number of robots of a rank, and the time that it took for them in the last tick (engine/rank_work.hpp).
+/// Number of bodies that a rank computed in the last tick, and the times of its phases sense, actuate and
+/// decide (engine/rank_work.hpp).
 using engine::RankWork;
 
 class Recording;
@@ -179,9 +182,9 @@ struct RecordingOptions;
 class Model {
  public:
   const std::string& name()
-      const;  ///< name in the world file, or else the name that Stage gives it ("position:0")
-  /// Id of the body. Fiducial finders, bumpers, radios and Simulation::cast() report this id, and
-  /// Simulation::model() takes it.
+      const;  ///< name in the world file, or else the name that Stage's rule generates ("position:0")
+  /// Id of the body; for a part, the id of the body that it is mounted on. Fiducial finders, bumpers, radios
+  /// and Simulation::cast() report this id, and Simulation::model() takes it.
   BodyId id() const;
   /// Pose in the world frame, m and rad. The pose of a part on a joint includes the motion of the joint. A
   /// body that was removed keeps its last pose; the pose of a body that is not yet born is NaN.
@@ -190,8 +193,8 @@ class Model {
   Eigen::Vector3d size() const;
   /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
-  /// replaces them. If the robot has a controller, the controller overrides them. Throws std::logic_error for
-  /// a model that has no drive or is not in the world, as all commands do.
+  /// replaces them. If the robot has a controller, the controller overrides them. Throws std::logic_error, as
+  /// accelerate() and go_to() do, for a model that has no drive or is not in the world.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< with `left` = 0
   /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
@@ -230,9 +233,8 @@ class Model {
   /// becomes false, and sensors see the new pose from the next step on. The place may overlap other bodies;
   /// is_free() tells whether it does. The body can then drive out of an overlap, but not deeper into it.
   /// Throws std::invalid_argument if the pose is not finite or is outside the bounds of the world, and if
-  /// another body carries this one. Throws std::logic_error for a part of a body, for static geometry, and
-  /// during Swarm::for_each(), which allows no function that changes several robots. Simulation::set_poses()
-  /// moves many models faster.
+  /// another body carries this one. Throws std::logic_error for a part of a body, for static geometry, and in
+  /// the function that Swarm::for_each() calls. Simulation::set_poses() moves many models faster.
   void set_pose(const Pose& pose);
   /// Whether the body could be placed at this pose in the world frame, m and rad: it would be inside the
   /// bounds of the world and would not touch a wall or another body.
@@ -308,8 +310,9 @@ class Model {
   /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest part
   /// towards the root of the body. Empty if there is no such pack.
   std::optional<Energy> energy() const;
-  /// Number of flags (coloured tokens that bodies exchange, docs/energy.md) in the list of this model; 0 if
-  /// it has no list. Lists of other parts of the body do not count, even if this model is the whole body.
+  /// Number of flags (coloured tokens that bodies exchange, docs/energy.md) that the device `flags` of this
+  /// model holds; 0 if the model has no such device. Devices on other parts of the body do not count, even if
+  /// this model is the whole body.
   std::size_t flag_count() const;
 
  private:
@@ -321,8 +324,8 @@ class Model {
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
   std::byte* asked(std::string_view device, std::size_t bytes, std::string_view fields);
-  /// While an object of this class exists, its robot is the one that Swarm::for_each() visits on this thread.
-  /// Functions that change other robots then throw.
+  /// Marks a robot as the one for which Swarm::for_each() calls its function on this thread, as long as this
+  /// object exists. Functions that change other robots throw std::logic_error on this thread meanwhile.
   class Visit {
    public:
     explicit Visit(const Model& robot);
@@ -339,36 +342,36 @@ class Model {
   std::shared_ptr<const Place> place_;
 };
 
-/// A world and its state. Not thread-safe: use each simulation from one thread. It computes on worker threads
-/// of its own (SimulationOptions::threads). A process may have several simulations.
+/// A world and its state. Not thread-safe: use each simulation from one thread. A simulation computes on
+/// worker threads of its own (SimulationOptions::threads). A process may have several simulations.
 class Simulation {
  public:
   /// Loads a world file (Stage `.world` or Troupe JSON). Throws InputError, whose text lists all errors in
   /// the file, each as `file:line: error: ...`.
   explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
-  /// Loads a world file that uses kinds of sensors, drives, controllers or other devices of the caller. Start
-  /// `registry` from make_registry() (troupe/registry.hpp), which has the kinds that Troupe ships, and add
-  /// the kinds of the caller.
+  /// Loads a world file that uses kinds of sensors, drives, controllers or other devices that the program
+  /// defines. To make `registry`, take the result of make_registry() (troupe/registry.hpp), which has the
+  /// kinds that Troupe ships, and add the kinds of the program.
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
-  /// Loads a world from the text of a world file. No file is read; `name` is used in its place: its ending,
-  /// .world or .json, selects the syntax, relative paths in the text are resolved from its folder, and errors
-  /// read `name:line: error: ...`.
+  /// Loads a world from the text of a world file. `name` is used like the path of this file, which need not
+  /// exist: the ending of `name`, .world or .json, selects the syntax, relative paths in the text are
+  /// resolved from the folder of `name`, and errors read `name:line: error: ...`.
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options = {});
-  /// Loads a world from its text, with the kinds of a registry of the caller.
+  /// Loads a world from its text, with the kinds in `registry`.
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world that a program described (troupe/world_builder.hpp). Throws InputError as from_text()
-  /// does; the line numbers in its text are those of WorldBuilder::json().
+  /// Makes the world that a WorldBuilder describes (troupe/world_builder.hpp). Throws InputError as
+  /// from_text() does; the line numbers in its text are those of WorldBuilder::json().
   explicit Simulation(const WorldBuilder& world, const SimulationOptions& options = {});
-  /// Makes a world that a program described, with the kinds of a registry of the caller.
+  /// Makes the world that a WorldBuilder describes, with the kinds in `registry`.
   Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry);
   /// Makes a world from a document: the content of a JSON world file as plain C++ data
   /// (worldio/json/world_document.hpp). `name` is used in place of a file name, as in from_text(). Throws
   /// InputError as from_text() does; its text names the files and lines that the document states.
   explicit Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name = "world.json",
                       const SimulationOptions& options = {});
-  /// Makes a world from a document, with the kinds of a registry of the caller.
+  /// Makes a world from a document, with the kinds in `registry`.
   Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
              const SimulationOptions& options, engine::Registry registry);
   /// Makes a world from a spec, the description that the engine uses internally (engine/world_spec.hpp),
@@ -377,15 +380,15 @@ class Simulation {
   /// ..., found nan`. The options `robots`, `set` and `search_path` apply to world files only: throws
   /// std::invalid_argument if one of them is given.
   explicit Simulation(engine::WorldSpec world, const SimulationOptions& options = {});
-  /// Makes a world from a spec, with the kinds of a registry of the caller.
+  /// Makes a world from a spec, with the kinds in `registry`.
   Simulation(engine::WorldSpec world, const SimulationOptions& options, engine::Registry registry);
   /// Resumes a run from a checkpoint that save() or `troupe run --checkpoint` wrote. The run then has the
   /// same bits as if it had never stopped, on any number of threads. The files that the world was loaded from
   /// are not needed. Throws InputError, `run.h5: error: ...`, if the file is not a checkpoint, is truncated
   /// or damaged, or was written by a newer version.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
-  /// Resumes a run of a world that was loaded with a registry of the caller, which must have the same kinds
-  /// again.
+  /// Resumes a run whose world was loaded with a registry of the program. `registry` must have the same kinds
+  /// as that registry.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
                            engine::Registry registry);
   ~Simulation();
@@ -427,7 +430,7 @@ class Simulation {
   /// recording of record() has received the tick. A callback may do everything that a program may do between
   /// two steps (read, command, set_poses(), spawn(), remove(), save()), except step(), reset() and on_tick(),
   /// which throw std::logic_error. If a callback throws, step() passes the exception on and calls no further
-  /// callbacks; the tick is complete. A null callback removes all callbacks.
+  /// callbacks; the state is that after a complete tick. A null callback removes all callbacks.
   void on_tick(std::function<void(Simulation&)> callback);
   /// Sets the callback that is called in every step after the events of the world file (the list `at`, and
   /// faults) and before the tick begins. It may do everything that a program may do between two steps, and
@@ -458,11 +461,11 @@ class Simulation {
   Simulation another(std::uint64_t seed, unsigned threads) const;
 
   /// Saves the whole state between two steps in a checkpoint, one HDF5 file. resume() then needs neither the
-  /// world file nor its bitmaps. Subscriptions and commanded speeds are saved, callbacks are not. The file is
-  /// written under a temporary name and renamed once it is complete and on the disk: if the process dies,
-  /// `checkpoint` is either the previous checkpoint or the new one. Throws std::runtime_error, `run.h5:
-  /// error: ...`, if the file cannot be written or the build has no HDF5; the previous checkpoint then
-  /// remains.
+  /// world file nor the images and other files that it refers to. Subscriptions and commanded speeds are
+  /// saved, callbacks are not. The file is written under a temporary name and renamed once it is complete and
+  /// on the disk: if the process dies, `checkpoint` is either the previous checkpoint or the new one. Throws
+  /// std::runtime_error, `run.h5: error: ...`, if the file cannot be written or the build has no HDF5; the
+  /// previous checkpoint then remains.
   void save(const std::filesystem::path& checkpoint) const;
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
@@ -502,7 +505,7 @@ class Simulation {
   /// without    a body that the ray ignores, together with the bodies that it carries; for rays that start
   ///            within a robot
   /// meets      surfaces that rangers detect (ranger_return >= 0) and whose z interval, including both ends,
-  ///            contains from.z; from inside and from outside. The distance is computed in double precision,
+  ///            contains from.z; both sides of a surface count. The distance is computed in double precision,
   ///            so it may differ from the float32 reading of a ranger in its last bits
   /// ties       of two surfaces at the same distance, the ray meets that of the body with the lower id, and
   ///            on one body that of the part with the lower index
@@ -550,7 +553,7 @@ class Simulation {
   ///          "cruise_speed_mps": 0.2}}
   /// The change lasts until reset(). Checkpoints contain it. Throws std::invalid_argument, and changes
   /// nothing, if the type has no such parameter, or if a value is not allowed or would change the layout of
-  /// the state.
+  /// the state, such as a number of beams.
   void set(std::string_view type, std::string_view setting);
   /// The parameters of a type, with the changes of set() and of the world file up to now, as JSON: a list of
   /// objects like those for set(), one for the drive and one for each device and controller. Infinite values,
@@ -559,8 +562,8 @@ class Simulation {
   std::string parameters(std::string_view type) const;
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
-  /// Makes all sensors of a robot run, as Stage's Subscribe does. Without it, only sensors run that are
-  /// active (`active` in JSON, `alwayson` in Stage worlds) or that the robot's controller reads. Call it
+  /// Makes all sensors of the robot `model` run, as Stage's Subscribe does. Without it, only sensors run that
+  /// are active (`active` in JSON, `alwayson` in Stage worlds) or that the robot's controller reads. Call it
   /// before the first step: later calls throw std::logic_error. Throws std::out_of_range for an unknown
   /// model.
   void subscribe(std::string_view model);
@@ -577,7 +580,7 @@ class Simulation {
   /// Returns a 64-bit hash of the whole state. Simulations with equal states have equal hashes
   /// (docs/determinism.md).
   std::uint64_t state_hash() const;
-  /// The hash of the state, and the hashes of four groups of its components.
+  /// The hash of the state, and the hashes of four groups of its components (tables).
   struct Hashes {
     std::uint64_t state = 0;     ///< the sum of the four hashes below, modulo 2^64
     std::uint64_t pose = 0;      ///< poses, carried bodies, which bodies are in the world
@@ -594,13 +597,14 @@ class Simulation {
   std::string hash_log_line() const;
 
   Statistics statistics() const;  ///< numbers that describe the run, computed in a loop over all robots
-  /// The sums of the energies of all power packs, J. `infinite` and `charging` are true if they are true for
-  /// at least one pack.
+  /// The sums of the energies of all power packs of the world, J. `infinite` and `charging` are true if they
+  /// are true for at least one pack.
   Model::Energy energy() const;
   unsigned threads() const;                ///< number of worker threads, per rank
   unsigned ranks() const;                  ///< number of ranks, threads or processes, that compute the world
   RankStatistics rank_statistics() const;  ///< numbers that describe the messages between ranks
-  /// Robots and time of each rank in the last tick; empty with one rank. Valid until the next step.
+  /// Number of bodies and times of each rank in the last tick; empty with one rank. Valid until the next
+  /// step.
   std::span<const RankWork> rank_work() const;
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
   /// a tick begins, and with std::nullopt when the tick ends. A null callback removes it.
@@ -626,7 +630,8 @@ class Simulation {
   /// library OSMesa is missing, if the build has no renderer, or if the file cannot be written.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp). Throws
-  /// std::runtime_error as above, and InputError if `options` name something that the world does not have.
+  /// std::runtime_error as above, and InputError if `options` name a camera, layer, model or field that does
+  /// not exist.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
   /// Returns a picture of the world from above: 8-bit RGB, three bytes per pixel, row by row from the top.
   /// Throws as snapshot() does, and std::invalid_argument for a width or height below 1. Do not call

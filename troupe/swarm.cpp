@@ -66,7 +66,7 @@ std::vector<std::string> Swarm::types() const {
 }
 
 /// Calls one(row, i) for each robot i and its row in the state tables. room: number of elements of the
-/// caller's span. Throws std::invalid_argument if this is not size().
+/// caller's span. Throws std::invalid_argument if `room` is not size().
 template <class Read>
 void Swarm::read(std::size_t room, Read&& one) const {
   world_->require_whole();
@@ -75,7 +75,7 @@ void Swarm::read(std::size_t room, Read&& one) const {
 }
 
 /// Calls one(row, i) for each robot that `where` selects and that is in the world. given: number of elements
-/// of the caller's span. Throws std::invalid_argument if this is not size().
+/// of the caller's span. Throws std::invalid_argument if `given` is not size().
 template <class Write>
 void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const {
   Model::refuse_in_for_each(*world_, "a command for a swarm");
@@ -198,8 +198,8 @@ const engine::BodyType::Device& device_of(const engine::World& world, Row row, s
     if (wanted(device)) return device;
     if (counts(device)) known.push_back(device.name);
   }
-  throw std::out_of_range(unknown_name(fmt::format("{} of \"{}\"", what, world.spec().name(world.body(row))),
-                                       name, std::move(known)));
+  throw std::out_of_range(unknown_name(
+      fmt::format("{} (robot \"{}\")", what, world.spec().name(world.body(row))), name, std::move(known)));
 }
 
 std::size_t index_of(std::span<const engine::StateField> fields, std::string_view name) {
@@ -211,7 +211,8 @@ std::size_t index_of(std::span<const engine::StateField> fields, std::string_vie
                                       std::span<const engine::StateField> fields) {
   std::vector<std::string_view> known;
   for (const engine::StateField& field : fields) known.push_back(field.name);
-  throw std::out_of_range(unknown_name(fmt::format("{} of \"{}\"", what, device), name, std::move(known)));
+  throw std::out_of_range(
+      unknown_name(fmt::format("{} (device \"{}\")", what, device), name, std::move(known)));
 }
 
 }  // namespace
@@ -263,9 +264,10 @@ void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field,
                         engine::element_name(cells.field->element), world_->spec().name(ids_[i]),
                         its.field->columns, engine::element_name(its.field->element)));
       if (bytes != size() * its.bytes())
-        throw std::invalid_argument(fmt::format(
-            "found {} bytes for \"{}\" of {} robots with {} columns each: give robots x columns elements",
-            bytes, field, size(), its.field->columns));
+        throw std::invalid_argument(
+            fmt::format("found {} bytes for \"{}\" of {} robots with {} columns each: give an element per "
+                        "robot and column",
+                        bytes, field, size(), its.field->columns));
       cells = its;
       type = &own;
     }

@@ -46,7 +46,7 @@ class Swarm {
   std::size_t size() const { return rows_.size(); }     ///< number of robots, in the world or not
   std::span<const BodyId> ids() const { return ids_; }  ///< in ascending order
   std::vector<std::string> names() const;               ///< in the order of ids()
-  std::uint64_t tick() const;                           ///< number of the last tick
+  std::uint64_t tick() const;                           ///< number of completed ticks
   double time_s() const;                                ///< world time, s
   /// Names of the types of the robots, each name once, in the order of the world file.
   std::vector<std::string> types() const;
@@ -77,19 +77,21 @@ class Swarm {
   /// Returns the largest range that the first robot's ranger can report, m; 0 for a swarm without robots.
   /// Throws as bearings() does.
   double range_bound(std::string_view sensor = {}) const;
-  /// Returns the field `field` of the readings of the device named `device`. An empty name means the first
-  /// device of each robot that has this field. Throws std::out_of_range if a robot has no such device or
-  /// field, std::invalid_argument if the types or numbers of columns differ between robots, and
-  /// std::logic_error for a swarm without robots.
+  /// Returns the description (name, type, columns, unit) of the field `field` of the readings of the device
+  /// named `device`. An empty name of the device means the first device of each robot that has this field.
+  /// Throws std::out_of_range if a robot has no such device or field, std::invalid_argument if the types or
+  /// numbers of columns differ between robots, and std::logic_error for a swarm without robots.
   const engine::StateField& reading_field(std::string_view field, std::string_view device = {}) const;
-  /// Writes a field of the readings of each robot's device, in elements of the type of reading_field():
-  /// robots x columns, row-major. Throws as reading_field() does, std::invalid_argument if `out` has another
-  /// size in bytes, and std::logic_error if a sensor does not run.
+  /// Writes one field of the readings: for each robot, of its device named `device`. The values are robots x
+  /// columns, row-major, in elements of the type of reading_field(). Throws as reading_field() does,
+  /// std::invalid_argument if `out` has another size in bytes, and std::logic_error if a sensor does not run.
   void readings(std::span<std::byte> out, std::string_view field, std::string_view device = {}) const;
-  /// Returns the fields of the commands of the device named `device`. Throws as reading_field() does.
+  /// Returns descriptions of the fields of the command that the device named `device` takes. Throws as
+  /// reading_field() does.
   std::span<const engine::StateField> command_fields(std::string_view device) const;
-  /// Writes the current value of a field of the command of each robot's device named `device`: robots x
-  /// columns, row-major, in elements of the type of the field. Throws as readings() does.
+  /// Writes one field of the current commands: for each robot, of the command of its device named `device`.
+  /// The values are robots x columns, row-major, in elements of the type of the field. Throws as readings()
+  /// does.
   void commands(std::span<std::byte> out, std::string_view field, std::string_view device) const;
   /// Makes all sensors of the robots of this group run, as Simulation::subscribe() does for one robot. Throws
   /// std::logic_error after the first step.
@@ -111,15 +113,17 @@ class Swarm {
   void accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where = {});
   /// Calls Model::go_to() for each robot.
   void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});
-  /// Sets a field of the command of each robot's device, whose other fields keep their values. values: robots
-  /// x columns, row-major, in elements of the type of the field. Throws as readings() does.
+  /// Sets one field of the commands: for each robot, of the command of its device named `device`. Other
+  /// fields of the commands keep their values. values: robots x columns, row-major, in elements of the type
+  /// of the field. Throws as readings() does.
   void set_commands(std::span<const std::byte> values, std::string_view field, std::string_view device,
                     std::span<const std::uint8_t> where = {});
   /// Calls Model::set_pose() for each robot, but rebuilds the spatial index of the bodies only once. If one
   /// pose is invalid, set_poses() throws the error of Model::set_pose() and moves no robot.
   void set_poses(std::span<const Pose> poses, std::span<const std::uint8_t> where = {});
 
-  /// The swarm of the robots with these rows of the state tables, which are in ascending order of their ids.
+  /// Returns the swarm of the robots that have these rows of the state tables. The rows must be sorted by the
+  /// ids of the robots.
   static Swarm of(engine::World& world, std::vector<Row> rows) { return {world, std::move(rows)}; }
 
  private:

@@ -116,15 +116,15 @@ class WorldBuilder {
     /// Sets the drive. kind: "diff", "omni", "car", ...; parameters: the parameters of this kind of drive.
     Type& drive(std::string_view kind, const Settings& parameters = {});
     /// Adds a sensor. name: its name, unique in the type; kind: "ranger", "bumper", ...; parameters: those of
-    /// this kind of sensor; pose: of the sensor in the body frame, m and rad.
+    /// this kind of sensor; pose: pose of the sensor in the body frame, m and rad.
     Type& sensor(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
     /// Adds a device that is not a sensor (light, gripper, power pack, ...). The parameters are as in
     /// sensor().
     Type& device(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
-    /// Sets the controller that runs on each robot of the type. Without a controller, the program commands
-    /// the robots.
+    /// Sets the controller that runs on each robot of the type. Robots without a controller do only what the
+    /// program commands.
     Type& controller(std::string_view kind, const Settings& parameters = {});
     /// Sets any key that a type can have in the world file.
     Type& set(std::string_view key, const Setting& value);
@@ -154,12 +154,13 @@ class WorldBuilder {
   /// ("reserve", "color").
   WorldBuilder& population(std::string_view name, std::string_view type, std::size_t count,
                            const Settings& place, const Settings& more = {});
-  /// Adds a straight wall between two points in the world frame; points, thickness and height in m. Wall and
-  /// type have the names `wall1`, `wall2`, ... in the order of the calls. Throws std::invalid_argument if the
-  /// points are equal.
+  /// Adds a straight wall between two points in the world frame; points, thickness and height in m. Each call
+  /// adds a type and a body of this type, both with the name `wall1`, `wall2`, ... in the order of the calls.
+  /// Throws std::invalid_argument if the points are equal.
   WorldBuilder& wall(const Vec2& from, const Vec2& to, double thickness = 0.1, double height = 0.5);
-  /// Adds the walls of a floor plan: the dark pixels of an image file, which is stretched to a size of x by y
-  /// metres. height: height of the walls, m. more: further keys that a floor plan has in the world file.
+  /// Adds the walls of a floor plan: the dark pixels of the image file `bitmap`. The bounding box of these
+  /// pixels, or the whole image with {"margins", "keep"} in `more`, is scaled to x by y metres. height:
+  /// height of the walls, m. more: further keys that a floor plan has in the world file.
   WorldBuilder& floorplan(std::string_view name, const std::filesystem::path& bitmap, double x, double y,
                           double height = 0.5, const Settings& more = {});
 

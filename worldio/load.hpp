@@ -39,8 +39,8 @@ struct LoadOptions {
   /// Greatest number of bodies in all populations of a world together; more are an error. Programs that read
   /// untrusted files set it lower.
   double most_bodies = 10000000;
-  /// If not null, the loader assigns the PlaceAgain of the world to the object to which this points. The
-  /// object stays empty if the world has no populations.
+  /// If not null, the loader stores the function that places the populations of this world again in the
+  /// object to which this points. The object stays empty if the world has no populations.
   PlaceAgain* place_again = nullptr;
 };
 

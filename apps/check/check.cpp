@@ -215,7 +215,10 @@ void print_foreign_measures(const Simulation& simulation) {
   kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
   for (const std::string& name : kinds)
     if (const auto kind = simulation.registry().find_measure(name); kind && (*kind)->is_foreign)
-      fmt::print("note: {} is a measure in Python, for which Troupe does not guarantee equal bits\n", name);
+      fmt::print(
+          "note: {} is computed in Python: Troupe does not guarantee that its values are equal in all "
+          "variants\n",
+          name);
 }
 
 ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {

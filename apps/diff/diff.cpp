@@ -22,10 +22,10 @@ namespace {
 
 constexpr const char* k_diff_footer = R"(
 Compares two hash logs (troupe run --hash-log). Prints the first tick at which they differ, and which of the four groups
-of the state differ: pose, velocity, sensor and memory. These groups indicate the cause: if only sensor differs, range
-finding; if pose or velocity differs, the drives or the resolution of conflicts between motions; if memory differs, a
-controller. If one log begins later than the other, earlier ticks are not compared; if one log ends earlier, the logs
-differ.
+of the state differ: pose, velocity, sensor and memory. The groups indicate the cause: a difference only in sensor comes
+from range finding, one in pose or velocity from the drives or from the resolution of conflicts between motions, and one
+in memory from a controller. If one log begins later than the other, earlier ticks are not compared; if one log ends
+earlier, the logs differ.
 
 Also compares two recordings (troupe run --record), in the ticks and fields that both recordings have. Prints the first
 frame that differs, with the component, the robot, the field, and the values in B and A, in hexadecimal and decimal.
@@ -106,7 +106,7 @@ void add_diff_options(CLI::App& command, DiffOptions& options) {
     command.add_flag(name, on, help)->disable_flag_override();
   };
   add_switch("--across-domains", options.across_domains,
-             "Compare even if version, compiler, flags or processor differ");
+             "Compare even if version, compiler, flags or instruction set differ");
   add_switch("--across-runs", options.across_runs, "Compare even if world, seed or options differ");
 }
 

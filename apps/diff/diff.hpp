@@ -12,10 +12,10 @@ namespace troupe::apps {
 
 /// Options of `troupe diff`.
 struct DiffOptions {
-  std::filesystem::path first;
-  std::filesystem::path second;
-  bool across_domains = false;  ///< versions, compilers, flags and instruction sets may differ
-  bool across_runs = false;     ///< worlds, seeds and options may differ
+  std::filesystem::path first;   ///< hash log or recording, named A in --help
+  std::filesystem::path second;  ///< file of the same type, named B in --help
+  bool across_domains = false;   ///< compare even if versions, compilers, flags or instruction sets differ
+  bool across_runs = false;      ///< compare even if worlds, seeds or options differ
 };
 
 /// Adds the options of `diff`; parsing fills `options`, which must outlive `command`.

@@ -13,7 +13,7 @@ namespace troupe::apps {
 
 /// Options of `troupe info`.
 struct InfoOptions {
-  std::filesystem::path file;
+  std::filesystem::path file;                      ///< file to summarise, of any type that Troupe uses
   std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
 };
 

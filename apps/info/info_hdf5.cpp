@@ -16,8 +16,8 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
-/// Adds the entries of the header of a run to a summary: first the version, then all others except those with
-/// the keys `left_out`.
+/// Adds the entries of the header of a run to a summary: first the version, then all others except those
+/// whose keys are in `left_out`.
 void add_header(const std::map<std::string, std::string>& header, const std::set<std::string>& left_out,
                 Summary& summary) {
   if (const auto version = header.find("version"); version != header.end())

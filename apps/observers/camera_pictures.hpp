@@ -27,7 +27,7 @@ class CameraPictures : public Observer {
   std::uint64_t every_ticks_;
 };
 
-/// Returns the output of --camera-png and --camera-every.
+/// Returns a new output with the options --camera-png and --camera-every.
 std::unique_ptr<RunOutput> camera_output();
 
 }  // namespace troupe::apps

@@ -12,7 +12,7 @@
 
 namespace troupe::apps {
 
-/// Detects requests of users for a checkpoint: the signal SIGUSR1 to any process of the run.
+/// Detects that a user has requested a checkpoint by sending SIGUSR1 to a process of the run.
 class SaveRequests {
  public:
   /// Whether a request has arrived since the last call that returned true. Requests within one second after
@@ -51,7 +51,7 @@ class Checkpointing : public Observer {
   SaveRequests requests_;
 };
 
-/// Returns the output of --checkpoint and --checkpoint-every, which also adds the option --wall-limit.
+/// Returns a new output with the options --checkpoint and --checkpoint-every; it also adds --wall-limit.
 /// Parsing stores the values in RunOptions::checkpoint, checkpoint_every_s and wall_limit_s.
 std::unique_ptr<RunOutput> checkpoint_output();
 

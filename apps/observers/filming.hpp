@@ -37,7 +37,7 @@ class RunSpeed {
 /// Writes pictures of single ticks of a run. A separate thread draws them while the run continues.
 class Snapshots : public Observer {
  public:
-  /// `end_tick` is the last tick of the run. Throws InputError for options that do not fit the world, and for
+  /// end_tick: last tick of the run. Throws InputError for options that do not fit the world, and for
   /// times outside the run.
   Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
 
@@ -96,7 +96,7 @@ class Filming : public Observer {
   partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// Returns the output of --snapshot and --film, with the options that set how pictures look.
+/// Returns a new output with the options --snapshot and --film and those that set how pictures look.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

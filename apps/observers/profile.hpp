@@ -116,7 +116,7 @@ class Profile : public Observer, public TickWatcher {
   PerThread<Track> tracks_;
 };
 
-/// Returns the output of --profile and --profile-ticks.
+/// Returns a new output with the options --profile and --profile-ticks.
 std::unique_ptr<RunOutput> profile_output();
 
 }  // namespace troupe::apps

@@ -25,7 +25,7 @@ void refuse_outside(const engine::RecordSpec& record, const Simulation& simulati
   Diagnostics diagnostics(simulation.world().spec().files);
   diagnostics.error(record.where,
                     fmt::format("/record/file: must be a file in or below the working folder (no leading "
-                                "\"/\", no \"..\"), found \"{}\"; --record FILE.h5 records anywhere",
+                                "\"/\", no \"..\"), found \"{}\"; --record may name any file",
                                 record.file));
   diagnostics.throw_if_errors();
 }

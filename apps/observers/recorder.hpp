@@ -23,8 +23,8 @@ class Recorder;
 /// invalid file or invalid fields, before anything is written.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
-/// Writes a recording. It starts to flush the file every 2 s of wall time, so that readers of the growing
-/// file see recent frames and a killed run loses few of them.
+/// Writes a recording. Starts to flush the frames to the disk every 2 s of wall time, so that readers of the
+/// growing file see recent frames and a killed run loses few frames.
 class Recorder : public Observer {
  public:
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}

@@ -119,7 +119,7 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
                   "Write a table of measures, by default with one line per simulated second",
                   [this](const std::string& text) { file_ = file_name("--measures", text); });
     add_values(app, "--measure", "NAME[:OF],...",
-               "Measures, optionally of a type or population; repeatable (default: the world's, else all)",
+               "Measures, optionally of type or population OF; repeatable (default: the world's, else all)",
                [this](const std::string& text) { add_names(text); })
         ->needs(measures);
     add_value(app, "--measure-every", "S",

@@ -60,9 +60,9 @@ inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
-/// Returns the output of --measures, --measure and --measure-every.
+/// Returns a new output with the options --measures, --measure and --measure-every.
 std::unique_ptr<RunOutput> measures_output();
-/// Returns the output of --events.
+/// Returns a new output with the option --events.
 std::unique_ptr<RunOutput> events_output();
 
 }  // namespace troupe::apps

@@ -13,9 +13,10 @@
 
 namespace troupe::apps {
 
-/// Writes a film, which ffmpeg, a child process, encodes from pictures. ffmpeg writes a temporary file in the
-/// folder of the film, which is renamed when the film is complete. The temporary file of an unfinished film
-/// is removed, unless the program is killed by SIGKILL; the next film with the same name then replaces it.
+/// Writes a film: passes pictures to ffmpeg, a child process, which encodes them. ffmpeg writes a temporary
+/// file in the folder of the film; the file gets the film's name when the film is complete. The temporary
+/// file of an unfinished film is removed. If SIGKILL prevents this, the next film with the same name replaces
+/// the file.
 class Ffmpeg {
  public:
   /// Starts ffmpeg. film: file to write; width, height: size of the pictures, pixels; fps: pictures per
@@ -44,7 +45,7 @@ class Ffmpeg {
   int process_ = -1;
 };
 
-/// Returns the path of ffmpeg, which is searched in the folders of the environment variable PATH; empty: not
+/// Searches ffmpeg in the folders of the environment variable PATH and returns its path; empty if it is not
 /// found.
 std::string find_ffmpeg();
 /// Throws OutputError if the film that `pictures` requests cannot be made, for example because ffmpeg is

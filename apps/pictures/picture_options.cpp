@@ -36,7 +36,7 @@ void set_picture_size(PictureOptions& look, const std::string& text) {
   look.height = *height;
 }
 
-/// Converts a text to two numbers, which a comma separates; nothing if it has another form. With
+/// Converts a text such as `2.5,-4` to two numbers. Returns std::nullopt if the text has another form. With
 /// `one_is_enough`, the second number may be missing and is then 0.
 std::optional<std::array<double, 2>> two_numbers(const std::string& text, bool one_is_enough) {
   const auto comma = text.find(',');
@@ -178,7 +178,9 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
             "Layers to draw in addition to the default layers, and, with -, layers to omit; see below",
             [&look](const std::string& text) {
               look.layers = text;
-              const Result<> known = text.empty() ? Error{"an empty list"} : check_layers(text);
+              const Result<> known =
+                  text.empty() ? Error{"the list is empty; name layers, as in --layers trails,-grid"}
+                               : check_layers(text);
               if (!known) throw CLI::ValidationError("--layers", known.error().text);
             });
   add_value(app, "--background", "B", "paper (default), white, dark or transparent",

@@ -43,8 +43,8 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures);
 void add_look_options(CLI::App& app, PictureOptions& look);
 /// Adds --film, --fps and --film-speed. Parsing fills `pictures`, which must outlive `app`.
 void add_film_options(CLI::App& app, PictureFiles& pictures);
-/// Convert `text`, the value of the option `option`, to the name or to the times of the snapshots. Throw
-/// CLI::ParseError for invalid values.
+/// Convert `text`, the value of the option `option`, and store it as the name (set_snapshot()) or the times
+/// (set_times()) of the snapshots in `pictures`. Throw CLI::ParseError for invalid values.
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text);
 void set_times(PictureFiles& pictures, const char* option, const std::string& text);
 /// Throws CLI::ValidationError if several times are given and the name of the snapshots has no {time}.

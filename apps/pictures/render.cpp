@@ -81,8 +81,9 @@ void draw_simulation(const RenderOptions& options, Simulation& simulation) {
   Pictures pictures(simulation, options.pictures.look);
   const auto& times = options.pictures.snapshot_at_s;
   if (!times.empty() && engine::ticks_until(times.front(), simulation.tick_s()) < simulation.tick())
-    throw InputError(fmt::format("{}: error: {} {:g}: the run is already at {:g} s", options.world.string(),
-                                 options.for_s ? "--for" : "--at", times.front(), simulation.time_s()));
+    throw InputError(fmt::format(
+        "{}: error: {} {:g}: the checkpoint was saved at {:g} s; give this time or a later one",
+        options.world.string(), options.for_s ? "--for" : "--at", times.front(), simulation.time_s()));
   pictures.rehearse(snapshot_files(options.pictures).front());
   const RunSpeed speed(simulation.time_s());
   pictures.see(simulation);

@@ -16,7 +16,7 @@ namespace troupe::apps {
 /// Options of `troupe render`.
 struct RenderOptions : WorldOptions {
   PictureFiles pictures;  ///< pictures of the file `world`, which is a world, a checkpoint or a recording
-  std::vector<std::string> given;  ///< names of the given options that not all types of input allow
+  std::vector<std::string> given;  ///< options of the command line that only some types of input allow
 };
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.

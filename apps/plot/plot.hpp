@@ -15,7 +15,7 @@ namespace troupe::apps {
 struct PlotOptions {
   std::filesystem::path folder;  ///< folder with the results of a sweep
   std::string measure;           ///< name of the measure
-  std::string by;                ///< names of parameters, separated by commas
+  std::string by;                ///< parameters that distinguish the lines of the plot; commas between them
   std::string title;             ///< title above the plot
   std::filesystem::path out;     ///< picture to write
 };
@@ -23,7 +23,7 @@ struct PlotOptions {
 /// Adds the options of `plot`; parsing fills `options`, which must outlive `command`.
 void add_plot_options(CLI::App& command, PlotOptions& options);
 /// `troupe plot`: plots a measure of a sweep. Replaces the process by python3, which runs the embedded
-/// script. Returns only if python3 cannot be started.
+/// script. Returns (after printing an error) only if python3 cannot be started.
 ExitCode plot(const PlotOptions& options);
 
 }  // namespace troupe::apps

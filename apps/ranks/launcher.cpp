@@ -25,7 +25,7 @@ struct Variables {
   const char* mpi;
 };
 // Slurm's variables for a job (SLURM_NTASKS) are not used, because they are also set in a batch script, which
-// no launcher started. Its variables for a job step are not set there.
+// no launcher started. Slurm's variables for a job step (SLURM_STEP_NUM_TASKS) are not set there.
 constexpr std::array<Variables, 4> k_variables{{
     {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "mpirun of Open MPI", "openmpi"},
     {"PMIX_RANK", "SLURM_STEP_NUM_TASKS", "srun --mpi=pmix", "openmpi"},

@@ -14,8 +14,8 @@ struct Launcher {
 };
 
 /// Returns the launcher that started this process, which is detected from environment variables; std::nullopt
-/// if there is none. Throws InputError if Slurm's srun started several processes without MPI, which therefore
-/// cannot connect.
+/// if there is none. Throws InputError if Slurm's srun started several processes without MPI: such processes
+/// cannot connect to each other.
 std::optional<Launcher> find_launcher();
 
 }  // namespace troupe::apps

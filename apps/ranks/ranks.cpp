@@ -37,8 +37,9 @@ using partition::MpiTransport;
 
 std::string module_file(const std::string& mpi) { return "libtroupe_mpi_" + mpi + ".so"; }
 
-/// Returns the file of the module for an MPI: that of the environment variable TROUPE_MPI, or else one in the
-/// folder of the program or in the folder where modules are installed. Throws InputError if there is none.
+/// Returns the file of the module, a shared library, that connects Troupe with the MPI of the launcher: the
+/// one that the environment variable TROUPE_MPI names, or else one in the folder of the program or in the
+/// folder where modules are installed. Throws InputError if there is none.
 fs::path find_module(const Launcher& launcher) {
   const char* wanted = std::getenv("TROUPE_MPI");
   if (wanted != nullptr && std::string_view(wanted).find('/') != std::string_view::npos) return wanted;
@@ -48,13 +49,14 @@ fs::path find_module(const Launcher& launcher) {
   const std::array<fs::path, 2> folders{program, program.parent_path() / "lib" / "troupe"};
   for (const fs::path& folder : folders)
     if (fs::exists(folder / module_file(mpi), ignored)) return folder / module_file(mpi);
-  throw InputError(
-      fmt::format("troupe: error: {} started {} processes, but there is no module {} in {} or {}: build the "
-                  "module with the MPI of the launcher and set TROUPE_MPI to its file (docs/cluster.md)",
-                  launcher.name, launcher.ranks, module_file(mpi), folders[0].string(), folders[1].string()));
+  throw InputError(fmt::format(
+      "troupe: error: {} started {} processes, but there is no module {} (Troupe's connection to MPI) in {} "
+      "or {}: build the module with the MPI of the launcher and set TROUPE_MPI to its file (docs/cluster.md)",
+      launcher.name, launcher.ranks, module_file(mpi), folders[0].string(), folders[1].string()));
 }
 
-/// Loads MPI. Throws InputError if that is impossible or if it is not the MPI of the launcher.
+/// Loads the module of find_module() and connects to MPI. Throws InputError if that is impossible, or if the
+/// module was built with another MPI than that of the launcher.
 std::unique_ptr<MpiTransport> connect(const Launcher& launcher) {
   const fs::path module = find_module(launcher);
   std::unique_ptr<MpiTransport> transport;
@@ -66,8 +68,8 @@ std::unique_ptr<MpiTransport> connect(const Launcher& launcher) {
   }
   if (transport->ranks() != launcher.ranks)
     throw InputError(fmt::format(
-        "troupe: error: {} started {} processes, but {} ({}) finds {}: this module belongs to another "
-        "MPI; set TROUPE_MPI to a module that was built with the MPI of the launcher",
+        "troupe: error: {} started {} processes, but the module {} ({}) finds {}: this module belongs to "
+        "another MPI; set TROUPE_MPI to a module that was built with the MPI of the launcher",
         launcher.name, launcher.ranks, module.string(), transport->library(), transport->ranks()));
   return transport;
 }
@@ -104,7 +106,8 @@ std::vector<std::string> meet(MpiTransport& transport) {
       if (!difference.empty()) continue;
       if (version_there != version)
         difference = fmt::format(
-            "troupe: error: rank {} on {} is {}, but rank 0 on {} is {}: start the same program on all ranks",
+            "troupe: error: rank {} on {} runs {}, but rank 0 on {} runs {}: start the same program on all "
+            "ranks",
             rank, hosts.back(), version_there, hosts.front(), version);
       else if (given_there != given)
         difference = fmt::format(

@@ -20,8 +20,8 @@ namespace troupe::apps {
 ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
-/// Divides independent runs, such as those of a sweep, among the processes of a launcher. All processes must
-/// call the functions in the same order.
+/// Lets the processes (ranks) of a launcher divide independent runs, such as those of a sweep: rank 0 shares
+/// the list of runs, and gathers the results. All processes must call the functions in the same order.
 class RankDeal {
  public:
   /// transport: the connection to the other processes; null: this process is the only one
@@ -52,8 +52,8 @@ class RankDeal {
 /// as in on_ranks().
 ExitCode on_each_rank(const std::function<ExitCode(RankDeal& deal)>& run);
 
-/// For commands that run in one process: whether a launcher started several processes. If it did, rank 0
-/// prints an error. command: name of the command, for the error.
+/// For commands that run in one process only: returns true if a launcher started several processes, so that
+/// the command must not run; rank 0 then prints an error. command: name of the command, for the error.
 bool is_refused_on_ranks(std::string_view command);
 
 /// Prints an error that occurs on all processes of a launcher, such as wrong usage. Only rank 0 prints it.

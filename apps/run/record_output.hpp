@@ -4,8 +4,9 @@
 
 namespace troupe::apps {
 
-/// Returns the output of --record, --record-every and --record-fields. Parsing stores the values of these
-/// options in RunOptions::record and RunOptions::recording, with which make_recorder() opens the recording.
+/// Returns a new output with the options --record, --record-every and --record-fields. Parsing stores the
+/// values of these options in RunOptions::record and RunOptions::recording, with which make_recorder() opens
+/// the recording.
 std::unique_ptr<RunOutput> record_output();
 
 }  // namespace troupe::apps

@@ -10,11 +10,11 @@
 
 namespace troupe::apps {
 
-/// Results of a run, for the summary at its end, as text or (--json) as JSON.
+/// Results of a run, from which summary_text() and, for --json, summary_json() make the summary at its end.
 struct Report {
   std::string world;             ///< name of the world file
   std::string title;             ///< title of the world
-  Statistics statistics;         ///< of the state at the end of the run; counts since tick 0
+  Statistics statistics;         ///< robots, stalls, ... at the end of the run; counts since tick 0
   Simulation::Hashes hashes;     ///< of the state at the end of the run
   std::uint64_t first_tick = 0;  ///< tick at which the run began or was resumed
   double tick_s = 0;             ///< length of a tick, s
@@ -25,7 +25,7 @@ struct Report {
   RankStatistics ranks;          ///< messages and waiting of the ranks during this run
   double load_s = 0;             ///< wall time of loading the world, s
   double wall_s = 0;             ///< wall time of all ticks, including the observers (hash log, ...), s
-  double rate = 0;               ///< limit of the speed, times real time; 0: no limit
+  double rate = 0;               ///< limit of the speed, in multiples of real time; 0: none
   double waited_s = 0;           ///< part of wall_s that was spent waiting because of `rate`, s
   /// Part of wall_s that each phase took, s. The rest was spent waiting and in observers.
   std::array<double, k_phases> phase_s{};
@@ -33,7 +33,7 @@ struct Report {
   double imbalance = 0;     ///< how unevenly the threads were loaded; 1: evenly (LoadClock::imbalance())
   std::uint64_t peak_rss_bytes = 0;  ///< largest resident memory of the process, bytes
   std::string checkpoint;            ///< file with the last state; empty: none
-  std::vector<std::pair<std::string, std::string>> options;  ///< effective options: names and values
+  std::vector<std::pair<std::string, std::string>> options;  ///< all options of the run: names, values
 
   // The following ratios are 0 if their denominator is 0: no ticks, no robots, no measurable time.
   double times_real_time() const;    ///< simulated time of this run divided by wall_s

@@ -17,21 +17,21 @@ struct RunOptions : WorldOptions {
   /// All worlds of the command line, or the checkpoint. Each of them is run with a copy of these options, in
   /// which `world` is the world to run.
   std::vector<std::filesystem::path> worlds;
-  RunOutputs outputs;                ///< all outputs, which also contain the values of most of their options
-  std::filesystem::path checkpoint;  ///< file of the checkpoint; empty: none
+  RunOutputs outputs;  ///< all outputs; most of them store the values of their options themselves
+  std::filesystem::path checkpoint;  ///< file to save checkpoints in; empty: none
   /// Simulated time between checkpoints, s; not given: only at the end.
   std::optional<double> checkpoint_every_s;
   std::optional<double> wall_limit_s;  ///< wall time after which the run stops, s; not given: no limit
-  std::filesystem::path record;        ///< recording; empty: that of the world file, if it names one
-  RecordingOptions recording;
-  std::filesystem::path session;  ///< session to repeat; empty: none
-  bool view = false;              ///< --view: show the run in browsers (docs/live.md)
-  bool force = false;             ///< replace existing outputs
-  bool clock = false;             ///< print the time even if the world file does not request it
-  double rate = 0;                ///< limit of the speed, times real time; 0: as fast as possible
-  bool world_rate = false;        ///< limit the speed as the world file states, not to `rate`
-  // For `troupe resume`. `world` is then a checkpoint, and of `simulation` only the number of threads, the
-  // tile size, `set` and the plug-in path are used.
+  std::filesystem::path record;        ///< file of the recording; empty: the one that the world names, if any
+  RecordingOptions recording;          ///< interval and fields of the recording
+  std::filesystem::path session;       ///< session file to repeat; empty: none
+  bool view = false;                   ///< --view: show the run in browsers (docs/live.md)
+  bool force = false;                  ///< replace existing outputs
+  bool clock = false;                  ///< print the time even if the world file does not request it
+  double rate = 0;                     ///< limit of the speed, in multiples of real time; 0: no limit
+  bool world_rate = false;             ///< limit the speed to the rate in the world file, and ignore `rate`
+  // For `troupe resume`: `world` is then a checkpoint, and the only members of `simulation` that are used are
+  // those that ResumeOptions also has, such as `threads` and `set`.
   bool across_versions = false;  ///< resume although another version of Troupe wrote the checkpoint
   bool across_plugins = false;   ///< resume although plug-ins were rebuilt since the checkpoint
 

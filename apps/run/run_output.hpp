@@ -17,12 +17,12 @@ namespace troupe::apps {
 struct RunOptions;
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
-/// A function that opens the files of an output, and appends the observers that write these files to its
-/// argument.
+/// A function that opens the files of an output. It appends the observers that write these files to the
+/// vector that it is given.
 using OpenOutput = std::function<void(Observers&)>;
 
-/// A kind of output of a run, such as the hash log, with its command-line options. To add a kind, write a
-/// class in a file of its own and add a row to run_outputs.cpp.
+/// A kind of output of a run, such as the hash log, with its command-line options. To add a kind, derive a
+/// class in a file of its own and add a row to the table in run_outputs.cpp.
 class RunOutput {
  public:
   virtual ~RunOutput() = default;
@@ -32,10 +32,10 @@ class RunOutput {
   /// object and `options`; both must outlive `app`.
   virtual void add_options(CLI::App& app, RunOptions& options) = 0;
   /// Returns pointers to the names of the output's files and folders, so that the caller can replace {world}
-  /// in them. A file with an empty name is not written. options: the object that contains this output.
+  /// in them. A file with an empty name is not written. options: the object whose `outputs` contain this one.
   virtual std::vector<std::filesystem::path*> names(RunOptions& options) = 0;
   /// Returns the files that the output will write. The caller checks that they can be written. Throws
-  /// OutputError for other errors in the names. Creates nothing.
+  /// OutputError if the output finds another error, such as an existing checkpoint. Creates nothing.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
   /// If the command line names no file, takes the name from the loaded world. Throws InputError if that name
   /// is not allowed.

@@ -25,8 +25,8 @@ class Pacer;
 /// print_summary(), after_summary().
 class WorldRun {
  public:
-  /// Loads or resumes the world and prints its warnings. options: of one world; {world} is already replaced
-  /// in the names of outputs. Throws InputError.
+  /// Loads or resumes the world and prints its warnings. options: those of a single world, in whose names of
+  /// outputs {world} is already replaced. Throws InputError.
   explicit WorldRun(RunOptions options);
   ~WorldRun();
   WorldRun(const WorldRun&) = delete;
@@ -34,8 +34,8 @@ class WorldRun {
 
   const RunOptions& options() const { return options_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Adds to the options the names of output files that the world file states and the command line does not.
-  /// Returns the options. Throws InputError if a name is not allowed.
+  /// Gives each output whose file the command line does not name the file that the world names, if any.
+  /// Returns the options with these names. Throws InputError if a name is not allowed.
   const RunOptions& take_names_from_world();
 
   /// Prepares the outputs (RunOutput::prepare()), so that errors in them are reported before any file is
@@ -45,7 +45,7 @@ class WorldRun {
   /// of RunOptions::rate then ends early.
   void open_outputs(std::function<bool()> is_over);
   /// Shows the run in browsers and prints the addresses on standard error. is_over: as for
-  /// open_outputs(); if it returns true, a run that a user has paused goes on, and ends.
+  /// open_outputs(); when it returns true, a run that a user has paused also ends.
   void open_view(const std::function<bool()>& is_over);
   /// Whether the run prints lines with the simulated time (--clock); a progress bar would interfere with
   /// them.
@@ -62,8 +62,8 @@ class WorldRun {
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
   /// Calls finish() of all observers and fills the report.
   void finish();
-  /// Writes the checkpoint, if one was requested and the last step did not fail. The caller calls it if
-  /// another part of the run failed. Errors of writing are ignored.
+  /// Saves the checkpoint although the run has failed, for example because an output could not be written.
+  /// Does nothing without --checkpoint or if the last step itself failed. Ignores errors of writing.
   void save_at_least() const;
 
   const Report& report() const { return report_; }

@@ -106,8 +106,8 @@ void SweepJournal::add(const SweepOutcome& outcome) {
   errno = ENOSPC;  // a partial write sets no errno
   if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
       fsync(descriptor_) != 0)
-    throw std::runtime_error(
-        fmt::format("{}: error: run {} cannot be written: {}", file_.string(), outcome.run, reason()));
+    throw std::runtime_error(fmt::format("{}: error: the result of run {} cannot be written: {}",
+                                         file_.string(), outcome.run, reason()));
 }
 
 std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::string_view study) {

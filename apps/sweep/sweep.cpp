@@ -126,7 +126,8 @@ double end_of(const Study& study, const Simulation& simulation) {
   if (study.for_s) return *study.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
   throw InputError(
-      fmt::format("{}: error: no end time: give \"for_s\" in the study, or set quit_time in the world",
+      fmt::format("{}: error: no end time: give \"for_s\" in the study, or set quit_time_s in the world "
+                  "(quit_time in a .world)",
                   study.world.string()));
 }
 
@@ -136,8 +137,8 @@ struct Made {
   std::string series;  ///< the rows of the run in series.csv; empty if the study has no series
 };
 
-/// Makes one run and returns its results; nothing if Ctrl-C or SIGTERM stopped it. index: index of the run in
-/// the study.
+/// Makes one run and returns its results; std::nullopt if Ctrl-C or SIGTERM stopped the run. index: index of
+/// the run in the study.
 std::optional<Made> make(const Study& study, std::size_t index, const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(index), options));
   Measures measures(simulation, study.measures);
@@ -337,8 +338,8 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   diagnostics.throw_if_errors();
   if (deal.ranks() > 1 && options.parts > 1)
     throw InputError(
-        "troupe sweep: error: --part shares a study between machines without a launcher; under mpirun all "
-        "processes share it: leave out --part");
+        "troupe sweep: error: --part cannot be used under a launcher such as mpirun, where all processes "
+        "share the runs: leave out --part");
   if (options.list) {
     print_runs(study);
     return k_finished;

@@ -159,7 +159,9 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
     write(head + "\n");
     for (const auto& [run, outcome] : table.outcomes) {  // in the order of runs
       const std::optional<std::string> rows = worldio::read_file(series_file(folder, run));
-      if (!rows) refuse_output(series_file(folder, run), "the file was removed");
+      if (!rows)
+        refuse_output(series_file(folder, run),
+                      "the samples of this run were removed; the same command makes the run again");
       write(*rows);
     }
     whole.sync();

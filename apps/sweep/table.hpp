@@ -11,8 +11,8 @@
 
 namespace troupe::apps {
 
-/// Returns the names of the columns of SweepOutcome::values: for each measure one column per statistic, named
-/// `coverage` for the statistic `last` and `coverage_mean` for others.
+/// Returns the names of the columns of SweepOutcome::values: for each measure one column per statistic. For
+/// the measure `coverage`, the statistic `last` is in the column `coverage` and `mean` in `coverage_mean`.
 std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
                                          const std::vector<worldio::Statistic>& statistics);
 

@@ -8,13 +8,13 @@ namespace troupe::models {
 /// that meets another robot waits there, and it waits longer on brighter ground.
 ///
 /// walks     The robot drives straight on. It turns by a random angle (90 to 180 degrees) away from obstacles
-///           nearer than `min_front`.
-/// meets     The robot meets another robot if it hears that robot's radio from a distance of at most `meet`
-///           (m) and a bearing of at most 60 degrees from straight ahead. A wall sends no message, so the
-///           robot only turns away from it.
-/// waits     When it meets another robot, it stops for `max_wait` S^2 / (S^2 + `half`) seconds. S is the
-///           brightness of the ground below it, 0 to 1, which it reads when it stops. Then it turns by 90 to
-///           180 degrees and walks on.
+///           nearer than the parameter `min_front` (m).
+/// meets     The robot meets another robot if it hears that robot's radio from a distance of at most the
+///           parameter `meet` (m) and a bearing of at most 60 degrees from straight ahead. A wall sends no
+///           message, so the robot turns away from a wall without waiting.
+/// waits     When it meets another robot, it stops for `max_wait` S^2 / (S^2 + `half`) seconds, where
+///           `max_wait` (s) and `half` are parameters and S is the brightness, 0 to 1, of the ground below
+///           the robot when it stops. Then it turns by 90 to 180 degrees and walks on.
 /// LED       If the robot has an LED, the LED is blue while the robot walks and amber while the robot waits.
 /// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Schmickl, Thenius, Moeslinger, Radspieler, Kernbach, Szymanski, Crailsheim: Get in touch:

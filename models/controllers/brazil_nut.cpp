@@ -35,18 +35,20 @@ struct BrazilNut {
       d.member<&Params::radius>("radius", meters, required, above(0), at_most(1000),
                                 "radius of the disc that the robot behaves like: robots keep apart by about "
                                 "the sum of their radii");
-      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "greatest speed");
-      d.member<&Params::gain>("gain", per_second, at_least(0),
-                              "turn rate per radian of the angle to the direction in which the robot aims");
+      d.member<&Params::speed>("speed", meters_per_second, at_least(0), "greatest forward speed");
+      d.member<&Params::gain>(
+          "gain", per_second, at_least(0),
+          "turn rate per radian of the angle from the heading to the vector sum that the robot follows");
       d.member<&Params::taxis>(
           "taxis", at_least(0),
-          "weight of the direction to the light in the direction in which the robot aims");
-      d.member<&Params::noise>("noise", at_least(0),
-                               "weight of a random direction in the direction in which the robot aims");
+          "weight of the unit vector towards the light in the vector sum that the robot follows");
+      d.member<&Params::noise>(
+          "noise", at_least(0),
+          "weight of a unit vector of random direction in the vector sum that the robot follows");
       d.member<&Params::push>(
           "push", at_least(0),
-          "weight of the repulsion by a robot at distance 0; the repulsion falls linearly to 0 at a distance "
-          "of the sum of both radii");
+          "weight of the repulsion by another robot at distance 0 in the vector sum that the robot follows; "
+          "the weight falls linearly to 0 at a distance of the sum of both radii");
       d.member<&Params::shake>("shake", seconds, within(0, 1e6),
                                "time after which the robot chooses a new random direction");
     }

@@ -12,17 +12,17 @@ namespace troupe::models {
 ///           path, else 0. The prey sends 255 and 1.
 /// searches  A robot that hears neither the nest nor a link drives straight on and turns away from obstacles.
 /// explores  A robot that hears links goes from the nearest link to the next one, outwards. At the end of a
-///           chain it goes to the place for a new link: `spacing` (m) beyond the last link, in line with the
-///           last two links. At the nest it may also start a new chain: at a place `spacing` from the nest
-///           that is more than `spacing` from the nearest first link. At the place for a new link, it becomes
-///           a link with probability `joins` per decision.
+///           chain it goes to the place for a new link: the distance `spacing` (m, a parameter) beyond the
+///           last link, in line with the last two links. At the nest it may also start a new chain: at a
+///           place `spacing` from the nest that is more than `spacing` from the nearest first link. At the
+///           place for a new link, it becomes a link with probability `joins` per decision.
 /// leaves    A link leaves the chain in three cases. If it has no path and hears no next link, it leaves with
 ///           probability `leaves` per decision. If it has not heard the link before it for more than 20
 ///           decisions, it leaves. If two links of the same number are nearer to each other than half of
 ///           `spacing`, the link with the higher id leaves. A robot that leaves goes back along the chain,
 ///           then around the nest for up to 30 s, and explores again.
-/// path      A link that hears the link before it has a path in two cases: if it hears the prey, or if it
-///           hears a next link that has a path.
+/// path      A link has a path if it hears the link before it and, in addition, the prey or a next link that
+///           has a path.
 /// LED       If the robot has an LED, the LED is grey while the robot explores. The LEDs of the links of a
 ///           chain are blue, green and yellow in turn.
 /// needs     a radio with a payload of 2 bytes or more; a robot (role `robot`) also needs a drive and a

@@ -17,7 +17,8 @@ enum class FloorOpinion : std::uint8_t {
 ///
 /// starts    Robots with even ids start with the opinion black, robots with odd ids with the opinion white.
 /// explores  The robot senses the floor for an exponentially distributed time with the mean `explore`. The
-///           quality of its opinion is the fraction of these readings that have the colour of its opinion.
+///           quality of its opinion is the fraction of its ground readings in this time that have the colour
+///           of its opinion.
 /// shares    Then it broadcasts its opinion for an exponentially distributed time. The mean of this time is
 ///           `share` times the quality. At the end it adopts an opinion from the messages that it heard in
 ///           the last 3 s. With the rule `majority`, this is the more frequent opinion, with its own opinion

@@ -10,7 +10,7 @@
 namespace troupe::models {
 
 /// Obstacle avoidance for controllers that drive to goals among other robots. Speeds are in m/s and rad/s,
-/// distances in m. The class `Memory` of the functions is the memory of the controller. It must have the
+/// distances in m. The template parameter `Memory` is the type of the controller's memory. It must have the
 /// members avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and heading (rad), all
 /// 0 at the start.
 struct Evasion {

@@ -45,28 +45,29 @@ struct Expand {
           "clearances", meters, at_least(0),
           "list that replaces `clearance`: for each transducer, in order, the distance that the readings of "
           "its beams must exceed for the robot to drive; 0 or a missing entry: no limit");
-      d.member<&Params::cone>(
-          "cone", radians, at_least(0),
-          "the robot drives only while the angle from straight ahead to the vector sum is less than this");
-      d.member<&Params::invert>(
-          "invert", "true: robots turn away from the vector sum, so that they gather instead of dispersing");
+      d.member<&Params::cone>("cone", radians, at_least(0),
+                              "the robot drives only while the vector sum of the ranges points less than "
+                              "this angle away from straight ahead");
+      d.member<&Params::invert>("invert",
+                                "true: robots turn away from the vector sum of the ranges, so that they "
+                                "gather instead of dispersing");
       d.member<&Params::hold_on_axis>("hold_on_axis",
                                       "true: the robot repeats its last command while the vector sum lies "
                                       "exactly along its x or y axis, as in Stage's examples");
     }
   };
-  /// A beam of the ranger, and the range that it must exceed for the robot to drive.
+  /// A beam of the ranger, and the range that its reading must exceed for the robot to drive.
   struct Feeler {
     std::size_t reading;
     SinCos direction;
-    double clearance;  // m; -1: no limit, because every range exceeds it
+    double clearance;  // m; -1: no limit, because every range exceeds -1
   };
 
   Params params;
   std::vector<Feeler> feelers;
 
-  /// Whether the vector sum of these beams can point into the cone ahead, for any readings. If it cannot, the
-  /// robot would turn forever.
+  /// Whether there are readings for which the vector sum of these beams points into the cone ahead. If there
+  /// are none, the robot would turn forever.
   bool can_point_ahead(std::span<const Beam> beams) const {
     double left = std::numeric_limits<double>::infinity();
     double right = -left;

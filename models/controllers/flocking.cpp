@@ -29,11 +29,11 @@ constexpr double k_least_turn = 0.1;
 
 struct Flocking {
   static constexpr std::size_t k_ring = 8;  // least number of transducers of a ring of sonars
-  /// A beam of the ranger, and the range that it must exceed for the robot to drive.
+  /// A beam of the ranger, and the range that its reading must exceed for the robot to drive.
   struct Sonar {
     std::size_t reading;
     SinCos direction;
-    double clearance;  // m; -1: no limit, because every range exceeds it
+    double clearance;  // m; -1: no limit, because every range exceeds -1
   };
   std::vector<Sonar> sonars;
   FiducialReadings finder;

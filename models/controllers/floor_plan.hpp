@@ -11,7 +11,7 @@
 namespace troupe::models {
 
 /// A floor plan as a raster of k_cells x k_cells cells over a box. Each cell is free, or blocked by a wall
-/// that reaches into it. Cells have indices: along x, row by row from the least y.
+/// that reaches into it. Cells are numbered along x, row by row, from the row of the least y.
 class FloorPlan {
  public:
   static constexpr int k_cells = 32;  ///< number of cells along each side, as in Stage's fasr2
@@ -50,8 +50,9 @@ inline constexpr int k_blocked_cost = 9;  ///< cost in find_way() of a step to a
 /// only on the arguments.
 std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> goals);
 
-/// The cheapest paths (find_way) from every cell of a plan to some goals. The table is computed when the
-/// world is built, so that a lookup during a tick allocates nothing and all robots share one constant table.
+/// A table of the cheapest path (find_way) from every cell of a plan to one of several goals. The table is
+/// computed when the world is built, so that a lookup during a tick allocates nothing and all robots share
+/// one constant table.
 class WaysTo {
  public:
   /// goals: cells. If there are none, next() returns its argument.
@@ -59,7 +60,7 @@ class WaysTo {
   /// The next cell on the cheapest path from this cell. At a goal, it is the cell itself.
   int next(int cell) const { return next_[static_cast<std::size_t>(cell)]; }
   /// Centre of the cell that is `steps` steps ahead on the cheapest path from the point `from`. If the path
-  /// has fewer steps, the centre of the goal's cell. Both points are in m, world frame.
+  /// has fewer steps, the centre of the goal. `from` and the result are in m, world frame.
   Vec2 ahead(const Vec2& from, int steps) const;
 
  private:
@@ -67,8 +68,8 @@ class WaysTo {
   std::vector<std::int16_t> next_;
 };
 
-/// The body with this name, which the world file gives or the loader generates. If several bodies have it,
-/// the last of them. An invalid id if no body has this name.
+/// The body with this name. Bodies have the names that the world file gives or that loading it generates. If
+/// several bodies have the name, returns the last of them; if none has it, returns an invalid id.
 BodyId find_body(const engine::WorldSpec& world, std::string_view name);
 
 }  // namespace troupe::models

@@ -62,7 +62,7 @@ struct Task {
   Goal source, sink;
 };
 
-/// Position of a charger relative to the robot. The robot's finder sees it, or the world file gives it.
+/// Position of a charger relative to the robot, by the robot's fiducial finder or by the world file.
 struct Sight {
   double range = 0;    // m
   double bearing = 0;  // rad, from straight ahead
@@ -183,7 +183,7 @@ std::uint32_t Forager::nearest_charger(const Pose& from) const {
 }
 
 /// Position of the nearest charger that the finder sees, relative to the robot. If the robot has no finder or
-/// the finder sees no charger, that of the charger to which the robot goes, by its pose in the world file.
+/// the finder sees no charger: the position in the world file of the charger to which the robot goes.
 Sight Forager::charger_in_sight(const Memory& memory, const engine::Percept& percept) const {
   if (finder) {
     const engine::Readings& seen = percept.devices[*finder];
@@ -301,9 +301,8 @@ void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Acti
 }
 
 constexpr const char* k_map_text =
-    "name of the model whose walls robots plan their paths around; if no model has this name, the first "
-    "model "
-    "whose outline is an image";
+    "name of the model around whose walls robots plan their paths; if no model has this name, the first "
+    "model whose outline is an image is used";
 
 struct Fasr : Forager {
   struct Params {

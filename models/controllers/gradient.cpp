@@ -36,7 +36,7 @@ struct Gradient {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::beacon>("beacon",
-                                "this robot is a beacon: it stands still, and hops are counted from it");
+                                "true: the robot is a beacon: it stands still, and hops are counted from it");
       d.member<&Params::spacing>(
           "spacing", meters, within(0, 10'000),
           "a robot settles (stands still for good) only where the nearest settled robot that it hears is at "

@@ -96,9 +96,9 @@ Result<Step> read_step(std::string_view entry) {
                              unknown_name("order", name, {k_orders.begin(), k_orders.end()}))};
   const auto order = static_cast<Order>(std::ranges::find(k_orders, name) - k_orders.begin());
   if (takes_value(order) != value.has_value())
-    return Error{fmt::format("has a plan with \"{}\": that order {}", entry,
-                             takes_value(order) ? "needs a value: DEVICE:ORDER:VALUE@SECONDS"
-                                                : "takes no value: DEVICE:ORDER@SECONDS")};
+    return Error{fmt::format("has a plan with \"{}\", whose order {}", entry,
+                             takes_value(order) ? "needs a value: write DEVICE:ORDER:VALUE@SECONDS"
+                                                : "takes no value: write DEVICE:ORDER@SECONDS")};
   return Step{*at_s, std::string(device), order, value.value_or(0)};
 }
 
@@ -116,7 +116,7 @@ struct Operate {
   };
 
   std::vector<Step> steps;
-  Result<> readable;  // holds an error if the plan cannot be read; choose() returns it
+  Result<> readable;  // an error if the plan cannot be read; choose() returns this error
 
   static Operate make(const Params& params) {
     Operate operate;
@@ -138,7 +138,7 @@ struct Operate {
       if (device == devices.end()) {
         std::vector<std::string_view> names;
         for (const engine::DeviceInfo& other : devices) names.push_back(other.name);
-        return Error{fmt::format("has an order for {}", unknown_name("device", step.device, names))};
+        return Error{fmt::format("has an order for the {}", unknown_name("device", step.device, names))};
       }
       const std::string_view wanted = takes_value(step.order) ? "actuator" : "gripper";
       if (device->kind != wanted)

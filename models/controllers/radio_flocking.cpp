@@ -39,11 +39,13 @@ struct RadioFlocking {
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::distance>("distance", meters, above(0),
                                   "distance that the robot tries to keep from the robots that it hears");
-      d.member<&Params::spacing_weight>("spacing_weight", at_least(0),
-                                        "weight of the term that keeps the distance to other robots; the "
-                                        "other term, the mean heading of the robots, has weight 1");
-      d.member<&Params::gain>("gain", per_second, at_least(0),
-                              "turn rate per radian of the angle to the direction in which the robot aims");
+      d.member<&Params::spacing_weight>(
+          "spacing_weight", at_least(0),
+          "weight, in the vector sum that the robot follows, of the term that keeps the distance to other "
+          "robots; the term of their mean heading has the weight 1");
+      d.member<&Params::gain>(
+          "gain", per_second, at_least(0),
+          "turn rate per radian of the angle from the heading to the vector sum that the robot follows");
       d.member<&Params::clearance>("clearance", meters, at_least(0),
                                    "obstacles that the ranger sees nearer than this repel the robot");
     }
@@ -90,8 +92,8 @@ struct RadioFlocking {
     radio.say(static_cast<float>(own));
   }
 
-  /// Repulsion by obstacles, robot frame. Each beam whose reading is below `clearance` gives a vector against
-  /// the beam of length k_push (1 - reading / clearance). The result is the mean of these vectors.
+  /// Repulsion by obstacles, robot frame. Each beam whose reading is below `clearance` gives a vector of
+  /// the length k_push (1 - reading / clearance), opposite to the beam. Returns the mean of these vectors.
   Vec2 push(const engine::Percept& percept) const {
     Vec2 sum(0, 0);
     std::size_t count = 0;

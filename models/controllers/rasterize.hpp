@@ -16,9 +16,9 @@ struct RasterizeMemory {
   std::array<std::uint8_t, k_raster_columns * k_raster_rows> cells{};
   TROUPE_FIELDS(cells)
 };
-/// In the first tick, stores a raster of 40 x 20 cells in its memory. The raster covers the bounding box of
-/// the outlines of its model. A cell is 1 if an outline crosses it, else 0. Stage's controller prints the
-/// raster; here it can be recorded.
+/// A controller that, in the first tick, stores a raster of 40 x 20 cells in its memory. The raster covers
+/// the bounding box of the outlines of the controller's model. A cell is 1 if an outline crosses it, else 0.
+/// Stage's controller prints the raster; here a recording can contain it.
 engine::ControllerKind rasterize_controller();
 
 }  // namespace troupe::models

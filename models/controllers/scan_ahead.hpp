@@ -11,8 +11,8 @@
 
 namespace troupe::models {
 
-/// Least number of beams that a ranger must have to be used as a scanner. It is enough to distinguish left,
-/// ahead and right.
+/// Least number of beams that a ranger must have to be used as a scanner. With fewer beams, left, ahead and
+/// right could not be distinguished.
 inline constexpr std::size_t k_least_samples = 9;
 
 /// Summary of one scan, for obstacle avoidance. Scanner::ahead() returns it. The class Scanner defines the

@@ -40,8 +40,8 @@ struct Goal {
     d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
                             "how long the robot waits at the goal before it goes on");
   }
-  /// Whether the goal gives a time or a speed. The robot then moves to the goal in a straight line. To other
-  /// goals it moves by its drive's own law for goals.
+  /// Whether the goal gives a time or a speed. The robot moves to tracked goals in a straight line. To other
+  /// goals it moves as its drive does in the control mode `position` (docs/driving.md).
   bool is_tracked() const { return at_s > 0 || speed > 0; }
 };
 
@@ -98,8 +98,9 @@ struct Waypoints {
     turn_max = std::min(motion.turn_max, -motion.turn_min);
     if (!(speed_max > 0 && turn_max > 0))
       return Error{
-          "has goals with `at` or `speed`, but the limits of the drive do not let the robot move and turn in "
-          "every direction"};
+          "has goals with `at` or `speed`, which need a drive that can move and turn in every direction: "
+          "give velocity_min_x, velocity_min_y and turn_min below 0, and velocity_max_x, velocity_max_y and "
+          "turn_max above 0"};
     for (std::size_t i = 0; i < params.goals.size(); ++i)
       if (const Result<> kept = can_keep(i); !kept)
         return Error{fmt::format("cannot follow goal {}: {}", i + 1, kept.error().text)};

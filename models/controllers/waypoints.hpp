@@ -6,7 +6,7 @@ namespace troupe::models {
 
 /// Drives from goal to goal. Goals are poses in the frame in which the robot estimates its own pose. The
 /// robot goes on to the next goal once its estimated pose is near the present goal. After the last goal, it
-/// starts again with the first goal if `again` is set; otherwise it stays there.
+/// starts again with the first goal if the parameter `again` is true; else it stays.
 ///
 /// To a goal with a time (`at`) or a `speed`, the robot moves in a straight line, and it arrives within
 /// 1e-6 m of the goal. It arrives at a goal with a time at the end of the tick in which that time is reached.

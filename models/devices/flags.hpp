@@ -15,8 +15,8 @@ struct Flag {
 };
 inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< the flag of Stage's examples
 
-/// The command of a list of flags: one operation. Each time `request` changes, the list carries out the
-/// operation once, in the next tick. Controllers call ask(), which changes `request`.
+/// The command of the device `flags`, a list of flags: one operation. Each time `request` changes, the list
+/// carries out the operation once, in the next tick. Controllers call ask(), which changes `request`.
 struct FlagCommand {
   /// Operation on flags.
   enum Verb : std::uint8_t {
@@ -53,7 +53,8 @@ enum FlagField : std::size_t {
   k_flag_sizes,     ///< array of f32: sizes, m, in the same order
 };
 
-/// A list of flags that a body holds. The parameter `most` is the greatest number of flags in the list.
+/// The device `flags`: a list of flags that a body holds. The parameter `most` is the greatest number of
+/// flags in the list.
 ///
 /// edges  These operations have no effect: `push` to a full list, `pop` from an empty list, and `take` or
 ///        `give` if the list that loses the flag is empty, if the list that gets it is full, or if the other

@@ -48,8 +48,8 @@ struct GripperState {
   std::uint32_t held = 0;          ///< id + 1 of the body that it holds; 0: none
   double paddle_position = 0;      ///< from 0 (open) to 1 (closed)
   double lift_position = 0;        ///< from 0 (down) to 1 (up)
-  double asked_paddle = 0;         ///< paddle position at the end of this tick if nothing blocks it, 0 to 1
-  double asked_lift = 0;           ///< lift position at the end of this tick if nothing blocks it, 0 to 1
+  double asked_paddle = 0;         ///< paddle position, 0 to 1, at the end of this tick unless blocked
+  double asked_lift = 0;           ///< lift position, 0 to 1, at the end of this tick unless blocked
   TROUPE_FIELDS(paddles, lift, stalled, taken, beam_inner, beam_outer, contact_left, contact_right, held,
                 paddle_position, lift_position, asked_paddle, asked_lift)
 };

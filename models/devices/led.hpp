@@ -31,8 +31,8 @@ struct LedState {
   }
 };
 
-/// An LED, or paint: it gives the part that carries it a colour, which blob finders, cameras and ground
-/// sensors see and which pictures show.
+/// An LED, or paint: a device that gives the part that carries it a colour, which blob finders, cameras and
+/// ground sensors see and which pictures show.
 ///
 /// parameters  shows: the colour at the start
 /// when        A commanded colour is visible from the tick after the command on.

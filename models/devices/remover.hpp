@@ -15,7 +15,7 @@ struct RemoverState {
   TROUPE_FIELDS(removed)
 };
 
-/// Removes bodies that come near it from the world. It can model an exit, a pit or a mill.
+/// A device that removes bodies that come near it from the world. It can model an exit, a pit or a crusher.
 ///
 /// which  It removes robots (bodies with a drive), or, if the parameter `of` names a type, the bodies of this
 ///        type. A body is near if its origin is within the parameter `radius` (m) of the remover, seen from

@@ -17,7 +17,7 @@ struct SpawnerCommand {
 
 /// State of a spawner.
 struct SpawnerState {
-  std::uint64_t flags = 0;    ///< number of flags that its body had received when it last ran
+  std::uint64_t flags = 0;    ///< number of flags that its body had received when the spawner last ran
   std::uint32_t born = 0;     ///< number of bodies that it has spawned since the birth of its own body
   std::uint32_t owed = 0;     ///< number of births that are due but have not succeeded yet
   std::uint32_t refused = 0;  ///< number of tries that failed: the place was occupied or out of bounds

@@ -81,9 +81,9 @@ struct DriveParams {
   static constexpr void describe(engine::Description<DriveParams>& d) {
     using namespace engine::facts;
     d.part<&DriveParams::motion>();
-    d.member<&DriveParams::pushes>(
-        "pushes", within(0, engine::k_most_pushed), fixed,
-        "greatest number of pushable bodies that the robot pushes at once; a larger number blocks the robot");
+    d.member<&DriveParams::pushes>("pushes", within(0, engine::k_most_pushed), fixed,
+                                   "greatest number of pushable bodies that the robot pushes at once; if "
+                                   "there are more in its way, they block it");
     d.part<&DriveParams::localization>();
   }
 };

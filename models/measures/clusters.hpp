@@ -8,7 +8,7 @@
 namespace troupe::models {
 
 engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters
-/// `largest_cluster`: fraction of these bodies that are in the largest cluster.
+/// `largest_cluster`: fraction of the pushable bodies or of the robots that are in the largest cluster.
 engine::MeasureKind largest_cluster_measure();
 
 }  // namespace troupe::models

@@ -49,7 +49,7 @@ class Coverage : public Measure {
     const double cells = (size.x() + 1) * (size.y() + 1);
     if (cells > k_most_cells)
       throw std::length_error(
-          fmt::format("the ground has {:.3g} cells of {:g} m, and at most {:.3g} are allowed: give a "
+          fmt::format("the ground has {:.3g} cells of {:g} m, but at most {:.3g} are allowed: give a "
                       "larger cell_m",
                       cells, grid_.cell_m, k_most_cells));
     low_ = grid_.cell(ground.min);

@@ -194,7 +194,7 @@ class ShareWithin : public OfRobots {
   Params circle_;
 };
 
-/// Base of the measures of one number of the state, over the robots whose types have this number.
+/// Base of the measures of one number of the state (Params), over the robots whose types have this number.
 class OfState : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
@@ -212,9 +212,9 @@ class OfState : public OfRobots {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::component>("component", required,
-                                   "name of a table of the state, such as \"wander/0\", the memory of the "
-                                   "first controller if it is of kind `wander`");
-      d.member<&Params::field>("field", required, "name of a field of that table");
+                                   "name of a component (a table) of the state, such as \"pose\", or "
+                                   "\"wander/0\": the memory of the first controller, of kind `wander`");
+      d.member<&Params::field>("field", required, "name of a field of that component");
       d.member<&Params::column>("column", within(0, 1e6),
                                 "index of the element, from 0, if the field is an array");
     }
@@ -224,7 +224,7 @@ class OfState : public OfRobots {
       : OfState(world, params, std::move(rows), cells_of(world, params)) {}
 
  protected:
-  /// The number of robots()[i].
+  /// The number of the state (Params) that robots()[i] has now.
   double number_of(const World& world, std::size_t i) const {
     return number(world.tables()[cells_[i].table], cells_[i]);
   }
@@ -238,9 +238,9 @@ class OfState : public OfRobots {
   }
 
   /// For each body, in order of ids, the table, field and row that hold its number; `table` is k_none if the
-  /// body has no such number. Every type that has the component has its own table. Throws
-  /// std::invalid_argument if no type has the component, or if the table of a type lacks the field or the
-  /// column.
+  /// body has no such number. A component of a device or a controller has one table per type. Throws
+  /// std::invalid_argument if no table has the component, or if a table of the component lacks the field or
+  /// the column.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
@@ -270,8 +270,9 @@ class OfState : public OfRobots {
         continue;
       }
       if (params.column >= field.columns)
-        throw std::invalid_argument(fmt::format("there is no column {}: the last column of \"{}\" is {}",
-                                                params.column, name, field.columns - 1));
+        throw std::invalid_argument(
+            fmt::format("there is no column {}: the last column of the field \"{}\" is {}", params.column,
+                        name, field.columns - 1));
       return known.size();
     }
     throw std::invalid_argument(unknown_name("field", name, known));
@@ -440,7 +441,7 @@ engine::MeasureKind spread_measure() {
 
 engine::MeasureKind share_within_measure() {
   return engine::make_measure_kind<ShareWithin>(
-      "share_within", Unit::none, "fraction of the robots that are in a circle",
+      "share_within", Unit::none, "fraction of the robots that are in a given circle",
       "The fraction of the robots whose origin is at most `radius` away from `center`.",
       "1/n sum_i [|x_i - center| <= radius]");
 }

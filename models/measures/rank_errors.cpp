@@ -59,7 +59,7 @@ class RankErrors : public Measure {
   std::vector<Row> robots_;
   Vec2 center_;
   std::vector<std::pair<double, std::size_t>> ranked_;  // squared distance, type
-  std::vector<std::uint64_t> met_;  // per type, number of robots that are nearer to the centre
+  std::vector<std::uint64_t> met_;  // per type, number of robots counted so far, from the centre outwards
 };
 
 }  // namespace

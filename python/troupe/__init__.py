@@ -14,7 +14,7 @@ try:
     from . import _core
 except ModuleNotFoundError as missing:
     raise ModuleNotFoundError(
-        f"{missing}: this part of the package is written in C++; build it (cmake --build build/release --target "
+        f"{missing}: the C++ part of the package is not in this folder; build it (cmake --build build/release --target "
         "troupe_python), and import the package from build/release/lib/python3/dist-packages or from the folder in "
         "which it is installed") from missing
 

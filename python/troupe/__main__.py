@@ -1,4 +1,5 @@
-"""The program `troupe`, in a Python interpreter: `troupe run world.json --controller my.py` executes this module."""
+"""Runs the program `troupe` in a Python interpreter: `python3 -m troupe run world.json`. The program itself starts this
+module for commands that need Python, such as `troupe run world.json --controller my.py`."""
 
 import sys
 

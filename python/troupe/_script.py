@@ -1,6 +1,7 @@
-"""Reads the scripts of `--controller` and of `Simulation(controllers=...)`: controllers and measures in Python.
+"""Reads scripts: Python files with controllers and measures, given by `--controller` or `Simulation(controllers=...)`.
 
-The C++ part of the package (python/script.cpp) makes kinds of the engine from the descriptions that load() returns.
+load() returns descriptions of the controllers and measures of a script. The C++ part of the package (python/script.cpp)
+makes them available in worlds, like controllers and measures that are written in C++.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from ._core import InputError, Robots
 
 _ELEMENTS = ("f8", "f4", "i8", "i4", "u8", "u4", "u1")
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-_loaded: Dict[Tuple[object, ...], Dict[str, Any]] = {}  # by file and hash of its contents; by class
+# Results of load(), by the name and the hash of a file, or by classes.
+_loaded: Dict[Tuple[object, ...], Dict[str, Any]] = {}
 
 
 class Controller:
@@ -30,11 +32,12 @@ class Controller:
 
     robots  name of the type, population or robot that the controller controls; "": all types with a drive
     uses    list of the names or kinds of the devices that the controller uses; None: all devices of the robot
-    memory  the fields of each robot's memory: a dict from names to initial values, which are NumPy scalars or arrays,
-            or NumPy types, whose initial value is 0. The engine owns, hashes, saves and resets the memory
+    memory  the fields of each robot's memory: a dict from names to initial values (NumPy scalars or arrays) or to NumPy
+            types, which stand for an initial value of 0. The engine owns, hashes, saves and resets the memory
     name    name of the controller in files and in components of the state; None: the name of the class
 
-    An instance must have no attributes of its own: no hash, checkpoint or reset would include them.
+    Data of a robot belong in its memory. An instance must have no attributes of its own, because hashes, checkpoints
+    and resets would not include them.
     """
 
     robots: str = ""
@@ -47,7 +50,7 @@ class Controller:
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(
-            f"a controller has no attributes of its own: declare \"{name}\" in `memory`, which the engine hashes and saves")
+            f"a controller cannot have the attribute \"{name}\": declare it in `memory`, which the engine saves")
 
 
 @overload
@@ -61,8 +64,9 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
         def reach(robots):
             return np.abs(robots.poses()[:, 0]).max()
 
-    unit: of the result, such as "m"; name: of the measure, by default that of the function. The script my.py gives the
-    measure `my:reach`. Troupe does not guarantee that measures in Python have the same bits on every machine.
+    unit: unit of the result, such as "m". name: name of the measure; None: the name of the function. In the script
+    my.py, this example declares the measure `my:reach`. Troupe does not guarantee that measures in Python have the same
+    bits on every machine.
     """
 
     def declare(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -81,7 +85,8 @@ def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackTyp
 
 
 def error_text(file: str, error: BaseException, trace: Optional[TracebackType]) -> str:
-    """The text of an exception, after the name of `file` and the line in it that raised the exception or led to it."""
+    """Returns the text of an exception, preceded by `file` and a line number. The line is the one of this file that
+    raised the exception, or that called the code that raised it."""
     line, text = _line_and_text(file, error, trace)
     return f"{file}:{line}: {text}" if line else f"{file}: {text}"
 
@@ -111,9 +116,9 @@ def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int,
             _fail(file, line, f"{where} is {given!r}: expected a NumPy scalar, array or type, as in np.float32(0)")
         kind = np.dtype("u1") if start.dtype == np.bool_ else start.dtype
         if kind.newbyteorder("=").str[1:] not in _ELEMENTS or not kind.isnative or start.ndim > 1 or start.size == 0:
-            _fail(file, line, f"{where} has the type {start.dtype} and the shape {start.shape}: expected numbers of one of "
-                              "the types float64, float32, int64, int32, uint64, uint32, uint8 or bool, or an array of "
-                              "one dimension of these")
+            _fail(file, line, f"{where} has the type {start.dtype} and the shape {start.shape}: expected a number of "
+                              "one of the types float64, float32, int64, int32, uint64, uint32, uint8 or bool, or a "
+                              "one-dimensional array of such numbers")
         offset += -offset % kind.itemsize
         fields.append((name, kind, start.size, offset))
         starts.append((offset, start.astype(kind).tobytes()))
@@ -186,8 +191,8 @@ def _of_file(source: Union[str, os.PathLike[str]]) -> Dict[str, Any]:
         classes = [each for each in own if isinstance(each, type) and issubclass(each, Controller)]
         functions = [each for each in own if hasattr(each, "_troupe_measure")]
         if not classes and not functions:
-            raise InputError(f"{file}: error: it has no class derived from troupe.Controller, and no function declared "
-                             "with @troupe.measure")
+            raise InputError(f"{file}: error: the script has no class derived from troupe.Controller, and no function "
+                             "declared with @troupe.measure")
         _loaded[key] = {"file": file, "controllers": [_controller(each, file) for each in classes],
                         "measures": [_measure(each) for each in functions]}
     return _loaded[key]
@@ -210,8 +215,8 @@ def _file_of(cls: Any) -> str:
 
 
 def load(sources: Sequence[Any]) -> List[Dict[str, Any]]:
-    """Reads scripts and classes of controllers, and returns one description per file. sources: names of scripts, and
-    classes derived from Controller."""
+    """Returns one description, a dict, per file: of scripts, and of files that define given classes. sources: names of
+    scripts, and classes derived from Controller."""
     descriptions: List[Dict[str, Any]] = []
     classes: Dict[str, List[Any]] = {}
     for source in sources:

@@ -1,4 +1,4 @@
-"""Films, replay pages and pictures in notebooks: functions of Simulation that need no C++."""
+"""Functions of Simulation that are written in Python: films, replay pages, and pictures in notebooks."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ def replay(
 ) -> None:
     """Steps the simulation by `seconds` of world time and writes a page (.html) that plays this run in a browser.
 
-    every_s: world time between two frames of the page, s. fields: fields of the state that the page can show. Both are
-    as in record(). replace: whether an existing file is replaced. Without it, raises FileExistsError before the first
-    step if the file exists.
+    every_s: world time between two frames of the page, s. fields: fields of the state that the page can show. If either
+    is not given, the value that the world file sets under "record" is used. replace: whether an existing file is
+    replaced. If it is False and the file exists, raises FileExistsError before the first step.
     """
     _check_finite("replay()", seconds=seconds)
     if not replace and os.path.exists(file):
@@ -85,8 +85,8 @@ def _png(self: Simulation, width: int, height: int, **look: Any) -> bytes:
 def show(self: Simulation, width: int = 960, height: int = 540, **look: Any) -> Any:
     """Shows a picture of the world: in a notebook below the cell, otherwise in the program that opens PNG files.
 
-    look: the keyword arguments of snapshot(). Returns the image that the notebook displays, or else the name of the
-    file.
+    look: the keyword arguments of snapshot(). Returns the image that the notebook displays or, outside a notebook, the
+    name of the PNG file.
     """
     picture = _png(self, width, height, **look)
     try:

@@ -80,9 +80,11 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
 
     study    the name of a study file (docs/sweeps.md), or a dict with the content of a study file, whose "world" may be
              a file name or a dict
-    series   whether the measures over time are returned instead of one row per run; None: as "series" in the study says
+    series   True: the result has the measures over time, one row per sample, instead of one row per run. None: the
+             value of "series" in the study
     threads  number of parallel runs; None: one per processor that the process may use
-    name     if `study` is a dict: the file name in error messages; relative paths are resolved from its folder
+    name     if `study` is a dict: the file name that error messages show. Relative paths in the dict are resolved from
+             the folder in this name
     options  search_path and plugin_path, as in Simulation
     returns  one row per run with the columns run, the parameters, seed, ticks, time_s, the measures, stopped_by,
              state_hash and error. With series: one row per sample, with the columns run, the parameters, seed, time_s

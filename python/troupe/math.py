@@ -1,10 +1,10 @@
 """Mathematical functions of numbers and arrays whose results have the same bits as in Troupe's C++ code.
 
 Results are also the same on every processor and with every compiler. The results of NumPy's sin, cos, arctan2, exp and
-log differ between processors in their last bits. NumPy's +, -, *, / and sqrt do not, but the order in which its sum()
-adds depends on the length of the array. Use the functions of this module for a controller that must make the same
-decisions on every machine, or the same decisions as a controller in C++. Angles are in radians. Array arguments are
-broadcast. Results are float64 arrays, or numbers if all arguments are numbers.
+log differ between processors in their last bits. Those of NumPy's +, -, *, / and sqrt do not differ, but the order in
+which NumPy's sum() adds depends on the length of the array. Use the functions of this module for a controller that must
+make the same decisions on every machine, or the same decisions as a controller in C++. Angles are in radians. Array
+arguments are broadcast. Results are float64 arrays, or numbers if all arguments are numbers.
 """
 
 from __future__ import annotations
@@ -27,5 +27,5 @@ def sincos(radians: npt.ArrayLike) -> Tuple[npt.NDArray[np.float64], npt.NDArray
 
 
 def ordered_sum(values: npt.ArrayLike, axis: int = -1) -> npt.NDArray[np.float64]:
-    """Returns the sum along an axis, added in ascending order of the index: 0 + v[0] + v[1] + ..."""
+    """Returns the sums of an array along an axis, added in ascending order of the index: 0 + v[0] + v[1] + ..."""
     return _ordered_sum(np.moveaxis(np.asarray(values, dtype=np.float64), axis, -1))

@@ -36,7 +36,8 @@ def _read(file: str) -> Tuple[List[str], List[List[str]]]:
     except (OSError, UnicodeDecodeError) as error:
         raise PlotError(f"{file}: error: cannot be read: {error}") from None
     if not rows or any(len(row) != len(rows[0]) for row in rows):
-        raise PlotError(f"{file}: error: this is not the table of a sweep: its lines differ in length")
+        raise PlotError(f"{file}: error: this is not a table of a sweep: it is empty, or its lines have different "
+                        "numbers of columns")
     return rows[0], rows[1:]
 
 
@@ -67,8 +68,9 @@ def series_by(folder: _File, measure: Optional[str] = None,
     measure  name of the measure; None: the first in series.csv
     by       names of parameters, separated by commas; runs with equal values of these parameters are averaged to one
              line. None: all parameters that vary
-    returns  the name of the measure, the names of these parameters, and a dict: values of the parameters -> list of
-             (time_s, mean, sample standard deviation with n - 1 or 0 for one run, number of runs)
+    returns  the name of the measure, the names of the parameters that distinguish the lines, and a dict from their
+             values to the points of a line: a list of (time_s, mean, sample standard deviation, number of runs). The
+             deviation has the divisor n - 1; it is 0 for one run
     errors   PlotError
     """
     table_head, table = _read(os.path.join(folder, "table.csv"))
@@ -94,13 +96,14 @@ def series_by(folder: _File, measure: Optional[str] = None,
         number = _number(row[column])
         time_s = _number(row[1])
         if number is None or time_s is None or row[0] not in values:
-            raise PlotError(f"{series_file}: error: this is not the series of the sweep in table.csv")
+            raise PlotError(f"{series_file}: error: this is not the series of the sweep in table.csv: a run is not in "
+                            "that table, or a value is not a number")
         if not math.isnan(number):
             key = tuple(values[row[0]][name] for name in names)
             lines.setdefault(key, {}).setdefault(time_s, []).append(number)
     if len(lines) > MOST_LINES:
-        raise PlotError(f"error: {' and '.join(names)} give {len(lines)} lines, but at most {MOST_LINES} can be distinguished: "
-                        f"choose fewer parameters with --by: {', '.join(parameters)}")
+        raise PlotError(f"error: one line per value of {' and '.join(names)} gives {len(lines)} lines, but a plot has "
+                        f"at most {MOST_LINES}: select fewer parameters with --by, from: {', '.join(parameters)}")
     if not lines:
         raise PlotError(f'error: the measure "{measure}" has no value in any run')
     result: Dict[_Key, _Points] = {}
@@ -169,7 +172,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return 2
     except ImportError as error:
         print(f"troupe plot: error: {sys.executable} cannot import matplotlib: {error} (Debian, Ubuntu: apt install "
-              "python3-matplotlib; elsewhere: pip install matplotlib; TROUPE_PYTHON names another python3)", file=sys.stderr)
+              "python3-matplotlib; elsewhere: pip install matplotlib; the environment variable TROUPE_PYTHON selects "
+              "another python3)", file=sys.stderr)
         return 1
     return 0
 

@@ -50,7 +50,7 @@ def versions():
 
 @dataclass(frozen=True)
 class Moved(Variant):
-    """Runs until the checkpoint on this machine's processor, and resumes it under the emulator."""
+    """A run that begins on this machine's processor and is resumed from a checkpoint under the emulator."""
 
     def _call(self, arguments):
         begins = arguments[0] == "run"

@@ -75,7 +75,7 @@ class Kinds:
         return [kind for kinds in self._families.values() for kind in kinds.values()]
 
     def resolve(self, schema):
-        """The schema behind a reference."""
+        """The schema to which a `$ref` refers; other schemas unchanged."""
         reference = schema.get("$ref")
         return self.schema["definitions"][reference.rsplit("/", 1)[1]] if reference else schema
 

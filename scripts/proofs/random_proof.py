@@ -227,19 +227,19 @@ class RandomProof:
                 if stop_at_first:
                     break
             if self.differing >= MOST_KEPT:
-                self.failed.append(f"given up after {MOST_KEPT} differences")
+                self.failed.append(f"random worlds: stopped after {MOST_KEPT} worlds that differ")
                 break
             if time.monotonic() - shown > 60:
                 shown = time.monotonic()
                 self.say(f"  random worlds: {self.made} made, {self.differing} differ, {clock(shown - start)} minutes passed")
         self.took_s = time.monotonic() - start
         if self.made >= 20 and self.valid < LEAST_VALID * self.made:
-            self.failed.append(f"random worlds: only {self.valid} of {self.made} could be loaded; the first of each sort: "
+            self.failed.append(f"random worlds: only {self.valid} of {self.made} could be loaded; the most frequent errors: "
                                + "; ".join(text for text, _ in self.invalid.most_common(5)))
         if self.count is not None and self.count >= COMPLETE_AT and not self.runner.program_only:
             missing = self.coverage.missing()
             if missing:
-                self.failed.append(f"random worlds: these never occurred: {', '.join(missing)}")
+                self.failed.append(f"random worlds: these kinds or events never occurred: {', '.join(missing)}")
         return self.failed
 
     def report(self):

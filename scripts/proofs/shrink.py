@@ -23,14 +23,14 @@ def at(document, path):
 
 
 def put(document, path, value):
-    """A copy with another value at the path."""
+    """A copy of the document with another value at the path."""
     changed = copy.deepcopy(document)
     at(changed, path[:-1])[path[-1]] = value
     return changed
 
 
 def without(document, path, count=1):
-    """A copy without this key, or without `count` members of a list from this index on."""
+    """A copy of the document without this key, or without `count` members of a list from this index on."""
     changed = copy.deepcopy(document)
     holder = at(changed, path[:-1])
     if isinstance(holder, list):

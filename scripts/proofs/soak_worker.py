@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Repeatedly loads worlds, runs and resets them, saves and resumes them, and cuts recordings off, in one process until it is ended.
+"""Repeatedly loads worlds, runs and resets them, saves and resumes them, and continues recordings from checkpoints, in
+one process until it is ended.
 Prints a line of counts, as JSON, about once a second. scripts/soak starts it.
 
     soak_worker.py FOLDER WORLD...    FOLDER: folder for its files
@@ -56,7 +57,7 @@ class Soaker:
             self.tell()
 
     def save(self, name, simulation, turn, ends):
-        """Saves, resumes the checkpoint, and continues its recording, which is cut at the checkpoint."""
+        """Saves a run, resumes it, and continues its recording; this removes the frames recorded after the checkpoint."""
         checkpoint, recording = self.folder / "checkpoint.h5", self.folder / "recording.h5"
         simulation.reset()
         self.counts["resets"] += 1

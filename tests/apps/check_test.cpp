@@ -334,8 +334,8 @@ TEST_F(Check, ReachFindsAnEffectThatChangesMoreThanItsKindDeclares) {
   EXPECT_THAT(
       [&] { check(blinkered); },
       ThrowsMessage<engine::StepError>("tick 1: device \"it\" (meddler) of \"r0\" changed the component "
-                                       "\"meddler/it\" of \"r1\", but the kind of the device does not "
-                                       "declare to change this body (scope)"));
+                                       "\"meddler/it\" of \"r1\", but this body is outside the scope "
+                                       "that the device's kind declares (DeviceKind::scope)"));
 }
 
 TEST_F(CheckProgram, ReachNeedsTheExactRayEngine) {

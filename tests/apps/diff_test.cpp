@@ -145,14 +145,15 @@ TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
         fmt::format("b.log:10: error: \"{}\"{}", wrong.substr(0, wrong.size() - 1).substr(0, 120), form));
   }
   EXPECT_EQ(error_of(header() + line(0) + line(2)),
-            "b.log:11: error: tick 2 after tick 0: a hash log has one line per tick\n");
+            "b.log:11: error: tick 2 follows tick 0: lines are missing or repeated, the log is damaged\n");
   std::string damaged = line(1);
   damaged[damaged.size() - 2] = '7';
   EXPECT_EQ(error_of(header() + line(0) + damaged),
             "b.log:11: error: the state hash is not the sum of the group hashes: the line is damaged\n");
   EXPECT_EQ(error_of(header() + "#seed 3\n" + line(0)),
             "b.log:10: error: \"#seed 3\" is not a header line; expected # KEY: VALUE\n");
-  EXPECT_EQ(error_of(header() + "# seed: 1\n" + line(0)), "b.log:10: error: duplicate header \"seed\"\n");
+  EXPECT_EQ(error_of(header() + "# seed: 1\n" + line(0)),
+            "b.log:10: error: the header \"seed\" occurs twice\n");
   EXPECT_EQ(error_of(header()), "b.log: error: the log has no ticks\n");
   const std::string none =
       "b.log:1: error: not a hash log (troupe run --hash-log): the first line must be \"# troupe hash log "

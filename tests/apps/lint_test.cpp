@@ -204,14 +204,15 @@ TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
 
   write("parts.inc", "define wheel model( size [0.1 0.1 0.1] )\ndefine hub model( size [0.1 0.1 0.1] )\n");
   write("more.inc", "define nut model( size [0.1 0.1 0.1] )\ndefine bolt model( size [0.1 0.1 0.1] )\n");
-  EXPECT_THAT(findings("w.world",
-                       "include \"parts.inc\"\ninclude \"more.inc\"\n"
-                       "define bot position( nut( pose [0 0 0 0] ) )\n"
-                       "define fast bot( velocity_bounds [-9 9 -9 9 -9 9 -90 90] )\n"
-                       "define slow bot( velocity_bounds [-1 1 -1 1 -1 1 -90 90] )\nslow()\n"),
-              ElementsAre("w.world:4: warning: macro \"fast\" is never used",
-                          "parts.inc: warning: nothing of this file is used; it defines 2 macros",
-                          "w.world: 2 findings"));
+  EXPECT_THAT(
+      findings("w.world",
+               "include \"parts.inc\"\ninclude \"more.inc\"\n"
+               "define bot position( nut( pose [0 0 0 0] ) )\n"
+               "define fast bot( velocity_bounds [-9 9 -9 9 -9 9 -90 90] )\n"
+               "define slow bot( velocity_bounds [-1 1 -1 1 -1 1 -90 90] )\nslow()\n"),
+      ElementsAre("w.world:4: warning: macro \"fast\" is never used",
+                  "parts.inc: warning: nothing of this included file is used; the file defines 2 macros",
+                  "w.world: 2 findings"));
 }
 
 TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {

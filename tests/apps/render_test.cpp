@@ -77,7 +77,8 @@ TEST_F(Render, ACheckpointIsDrawnAsItWasSaved) {
   EXPECT_EQ(pixels("p.png"), at_its_end);
   const Outcome earlier = draw({"c.h5", "--at", "0.5"});
   EXPECT_EQ(earlier.code, 2);
-  EXPECT_EQ(earlier.err, "c.h5: error: --at 0.5: the run is already at 1 s\n");
+  EXPECT_EQ(earlier.err,
+            "c.h5: error: --at 0.5: the checkpoint was saved at 1 s; give this time or a later one\n");
 }
 
 TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {

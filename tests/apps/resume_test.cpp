@@ -241,7 +241,7 @@ TEST_F(Resume, ChangesWhatIsSet) {
   const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--set", "/tick_s=0.2"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, StartsWith("--set /tick_s: error: this value of the world in a checkpoint cannot "
-                                      "be changed; --set can change "));
+                                      "be changed; --set can change only "));
 }
 
 TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
@@ -252,7 +252,8 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
       {{"resume", "no.h5", "--for", "2"}, "no.h5: error: there is no such file"},
       {{"resume", "room.world", "--for", "2"}, "room.world: error: this is not a checkpoint"},
       {{"resume", "c.h5"}, "c.h5: error: no end time: give --for SECONDS, or --set /quit_time_s=SECONDS"},
-      {{"resume", "c.h5", "--for", "0.5"}, "c.h5: error: the run is already at 1 s, past its end at 0.5 s"},
+      {{"resume", "c.h5", "--for", "0.5"},
+       "c.h5: error: the checkpoint was saved at 1 s, after the end of the run, 0.5 s"},
       {{"resume", "c.h5", "--for", "2", "--hash-log", "c.h5"},
        "c.h5: error: cannot be written: it is the checkpoint, which is read as input"},
       {{"resume", "c.h5", "--for", "2", "--seed", "3"}, "troupe resume: error: unknown option \"--seed\""},

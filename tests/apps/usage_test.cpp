@@ -152,9 +152,9 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--for", "inf"}),
                    in_run("--for: \"inf\" is not a time in seconds, from 0 to 1e+12")},
         WrongUsage{room({"--threads", "0"}),
-                   in_run("--threads: \"0\" is not a number of threads, 1 to 1024")},
+                   in_run("--threads: \"0\" is not a number of threads from 1 to 1024")},
         WrongUsage{room({"--threads", "-2"}),
-                   in_run("--threads: \"-2\" is not a number of threads, 1 to 1024")},
+                   in_run("--threads: \"-2\" is not a number of threads from 1 to 1024")},
         WrongUsage{room({"--seed", "1.5"}),
                    in_run("--seed: \"1.5\" is not a whole number from 0 to 2^64 - 1")},
         WrongUsage{room({"--seed", "18446744073709551616"}),
@@ -240,9 +240,9 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--json=no"}), in_run("--json takes no value")},
         WrongUsage{{"check"}, in_command("check", "WORLD is required")},
         WrongUsage{{"check", "room.world", "--threads", "1,,2"},
-                   in_command("check", "--threads: \"\" is not a number of threads, 1 to 1024")},
+                   in_command("check", "--threads: \"\" is not a number of threads from 1 to 1024")},
         WrongUsage{{"check", "room.world", "--threads", "1,two"},
-                   in_command("check", "--threads: \"two\" is not a number of threads, 1 to 1024")},
+                   in_command("check", "--threads: \"two\" is not a number of threads from 1 to 1024")},
         WrongUsage{{"check", "room.world", "--tile-size", "auto,-1"},
                    in_command("check",
                               "--tile-size: \"-1\" is not a length in metres, above 0 (the smallest tile is "
@@ -311,7 +311,7 @@ TEST_F(Describe, AnUnknownKindBringsASuggestion) {
   EXPECT_THAT(outcome.out, IsEmpty());
   EXPECT_THAT(outcome.err,
               StartsWith("troupe describe: error: unknown kind \"rangre\" (did you mean \"ranger\"?); "
-                         "`troupe describe` lists all"));
+                         "`troupe describe` lists all kinds"));
 }
 
 TEST_F(Describe, WhatJsonTakesComesBeforeWhatStagesFilesDo) {

@@ -140,7 +140,7 @@ TEST(Populations, ErrorsNameFileLineAndPopulation) {
   dense.rule.pitch_m = 1e-5;
   EXPECT_THAT(errors_of({dense}),
               ElementsAre("room.txt:8: error: populations[0].rule: the region has 8.1e+11 cells "
-                          "of 1e-05 m; at most 100000000 are allowed"));
+                          "of 1e-05 m; at most 100000000 are allowed: give a larger \"pitch_m\""));
   PopulationSpec nowhere = row_of("a", 1);
   nowhere.rule.region = Box();
   EXPECT_THAT(

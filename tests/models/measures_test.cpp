@@ -511,7 +511,7 @@ TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
     return diagnostics.findings().empty() ? std::string() : diagnostics.text(diagnostics.findings()[0]);
   };
   EXPECT_THAT(error(ranges(9)),
-              HasSubstr("state_mean: there is no column 9: the last column of \"ranges\" is 8"));
+              HasSubstr("state_mean: there is no column 9: the last column of the field \"ranges\" is 8"));
   EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/ear"}, {"field", "ranges"}})),
               HasSubstr("state_mean: unknown component \"ranger/ear\"; known: command, pose, ranger/eye, "));
   EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/eye"}, {"field", "range"}})),
@@ -630,7 +630,7 @@ TEST(Measures, SayWhatIsWrongWithThem) {
           "\"truck\"?)",
           "error: two measures have the column \"order\": give one of them another \"name\"",
           AllOf(HasSubstr("error: coverage: "),
-                HasSubstr(" cells of 0.001 m, and at most 2.5e+07 are allowed: give a larger cell_m"))));
+                HasSubstr(" cells of 0.001 m, but at most 2.5e+07 are allowed: give a larger cell_m"))));
 }
 
 }  // namespace

@@ -160,7 +160,7 @@ class Controllers(InAFolder):
         self.write("stop.json", stopping)
         self.assertIn("ticks              1 of", self.troupe("run", "stop.json", "--controller", "roam.py").stdout)
         checked = self.troupe("check", "stop.json", "--controller", "roam.py", "--for", "0.5")
-        self.assertIn("roam:reach is a measure in Python, for which Troupe does not guarantee equal bits", checked.stdout)
+        self.assertIn("roam:reach is computed in Python: Troupe does not guarantee that its values are equal", checked.stdout)
         world = troupe.Simulation("w.json", controllers=["roam.py"])
         measures = troupe.Measures(world, ["stalls", "roam:reach", lambda robots: len(robots)])
         self.assertEqual(measures.columns, ["stalls", "roam:reach_m", "<lambda>"])
@@ -213,13 +213,13 @@ class Controllers(InAFolder):
             (('memory["seen"] = robots.ranges("eye")', 'memory["seen"] = robots.ranges("eye")[:, :2]'), 1,
              "my.py:15: ValueError: "),
             (('memory["steps"] += 1', "self.count = 1"), 1,
-             'my.py:14: AttributeError: a controller has no attributes of its own: declare "count" in `memory`'),
+             'my.py:14: AttributeError: a controller cannot have the attribute "count": declare it in `memory`'),
             (("class roam(troupe.Controller)", "class roam"), 2, "has the script a controller?"),
         ):
             if text.startswith("has the script"):
                 self.write("my.py", "import troupe\n")
                 found = self.troupe("run", "w.json", "--controller", "my.py", code=2).stderr
-                text = "my.py: error: it has no class derived from troupe.Controller"
+                text = "my.py: error: the script has no class derived from troupe.Controller"
             else:
                 found = self.error_of(change, code)
             with self.subTest(text):

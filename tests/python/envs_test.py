@@ -204,8 +204,8 @@ class Vector(unittest.TestCase):
 
     def test_says_what_is_wrong(self):
         for wrong, text in (
-            (lambda: troupe.envs.VectorEnv(Short(2), 3), "each copy has 2 robots: give a multiple of 2"),
-            (lambda: troupe.envs.VectorEnv(Walkers(), 2), "has one team, and Walkers has 2"),
+            (lambda: troupe.envs.VectorEnv(Short(2), 3), "2 robots learn in each copy: give a multiple of 2"),
+            (lambda: troupe.envs.VectorEnv(Walkers(), 2), "needs a task with one team, but Walkers has 2"),
             (lambda: troupe.envs.VectorEnv(Short(2), 2, render_mode="human"), 'unknown render_mode "human"'),
             (lambda: troupe.envs.Env(Short(2), robot="robot"), "names 2 robots: give the name of one"),
         ):

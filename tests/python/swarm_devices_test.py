@@ -85,10 +85,11 @@ class Devices(unittest.TestCase):
 
     def test_what_is_wrong_changes_nothing(self):
         for error, text, call in (
-            (LookupError, 'unknown field of "radio" "cuont"; known: ', lambda: self.swarm.readings("cuont", "radio")),
+            (LookupError, r'unknown field \(device "radio"\) "cuont"; known: ', lambda: self.swarm.readings("cuont", "radio")),
             (LookupError, 'did you mean "lamp"', lambda: self.swarm.command("lump", red=1)),
-            (LookupError, 'unknown command of "lamp" "rde"; known: ', lambda: self.swarm.command("lamp", red=1, rde=1)),
-            (ValueError, '"red" has shape .5,.; for a swarm of 6 robots give one number, or one for each',
+            (LookupError, 'unknown command field .device "lamp". "rde"; known: ',
+             lambda: self.swarm.command("lamp", red=1, rde=1)),
+            (ValueError, '"red" has shape .5,.; for a swarm of 6 robots give one number, or one per robot',
              lambda: self.swarm.command("lamp", green=1, red=np.zeros(5))),
             (ValueError, '"shows" has the type uint8, which cannot represent 1.5',
              lambda: self.swarm.command("lamp", red=1, shows=1.5)),

@@ -104,7 +104,7 @@ class Plot(unittest.TestCase):
         (self.folder / "series.csv").unlink()
         self.assertIn('set "series": true in the study', message())
         (self.folder / "series.csv").write_text("run,time_s,order\n0,1\n")
-        self.assertIn("its lines differ in length", message())
+        self.assertIn("its lines have different numbers of columns", message())
         (self.folder / "series.csv").write_text("run,time_s,order\n7,1,2\n")
         self.assertIn("this is not the series of the sweep", message())
 

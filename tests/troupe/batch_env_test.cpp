@@ -357,10 +357,11 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   is_wrong(
       k_name, [](auto&, auto& t) { t.actions[0].command = "forwards"; }, "unknown command of a drive");
   is_wrong(
-      k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; }, "unknown command of \"lamp\" \"reed\"");
+      k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; },
+      "unknown command (device \"lamp\") \"reed\"");
   is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[0].of.array = "gold"; },
-      "unknown array of team \"bots\" \"gold\"");
+      "unknown array (team \"bots\") \"gold\"");
   is_wrong(
       k_argument, [](auto&, auto& t) { t.rewards[0].of.column = 4; },
       "there is no column 4 in array \"goal\", which has 4 columns");

@@ -247,7 +247,7 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
                     "the value of \"most_targets\""),
           HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": its device "
                     "\"pack\" of kind power_pack: Stage has no such device"),
-          HasSubstr("that it has no device \"power\": read again")));
+          HasSubstr("that it has no device \"power\": when the written file is")));
 }
 
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {
@@ -340,9 +340,9 @@ TEST_F(ConvertTest, BirthsAndDeathsAreNotOfStage) {
                                            "\"populations\": Stage has no \"reserve\"")));
   convert(write("w.json", types + "\n\"mortal\": true, \"models\": [{\"name\": \"a\", \"type\": \"t\"}]}"),
           "w.world");
-  EXPECT_THAT(found,
-              ElementsAre(HasSubstr(
-                  "w.json:2: error: a .world file cannot express this: \"mortal\": Stage has no deaths")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr(
+                         "w.json:2: error: a .world file cannot express this: \"mortal\": a .world file "
+                         "has no property for this")));
 }
 
 TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {
@@ -381,7 +381,8 @@ TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
 
 TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {
   convert(write("w.world", "model( name \"caf\xe9\" )\n"), "w.json");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("is not UTF-8, which JSON requires; it begins with \"caf\"")));
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("is not UTF-8, which JSON requires; the text begins with \"caf\"")));
 }
 
 }  // namespace

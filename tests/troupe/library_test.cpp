@@ -475,10 +475,10 @@ TEST(Readings, SayWhatThereIsInstead) {
   Simulation simulation(show());
   const Model robot = simulation.find("r0");
   EXPECT_THAT(message_of<std::out_of_range>([&] { robot.readings<float>("dept"); }),
-              AllOf(HasSubstr("unknown field of the devices of \"r0\" \"dept\""),
+              AllOf(HasSubstr("unknown field (all devices of \"r0\") \"dept\""),
                     HasSubstr("did you mean \"depth\"")));
   EXPECT_THAT(message_of<std::out_of_range>([&] { robot.readings<float>("depth", "eye"); }),
-              HasSubstr("unknown field of \"eye\" of \"r0\" \"depth\"; known: bearing, body"));
+              HasSubstr("unknown field (device \"eye\" of \"r0\") \"depth\"; known: bearing, body"));
   EXPECT_THAT(
       message_of<std::out_of_range>([&] { robot.readings<float>("depth", "came"); }),
       HasSubstr("\"r0\" has no device \"came\"; it has: eye, blobs, skin, cam, floor, sun, talk, lamp"));
@@ -494,7 +494,7 @@ TEST(Commands, ReachADevice) {
   EXPECT_THAT(robot.readings<float>("shown_color"), ElementsAre(1, 0, 0.5f));
   EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<models::GripperCommand>("lamp"); }),
               HasSubstr("\"lamp\" of \"r0\" takes commands of kind led, with the fields shows, red, green, "
-                        "blue in 16 bytes; the given struct has order in 1 bytes"));
+                        "blue in 16 bytes; the given struct has the fields order in 1 bytes"));
   struct Another {  // as large as an LED's, and no LED's
     std::uint8_t mode = 0;
     std::array<float, 3> goal{};

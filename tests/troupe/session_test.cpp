@@ -308,12 +308,13 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
   EXPECT_THAT(setting("bot", R"({"controller": {"kind": "wander", "speed_mps": 1}})"),
               HasSubstr("speed_mps"));
   EXPECT_THAT(setting("bot", R"({"controller": {"kind": "script"}})"),
-              HasSubstr("unknown controller of the type \"script\""));
+              HasSubstr("unknown controller of this type \"script\""));
   EXPECT_THAT(setting("bot", R"({"device": {"name": "eye", "transducers": [{"samples": 8}]}})"),
               HasSubstr("must not change the number or layout of the readings"));
   EXPECT_THAT(setting("bot", R"({"type": "bot", "drive": {"velocity_max_x_mps": 1}})"),
               HasSubstr("unknown key \"type\""));
-  EXPECT_THAT(setting("bot", "{}"), HasSubstr("give one of \"drive\", \"device\" and \"controller\""));
+  EXPECT_THAT(setting("bot", "{}"),
+              HasSubstr("give exactly one of \"drive\", \"device\" and \"controller\""));
   EXPECT_THAT(setting("bot", "{"), HasSubstr("error"));
   EXPECT_THAT(setting("rock", R"({"drive": {"velocity_max_x_mps": 1}})"), HasSubstr("has no drive"));
 }

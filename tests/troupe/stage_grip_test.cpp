@@ -202,10 +202,11 @@ TEST_F(StageGrip, APlanIsOneWord) {
               HasSubstr("has a plan with an unknown order \"clse\"; known: close, down, "
                         "go_to, open, speed, up (did you mean \"close\"?)"));
   EXPECT_THAT(error_of("arm:go_to@1"),
-              HasSubstr("\"arm:go_to@1\": that order needs a value: DEVICE:ORDER:VALUE@SECONDS"));
+              HasSubstr("\"arm:go_to@1\", whose order needs a value: write DEVICE:ORDER:VALUE@SECONDS"));
   EXPECT_THAT(error_of("hand:close:2@1"),
-              HasSubstr("\"hand:close:2@1\": that order takes no value: DEVICE:ORDER@SECONDS"));
-  EXPECT_THAT(error_of("foot:up@1"), HasSubstr("has an order for unknown device \"foot\"; known: arm, hand"));
+              HasSubstr("\"hand:close:2@1\", whose order takes no value: write DEVICE:ORDER@SECONDS"));
+  EXPECT_THAT(error_of("foot:up@1"),
+              HasSubstr("has an order for the unknown device \"foot\"; known: arm, hand"));
 }
 
 }  // namespace

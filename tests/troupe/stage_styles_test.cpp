@@ -128,7 +128,8 @@ std::vector<Style> styles() {
        1,
        1,
        false,
-       {"camera.world:11: warning: \"watts\" of a camera has no effect: Troupe computes the power of such a "
+       {"camera.world:11: warning: \"watts\" of a model of type camera has no effect: Troupe computes the "
+        "power of such a "
         "model (docs/stage-worlds.md)",
         "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
         "them: "
@@ -193,7 +194,8 @@ std::vector<Style> styles() {
        6,
        6,
        true,
-       {"inc/discs.inc:43: warning: \"watts\" of a position has no effect: Troupe computes the power of such "
+       {"inc/discs.inc:43: warning: \"watts\" of a model of type position has no effect: Troupe computes the "
+        "power of such "
         "a "
         "model (docs/stage-worlds.md)",
         "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",

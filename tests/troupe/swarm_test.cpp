@@ -319,11 +319,12 @@ TEST(SwarmDevices, SayWhatIsWrong) {
   Swarm all = simulation.swarm();
   std::vector<std::byte> bytes(4);
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "cuont", "radio"); }),
-              HasSubstr("unknown field of \"radio\" \"cuont\"; known: bearing, count, "));
-  EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
-              HasSubstr("unknown device of \"b0\" \"radoi\"; known: lamp, radio (did you mean \"radio\"?)"));
+              HasSubstr("unknown field (device \"radio\") \"cuont\"; known: bearing, count, "));
+  EXPECT_THAT(
+      message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
+      HasSubstr("unknown device (robot \"b0\") \"radoi\"; known: lamp, radio (did you mean \"radio\"?)"));
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.command_fields("eye"); }),
-              HasSubstr("unknown device that takes commands of \"b0\" \"eye\"; known: lamp, radio"));
+              HasSubstr("unknown device that takes commands (robot \"b0\") \"eye\"; known: lamp, radio"));
   EXPECT_THAT(message_of<std::invalid_argument>([&] { all.readings(bytes, "count", "radio"); }),
               HasSubstr("found 4 bytes for \"count\" of 4 robots with 1 columns each"));
   bytes.resize(4 * 5 * 4);

@@ -125,12 +125,13 @@ TEST(WallLine, Errors) {
       ElementsAre(at + "/walls_m: a wall of no length: point 2 repeats point 1 (points are counted from 0)"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0]])"),
               ElementsAre(at + "/walls_m: expected 2 to 1000 points, found 1"));
-  EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0], [0, 0.01]])"),
-              ElementsAre(at + "/walls_m: the line turns back on itself at point 1, counted from 0: it may "
-                               "turn by at most 165 degrees"));
   EXPECT_THAT(
-      error_of(R"("walls_m": [[0, 0], [0.1, 0], [0.1, 1]], "thickness_m": 0.4)"),
-      ElementsAre(at + "/walls_m: the segment that begins at point 0 is too short for walls 0.4 m thick"));
+      error_of(R"("walls_m": [[0, 0], [1, 0], [0, 0.01]])"),
+      ElementsAre(at + "/walls_m: the line turns back on itself at point 1, counted from 0: a line may "
+                       "turn by at most 165 degrees"));
+  EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [0.1, 0], [0.1, 1]], "thickness_m": 0.4)"),
+              ElementsAre(at + "/walls_m: the segment that begins at point 0, counted from 0, is too short "
+                               "for walls 0.4 m thick"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0]], "bitmap": "x.png")"),
               ElementsAre(at + R"(: give "bitmap" or "walls_m", not both)"));
 }

@@ -155,7 +155,7 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"model": "r1"}, "enable": {"model": "r2"}})"),
               HasSubstr("give each action an entry of its own"));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"count": 3}})"),
-              HasSubstr("/at/0/remove: give one of \"population\", \"type\" and \"model\""));
+              HasSubstr("/at/0/remove: give exactly one of \"population\", \"type\" and \"model\""));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"model": "r1", "type": "bot"}})"),
               HasSubstr("\"type\" and \"model\", not several"));
   EXPECT_THAT(found(R"({"time_s": 1, "remove": {"population": "r", "count": 1, "share": 0.2}})"),
@@ -164,7 +164,7 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
               HasSubstr("/at/0/remove/share: must be from 0 to 1, found 2"));
   EXPECT_THAT(found(R"({"time_s": 1, "add": {"count": 2}})"), HasSubstr("missing \"population\""));
   EXPECT_THAT(found(R"({"time_s": 1, "add": {"population": "r", "region_m": [[3, 3], [1, 1]]}})"),
-              HasSubstr("corners in the wrong order"));
+              HasSubstr("the corners are in the wrong order"));
   EXPECT_THAT(found(R"({"time_s": 1, "move": {"model": "r1"}})"),
               HasSubstr("missing \"pose\": the new pose"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bto", "drive": {"turn_max_degps": 3}}})"),
@@ -172,13 +172,13 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "crate", "drive": {"turn_max_degps": 3}}})"),
               HasSubstr("type \"crate\" has no drive"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot"}})"),
-              HasSubstr("give one of \"drive\", \"device\" and \"controller\""));
+              HasSubstr("give exactly one of \"drive\", \"device\" and \"controller\""));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "drive": {}}})"),
               HasSubstr("expected at least one parameter"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "device": {"name": "it"}}})"),
               HasSubstr("unknown device \"it\"; known: ir"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "controller": {"kind": "wander"}}})"),
-              HasSubstr("unknown controller of the type \"wander\"; known: expand"));
+              HasSubstr("unknown controller of this type \"wander\"; known: expand"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot", "drive": {"speed": 3}}})"),
               HasSubstr("unknown key \"speed\""));
   EXPECT_THAT(found("3"), HasSubstr("/at/0: expected an object"));
@@ -265,7 +265,7 @@ TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {
               HasSubstr("placed 1 of 200 bodies"));
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4]})"), HasSubstr("missing \"deviation_m\""));
   EXPECT_THAT(found(R"({"rule": "uniform"})"),
-              HasSubstr("or \"polygon_m\": one of them is needed, because the world has neither bounds"));
+              HasSubstr("or \"polygon_m\": one of them is needed, because the world has no bounds"));
   EXPECT_THAT(found(R"({"rule": "uniform", "polygon_m": [[0, 0], [2, 2], [2, 0], [0, 2]]})"),
               HasSubstr("/populations/0/place/polygon_m: "));
   EXPECT_THAT(found(R"({"rule": "poison_disc"})"),

@@ -37,7 +37,7 @@ TEST(WorldFormatReference, ShowsKeysLimitsAndDefaults) {
       text,
       HasSubstr("| `transducers` | list of objects | required | fans of beams |\n"
                 "| `intensity` | true or false | false | brightness too |\n\nEach of `transducers`:\n"));
-  EXPECT_THAT(text, HasSubstr("| `pose` | object | its defaults | where it looks |\n"));
+  EXPECT_THAT(text, HasSubstr("| `pose` | object | the defaults of its keys | where it looks |\n"));
   EXPECT_THAT(text, HasSubstr("| `samples` | whole number, from 1 to 1000 | 1 | beams |\n"));
   EXPECT_THAT(text, HasSubstr("| `law` | near, far | \"near\" | which |\n"));
   EXPECT_THAT(text,

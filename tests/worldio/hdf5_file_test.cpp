@@ -146,7 +146,7 @@ TEST_F(Hdf5, RowsAreAppendedAndCutOff) {
     tick.append(std::span<const std::uint64_t>());
     tick.resize(2);
     EXPECT_THAT(error_of([&] { x.append(std::span<const double>(values).first(3)); }),
-                HasSubstr("/x has rows of 2 values, not 3"));
+                HasSubstr("/x has rows of 2 values: 3 values are no whole number of rows"));
   }
   const Hdf5File file = Hdf5File::open(file_);
   std::vector<double> row(2);
@@ -224,10 +224,10 @@ TEST_F(Hdf5, ErrorsNameTheFileAndTheReason) {
   EXPECT_THAT(error_of([&] { file.dataset("w"); }), HasSubstr("a.h5: error: there is no dataset /w"));
   EXPECT_THAT(error_of([&] { file.group("v"); }), HasSubstr("there is no group /v"));
   EXPECT_THAT(error_of([&] { file.dataset("v").read<double>(); }),
-              HasSubstr("/v holds float32, not float64"));
+              HasSubstr("/v holds values of type float32, but type float64 was requested"));
   std::vector<float> four(4);
   EXPECT_THAT(error_of([&] { file.dataset("v").read_rows(0, std::span<float>(four)); }),
-              HasSubstr("/v has 3 rows of 1 values, not 4 values from row 0 on"));
+              HasSubstr("/v has 3 rows of 1 values; 4 values cannot be read from row 0 on"));
   EXPECT_THAT(error_of([&] { file.create_group("v"); }), HasSubstr("/v cannot be written"));
 }
 

@@ -146,7 +146,7 @@ TEST(JsonJoints, WhatIsWrongIsTold) {
   };
   EXPECT_THAT(
       error_of(changed(R"("device": "boom")", R"("device": "barrier")")),
-      ::testing::HasSubstr("gate.json:15: error: controller \"operate\" has an order for unknown device "
+      ::testing::HasSubstr("gate.json:15: error: controller \"operate\" has an order for the unknown device "
                            "\"barrier\"; known: boom, eye, hand, lamp"));
   EXPECT_THAT(
       error_of(changed(R"("order": "go_to")", R"("order": "close")")),

@@ -85,9 +85,9 @@ TEST(JsonWorld, PopulationsWhoseNamesDifferOnlyInDigitsAtTheEndAreRefused) {
   const std::string world = changed(R"("pitch_m": 0.25}})", second);
   EXPECT_THAT(
       Loaded(changed("NAME", "r2", world)).found,
-      ElementsAre("maze.json:19: error: /populations/1/name: the populations \"r\" and \"r2\" differ only in "
-                  "digits at the end, so their bodies cannot be told apart by name: add a letter, as in "
-                  "\"r2_\""));
+      ElementsAre("maze.json:19: error: /populations/1/name: the names of the populations \"r\" and \"r2\" "
+                  "differ only in digits at the end, so that a body of each could have the same name: end "
+                  "one name with another character, as in \"r2_\""));
   for (const char* name : {"r2_", "rs", "R2"})
     EXPECT_THAT(Loaded(changed("NAME", name, world)).found, IsEmpty()) << name;
 }
@@ -165,7 +165,7 @@ TEST(JsonWorld, ModelsMayHaveNumbersForFinders) {
       ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: give the model a type "
                   "without \"fiducial_return\" instead",
                   "maze.json:4: error: /models/1/fiducial_return: a model can have its own "
-                  "\"fiducial_return\" only if its type has one other than 0"));
+                  "\"fiducial_return\" only if that of its type is not 0"));
 }
 
 TEST(JsonWorld, SettingsAndUnits) {
@@ -574,10 +574,12 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("name": "c0", )", "", R"(maze.json:14: error: /models/0: missing "name": the model's name)"},
         Wrong{R"("name": "c0")", R"("name": "")",
               R"(maze.json:14: error: /models/0/name: expected a name, found the text "")"},
-        Wrong{R"("name": "c0")", R"("name": "r2")",
-              R"(maze.json:17: error: the name "r2" is already used by the body on line 14)"},
-        Wrong{R"("name": "c0")", R"("name": "_ground_model")",
-              R"(maze.json:14: error: the name "_ground_model" is already used)"},
+        Wrong{
+            R"("name": "c0")", R"("name": "r2")",
+            R"(maze.json:17: error: the name "r2" is already used by the body on line 14; "same_names": "warn" in the world allows this)"},
+        Wrong{
+            R"("name": "c0")", R"("name": "_ground_model")",
+            R"(maze.json:14: error: the name "_ground_model" is already used; "same_names": "warn" in the world allows this)"},
         Wrong{R"("type": "crate", )", "",
               R"(maze.json:14: error: /models/0: missing "type": the name of a type, a key of "types")"},
         Wrong{
@@ -626,10 +628,10 @@ INSTANTIATE_TEST_SUITE_P(
               "for the next body were not free"},
         Wrong{
             R"("region_m": [[0, 0], [1, 1]], )", "",
-            R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]], or "polygon_m": one of them is needed, because the world has neither bounds nor floor plans)"},
+            R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]], or "polygon_m": one of them is needed, because the world has no bounds, floor plans or arena)"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]",
-              "maze.json:18: error: /populations/0/place/region_m: corners in the wrong order: expected "
-              "[[x_min, y_min], [x_max, y_max]]"},
+              "maze.json:18: error: /populations/0/place/region_m: the corners are in the wrong order: "
+              "expected [[x_min, y_min], [x_max, y_max]]"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0]]",
               "maze.json:18: error: /populations/0/place/region_m: expected 2 points, found 1"},
         Wrong{
@@ -640,7 +642,7 @@ INSTANTIATE_TEST_SUITE_P(
               "found 0"},
         Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 1e-6)",
               "maze.json:18: error: /populations/0/place: the region has 1e+12 cells of 1e-06 m; at most "
-              "100000000 are allowed"},
+              "100000000 are allowed: give a larger \"pitch_m\""},
         Wrong{
             R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": "random", "heading_deg": 3)",
             R"(maze.json:18: error: /populations/0/place: give "heading": "random" or "heading_rad" or "heading_deg", not both)"},
@@ -688,8 +690,8 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
     return text;
   };
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1]})"),
-            "maze.json:2: error: /floorplans/0/bitmap: \"white.pgm\" has no solid pixel: pixels whose first "
-            "channel is at most 127 are solid");
+            "maze.json:2: error: /floorplans/0/bitmap: the image \"white.pgm\" has no solid pixel: pixels "
+            "whose first channel is at most 127 are solid");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm"})"),
             R"(maze.json:2: error: /floorplans/0: missing "size_m", "size_cm" or "size_mm": [x, y, height])");
   EXPECT_EQ(
@@ -704,8 +706,9 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
       wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1]})"),
       R"(maze.json:3: error: /models/0: "m" overlaps "a" by 0.5 m at the start; "overlaps": "warn" in the world allows this)");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "obstacle": false})"), "");
-  EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "pose": {"x_m": 9}})"),
-            R"(maze.json:3: error: /models/0: "m" is outside the bounds of the world)");
+  EXPECT_EQ(
+      wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "pose": {"x_m": 9}})"),
+      R"(maze.json:3: error: /models/0: "m" is outside the bounds of the world; move it, or change "bounds_m")");
 }
 
 TEST(JsonWorld, OutlineFaults) {
@@ -861,11 +864,10 @@ TEST(JsonWorld, AGridMaySpill) {
   EXPECT_EQ(loaded.spec.bodies[2 + 29].pose_world_body, (Pose{2, 1, 0, 0}));
 
   options.set = {{"/populations/0/place/spill_m", "[[2, 0], [1, 3]]"}};
-  EXPECT_THAT(
-      Loaded(k_world, options).found,
-      ElementsAre(
-          "--set /populations/0/place/spill_m: error: /populations/0/place/spill_m: corners in the wrong "
-          "order: expected [[x_min, y_min], [x_max, y_max]]"));
+  EXPECT_THAT(Loaded(k_world, options).found,
+              ElementsAre("--set /populations/0/place/spill_m: error: /populations/0/place/spill_m: the "
+                          "corners are in the wrong "
+                          "order: expected [[x_min, y_min], [x_max, y_max]]"));
 }
 
 TEST(JsonWorld, AMillionRobotsLoadInSeconds) {

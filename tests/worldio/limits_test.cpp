@@ -85,7 +85,7 @@ std::string error_of(std::string_view bytes) {
 
 TEST(BitmapLimits, PixelsAreCountedBeforeTheyTakeMemory) {
   EXPECT_EQ(error_of(png(20000, 20000, "")),
-            "error: the image map.png is too large: 20000 x 20000 pixels, at most 100 million are read");
+            "error: the image map.png is too large: 20000 x 20000 pixels; at most 100 million are allowed");
 }
 
 TEST(BitmapLimits, WhatUnpacksToMoreThanThePixelsIsDamaged) {
@@ -126,7 +126,7 @@ TEST(BitmapLimits, ImagesThatAreCutOffAreDamaged) {
 TEST_F(Limits, IncludedFiles) {
   write("long.inc", repeated("# nothing but a comment, and a long one\n", 30000));
   EXPECT_THAT(refusal("w.world", repeated("include \"long.inc\"\n", 400)),
-              HasSubstr("too large: the included files add up to more than 256 MiB"));
+              HasSubstr("too large: the included files together have more than 256 MiB, the limit"));
 }
 
 TEST_F(Limits, MacrosThatMultiply) {

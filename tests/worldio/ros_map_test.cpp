@@ -62,9 +62,10 @@ TEST_F(RosMapTest, WhatIsMissingIsNamed) {
   EXPECT_THAT(
       messages_,
       ElementsAre(
-          "maps/lab.yaml: error: a map needs \"image\", the path of its image",
-          "maps/lab.yaml: error: a map needs \"resolution\", the edge length of a cell in m",
-          "maps/lab.yaml: error: a map needs \"origin\", the pose of its lower left corner: [x, y, yaw]"));
+          "maps/lab.yaml: error: a ROS map needs the key \"image\", the path of its image",
+          "maps/lab.yaml: error: a ROS map needs the key \"resolution\", the edge length of a cell in m",
+          "maps/lab.yaml: error: a ROS map needs the key \"origin\", the pose of its lower left corner: [x, "
+          "y, yaw]"));
 }
 
 TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
@@ -107,7 +108,7 @@ TEST_F(RosMapTest, TheMisspeltKeyIsShownBesideTheMissingOne) {
   EXPECT_THAT(
       messages_,
       ElementsAre(
-          "maps/lab.yaml: error: a map needs \"resolution\", the edge length of a cell in m",
+          "maps/lab.yaml: error: a ROS map needs the key \"resolution\", the edge length of a cell in m",
           "maps/lab.yaml:2: error: a ROS map has no key \"resoluton\" (did you mean \"resolution\"?)"));
 }
 

@@ -297,7 +297,7 @@ TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
   const std::vector<std::pair<Changes::value_type, std::string>> cases{
       {{"/tick_s", "1"},
        "--set /tick_s: error: this value of the world in a checkpoint cannot be changed; --set can change "
-       "/seed, "},
+       "only /seed, "},
       {{"/types/1/parts/0/obstacle", "true"}, "cannot be changed"},
       {{"/types/1/drive", "{}"}, "cannot be changed"},
       {{"/types/1/drive/params", "{}"}, "cannot be changed"},
@@ -311,7 +311,7 @@ TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
       {{"/resolution_m", "0"}, "must be from 0.0001 to 100"},
       {{"/bounds_m", "[1, 1, 0, 0]"}, "[x_min, y_min, x_max, y_max]"},
       {{"/types/7/drive/period_s", "1"}, "/types has 2 entries"},
-      {{"/types/0/drive/period_s", "1"}, "/types/0 has no \"drive\""},
+      {{"/types/0/drive/period_s", "1"}, "/types/0 has no key \"drive\""},
       {{"/types/1/drive/params/velocity_max_x_mps", "fast"}, "expected a number in m/s"},
       {{"/types/1/drive/params/velocity_max_x_mpss", "1"}, "unknown key \"velocity_max_x_mpss\""},
   };

@@ -253,13 +253,15 @@ TEST_F(StageParser, LexicalErrors) {
            "w.world:4: error: unexpected \"'\"; strings are written in double quotes",
            "w.world:5: error: unexpected byte 0x01",
            "w.world:6: error: a string must end with \" on the line on which it begins",
-           "w.world:7: error: \"2e-2\" is not a number; numbers are written without exponent and unit: 0.02",
+           "w.world:7: error: \"2e-2\" is not a number; numbers are written without exponent and unit, as in "
+           "0.02",
            "w.world:8: error: a tuple must end with ] on the line on which it begins",
            "w.world:9: error: a tuple cannot hold a tuple",
            "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
-           "w.world:11: error: no property name is before the value 5; a property is written: name value",
+           "w.world:11: error: the value 5 has no property name before it; a property is written: name value",
            "w.world:12: error: this ] has no matching [",
-           "w.world:13: error: no property name is before this tuple; a property is written: name [1 2 3]"}));
+           "w.world:13: error: this tuple has no property name before it; a property is written: name [1 2 "
+           "3]"}));
 }
 
 TEST_F(StageParser, TuplesStickToTheirBracket) {
@@ -301,7 +303,7 @@ TEST_F(StageParser, IncompleteDefines) {
       messages(),
       ElementsAre(
           "w.world:1: error: define needs a name and a base: define robot position( ... )",
-          "w.world:1: error: no property name is before the value 5; a property is written: name value"));
+          "w.world:1: error: the value 5 has no property name before it; a property is written: name value"));
   load("define b model\nquit_time 5");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: define b needs a body in ( )"));
 }
@@ -340,7 +342,10 @@ TEST_F(StageParser, IncludesThatMultiplyAreReported) {
     write(fmt::format("{}.inc", i), fmt::format("include \"{0}.inc\"\ninclude \"{0}.inc\"\n", i + 1));
   write("20.inc", "");
   load("include \"0.inc\"\n");
-  EXPECT_THAT(messages(), ElementsAre(EndsWith("files are included more than 1000 times in all")));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(EndsWith(
+          "too many includes: the limit is 1000 included files, each counted every time it is included")));
 }
 
 TEST_F(StageParser, AMissingIncludeIsReported) {
@@ -401,7 +406,8 @@ TEST_F(StageParser, DeepNestingIsReported) {
   std::string text;
   for (int i = 0; i < 100000; ++i) text += "model(";
   load(text);
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: nested deeper than 200 levels"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: models and blocks are nested deeper than 200 levels"));
   text = "define a0 model()\n";
   for (int i = 1; i < 1000; ++i) text += fmt::format("define a{} model( a{}() )\n", i, i - 1);
   load(text + "a999()");

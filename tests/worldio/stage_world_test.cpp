@@ -313,16 +313,17 @@ TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
       "model( block( points 3 point[0] [0 0] point[1] [1 1] point[2] [2 2] z [0 1] ) )\n");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:2: warning: \"point[7]\" is ignored: the block has 4 points, numbered from 0",
-                  "w.world:1: warning: 2 of the 4 points are not given; as in Stage, they are at [0 0]",
-                  "w.world:1: warning: this block has no height; give it \"z\" [min max]",
+      ElementsAre("w.world:2: warning: \"point[7]\" is ignored: the block has 4 corners, numbered from 0",
+                  "w.world:1: warning: 2 of the 4 corners \"point[k]\" are not given; as in Stage, they are "
+                  "at [0 0]",
+                  "w.world:1: warning: this block has no height; give it the property \"z\", [min max]",
                   "w.world:3: warning: this block has no area"));
 }
 
 TEST_F(StageWorld, IgnoresPointsBelowTheFirst) {
   load("model( block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0 1]\n point[-3] [3 3] ) )\n");
   EXPECT_THAT(messages(), ::testing::Contains("w.world:2: warning: \"point[-3]\" is ignored: the block has 3 "
-                                              "points, numbered from 0"));
+                                              "corners, numbered from 0"));
 }
 
 TEST_F(StageWorld, BoundaryIsFourWallsWithin) {
@@ -789,13 +790,13 @@ TEST_F(StageWorld, RefusesWrongLocalisation) {
       "position( localization \"gsp\" )\nposition( odom_error [0.05 0.05 0.1] )\n"
       "position( odom_heading \"newer\" )\nposition( acceleration_bounds [1 -1 0 0 0 0 0 0] )\n"
       "position( velocity [1 0 0] )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\", found \"gsp\"",
-                  "w.world:2: error: \"odom_error\" needs 4 values [x y z a], found 3",
-                  "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\", found \"newer\"",
-                  "w.world:4: error: each minimum of \"acceleration_bounds\" must be at most its maximum",
-                  "w.world:5: error: \"velocity\" needs 4 values [x y z a], found 3"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\", found \"gsp\"",
+                          "w.world:2: error: \"odom_error\" needs 4 values [x y z a], found 3",
+                          "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\", found \"newer\"",
+                          "w.world:4: error: in \"acceleration_bounds\", each minimum must be at most the "
+                          "maximum that follows it",
+                          "w.world:5: error: \"velocity\" needs 4 values [x y z a], found 3"));
 }
 
 TEST_F(StageWorld, RefusesWrongDrives) {
@@ -803,7 +804,8 @@ TEST_F(StageWorld, RefusesWrongDrives) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:1: error: unknown drive \"onmi\"; known: car, diff, omni (did you mean \"omni\"?)",
-                  "w.world:2: error: each minimum of \"velocity_bounds\" must be at most its maximum",
+                  "w.world:2: error: in \"velocity_bounds\", each minimum must be at most the "
+                  "maximum that follows it",
                   "w.world:3: error: \"wheelbase\" must be above 0, found 0"));
 }
 

@@ -295,8 +295,8 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
   if (stbi_info_from_memory(data, size, &bitmap.width, &bitmap.height, &channels) &&
       static_cast<double>(bitmap.width) * bitmap.height > most_pixels) {
     diagnostics.error(
-        where, fmt::format("the image {} is too large: {} x {} pixels, at most {:.0f} million are read", name,
-                           bitmap.width, bitmap.height, most_pixels / 1e6));
+        where, fmt::format("the image {} is too large: {} x {} pixels; at most {:.0f} million are allowed",
+                           name, bitmap.width, bitmap.height, most_pixels / 1e6));
     return {};
   }
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
@@ -313,7 +313,7 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
     bitmap.solid[i] = is_solid(std::span<const std::uint8_t>(pixels.get() + i * stride, stride));
   if (const std::size_t corners = count_corners(bitmap); corners > k_most_corners) {
     diagnostics.error(
-        where, fmt::format("the image {} is too large: its outlines have {} corners, at most {} are read; "
+        where, fmt::format("the image {} is too large: its outlines have {} corners; at most {} are allowed: "
                            "use a drawing of the walls, not a photograph",
                            name, corners, k_most_corners));
     return {};

@@ -82,7 +82,7 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   }
   RosMap map;
   if (const YAML::Node image = node["image"]; !image) {
-    error(0, "a map needs \"image\", the path of its image");
+    error(0, "a ROS map needs the key \"image\", the path of its image");
   } else if (!image.IsScalar() || image.Scalar().empty()) {
     error(image, fmt::format("\"image\" needs the path of an image, found {}", shown(image)));
   } else {
@@ -90,14 +90,14 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     map.where_image = {file_number_, line_of(image.Mark())};
   }
   if (const YAML::Node resolution = node["resolution"]; !resolution)
-    error(0, "a map needs \"resolution\", the edge length of a cell in m");
+    error(0, "a ROS map needs the key \"resolution\", the edge length of a cell in m");
   else
     map.resolution_m =
         number(resolution, "resolution", 1e-6, k_most_meters, "a length from 1e-6 to 2e5 m").value_or(1);
   if (const YAML::Node origin = node["origin"])
     read_origin(origin, map);
   else
-    error(0, "a map needs \"origin\", the pose of its lower left corner: [x, y, yaw]");
+    error(0, "a ROS map needs the key \"origin\", the pose of its lower left corner: [x, y, yaw]");
   read_thresholds(node, map);
   if (const YAML::Node negate = node["negate"]) {
     const std::string text = negate.IsScalar() ? negate.Scalar() : "";

@@ -21,7 +21,7 @@ template <class Kind>
 const Kind& known(const Kind* kind, const std::string& name) {
   if (!kind)
     throw std::runtime_error(fmt::format(
-        "the world uses the kind \"{}\", which is neither built in nor from a loaded plug-in", name));
+        "the world uses the kind \"{}\", which is neither built in nor defined by a loaded plug-in", name));
   return *kind;
 }
 
@@ -54,8 +54,8 @@ class TypeContractor {
   }
 
  private:
-  /// The parts and the size that expand_type() gives a part because the part is itself a device. The document
-  /// does not repeat them.
+  /// The parts and the size that expand_type() gives a part because the part is itself a device. They are
+  /// left out of the document.
   struct Brought {
     std::size_t parts = 0;          ///< number of added parts, which directly follow this one
     Eigen::Vector3d size{0, 0, 0};  ///< size of this part after expansion, m
@@ -150,8 +150,9 @@ void TypeContractor::contract_contents(std::uint32_t p, const std::optional<std:
     if (type_.parts[q].parent == p && !is_brought[q]) contract_part(q, joint, document.parts.emplace_back());
 }
 
-/// Returns the index of the device that a part itself is: the first device on it that has a joint, or else a
-/// device with the name of the part and the device kind of its model kind. Empty if there is neither.
+/// Returns the index of the device that a part itself is: the first device of the part that has a joint, or
+/// else a device that has the name of the part and the kind ModelKind::device of the part's model kind. Empty
+/// if the part has neither.
 std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   const PartSpec& part = type_.parts[p];
   const engine::ModelKind* model = registry_.model(part.kind);
@@ -165,8 +166,8 @@ std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   return own;
 }
 
-/// Returns what part `p` gets from `device`, which the part itself is. Empty if this part or the parts after
-/// it differ from those that the device would give.
+/// Returns the parts and the size that expand_type() adds to part `p` because the part itself is the device
+/// with index `device`. Empty if part `p` or the parts after it differ from what expand_type() would make.
 std::optional<TypeContractor::Brought> TypeContractor::brought(std::uint32_t p, std::size_t device) const {
   if (!kind_of(device).body || type_.parts[p].image) return std::nullopt;
   for (const bool needs_extent : {true, false}) {

@@ -35,8 +35,8 @@ struct Checks {
   bool same_names = true;  ///< bodies of the same name
 };
 
-/// Whether the document has the list `floorplans`, and whether it also has the key `bounds_m`. Without this
-/// key, the bounds of the world are those of the floor plans.
+/// Whether the document has the list `floorplans` and, if so, whether it also has the key `bounds_m`. Without
+/// `bounds_m`, the bounds of the world are those of the floor plans.
 enum class FloorPlans : std::uint8_t { none, with_their_bounds, with_other_bounds };
 
 /// Makes a document from the spec of a world.

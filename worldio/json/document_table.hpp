@@ -19,9 +19,9 @@
 #include <utility>
 #include <vector>
 
-/// Describes the structs of a WorldDocument, which holds a JSON world (worldio/json/world_document.hpp). For
-/// each struct, its function `describe()` fills a table of its keys. The reader (read_document.cpp), the
-/// writer (write_document.cpp) and the schema (world_schema.cpp) interpret these tables.
+/// Describes the structs of a WorldDocument, which holds a JSON world (worldio/json/world_document.hpp). The
+/// function `describe()` of each struct fills a table with the keys of the struct. The reader
+/// (read_document.cpp), the writer (write_document.cpp) and the schema (world_schema.cpp) use these tables.
 namespace troupe::worldio {
 
 struct DocumentTable;
@@ -63,12 +63,12 @@ struct DocumentKey {
   std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors
   std::size_t least = 0;          ///< minimum number of entries of a list, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
-  bool always = false;         ///< the key is written even at its default, but a z of 0 in a pose is not
+  bool always = false;         ///< the writer writes even a default value, except a z of 0 in a pose
   bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
   std::optional<engine::Field>
       other;  ///< used in place of `field` if the kind of the object has a parameter of the same name
-  std::uint32_t variants = ~0u;               ///< bit i: whether an object may have this key if the
-                                              ///< key DocumentTable::variant has its i-th choice
+  std::uint32_t variants = ~0u;               ///< bit i: whether an object may have this key if the value
+                                              ///< of the key DocumentTable::variant is its i-th choice
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
   /// Returns whether a JSON object may have this key, given its other keys. Null: it always may.
@@ -97,7 +97,7 @@ struct DocumentKey {
   std::string_view missing_hint() const {
     return !hint.empty() ? hint : !field.text.empty() ? field.text : expects;
   }
-  // Each of the functions below sets one member and returns this key, so that calls can be chained.
+  // Each of the functions below sets members and returns this key, so that calls can be chained.
   DocumentKey& require(std::string_view what = {}) {
     required = true;
     hint = what;
@@ -120,7 +120,7 @@ struct DocumentKey {
     most = at_most;
     return *this;
   }
-  /// Sets the name that the key has in objects whose kind has a parameter of the usual name.
+  /// Sets the name that the key has in objects whose kind has a parameter with the usual name of the key.
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
@@ -145,8 +145,8 @@ struct DocumentRule {
   std::vector<std::string_view> keys = {};  ///< names of fields
   std::string none = {};                    ///< error if the object has none of the keys
   std::string several = {};                 ///< error if it has more than one; empty: as `none`
-  bool at_key = false;  ///< whether `several` is reported at every key after the first; else it is reported
-                        ///< at the object
+  bool at_key = false;  ///< true: `several` is reported at every key after the first; false: once, at the
+                        ///< object
 };
 
 /// A kind that objects with a key `kind` can have: a drive kind, a device kind, ...
@@ -173,7 +173,7 @@ struct DocumentKinds {
   /// returns an error whose text is the message for the user.
   Result<DocumentKind> (*find)(const engine::Registry& registry, const std::string& name);
   /// Returns the kind that an object without the key `kind` has because of the enclosing object `around`;
-  /// empty if it has none. Null: every object must have the key.
+  /// empty if `around` implies no kind. Null: every object must have the key `kind`.
   std::optional<DocumentKind> (*implied)(const engine::Registry& registry, const JsonNode& around) = nullptr;
   std::string_view expects = {};  ///< DocumentKey::expects of the key `kind`; empty: "the name of a WHAT"
   std::string_view hint = {};     ///< DocumentKey::hint of the key `kind`; empty: a list of all known kinds
@@ -193,7 +193,7 @@ struct DocumentShorthand {
 
 /// The description of a struct: its keys, and rules for them.
 struct DocumentTable {
-  std::string_view definition;  ///< name under "definitions" in the schema; empty: repeated at every use
+  std::string_view definition;  ///< name under "definitions" in the schema; empty: written at every use
   std::vector<DocumentKey> keys;
   std::vector<DocumentRule> rules;
   const DocumentKinds* kinds = nullptr;
@@ -201,9 +201,9 @@ struct DocumentTable {
   /// Name of the key whose choice determines which other keys are valid, such as `rule` of a population's
   /// place. Empty if the same keys are valid in all objects.
   std::string_view variant;
-  /// Checks the object after all keys are read. Null: no check.
+  /// Checks the object after all keys are read, and reports errors. Null: no check.
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
-  Placed& (*placed)(void* object) = nullptr;  ///< the struct as its base class Placed
+  Placed& (*placed)(void* object) = nullptr;  ///< returns the struct as its base class Placed
   const void* usual = nullptr;                ///< a struct whose members have their default values
   /// Returns whether the writer omits the key `kind` of this object, because the reader finds its kind by
   /// DocumentKinds::implied. Null: the writer always writes the key.
@@ -218,15 +218,15 @@ std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::str
 /// Returns the regular expression that comparisons match, for the schema.
 std::string comparison_pattern();
 
-/// Returns the table of a struct. The first call makes it with T::describe().
+/// Returns the table of a struct. The first call fills the table with T::describe().
 template <class T>
 const DocumentTable& document_table();
 
-/// Returns the field that describes the angle of a HeadingDocument, in radians or degrees: the heading of a
-/// pose.
+/// Returns the field that describes the angle of a HeadingDocument, in radians or degrees. It is the field
+/// `heading` of a pose.
 const engine::Field& heading_field();
-/// Returns the field that describes a key in an object whose kind has the parameters `params`; null if the
-/// object has no kind. It is DocumentKey::other if this is set and one of the parameters has the name of the
+/// Returns the field that describes a key in an object whose kind has the parameters `params` (null if the
+/// object has no kind): DocumentKey::other if it is set and one of the parameters has the usual name of the
 /// key, else DocumentKey::field.
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
@@ -249,7 +249,7 @@ using Inner = typename InnerOf<T>::Type;
 
 }  // namespace detail
 
-/// Fills the table of T: one call per key, in the order in which the writer writes them.
+/// Fills the table of T: one call per key, in the order in which the writer writes the keys.
 template <class T>
 class DocumentKeys {
  public:

@@ -25,10 +25,10 @@ struct Stand {
   std::int32_t joint = engine::k_rigid;
 };
 
-/// A device whose mount is found after all devices of the type are read, because it may come later in the
-/// file: another device on which it is mounted, or a joint that moves it. `on` is the name of that device or,
-/// if `names_joint`, of that joint. `pointer` is the JSON pointer to this name, for errors; it is stored as
-/// text because a DocumentPath lives only on the stack.
+/// A device whose mount is found only after all devices of the type are read, because the mount may come
+/// later in the file. The mount is another device or, if `names_joint`, a joint that moves the device; `on`
+/// is the name of the mount. `pointer` is the JSON pointer to this name, for errors; it is stored as text
+/// because a DocumentPath lives only on the stack.
 struct Riding {
   std::size_t device;
   std::string on;
@@ -48,8 +48,8 @@ class TypeExpander {
  private:
   void expand_part(const PartDocument& document, const DocumentPath& at, const Stand& below);
   /// Adds the device that the part itself is. If the device has a joint that moves the part, changes the
-  /// joint of the part and of `stand`. If the document does not give the part a shape (`has_shape`), the
-  /// device does.
+  /// joint of the part and of `stand`. If the document gives the part no shape (`has_shape` is false), the
+  /// part gets the shape of the device.
   void expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
                          Stand& stand);
   void expand_contents(const PartDocument& document, const DocumentPath& at, const Stand& stand);
@@ -58,8 +58,8 @@ class TypeExpander {
   engine::PartSpec device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                const engine::DeviceKind& kind) const;
   void expand_controller(const ControllerDocument& document, std::uint32_t part);
-  /// Sets `joint` if the document names a joint or says that there is none. Otherwise `joint` keeps its
-  /// value, which is the joint of the enclosing part.
+  /// Sets `joint` if the document names a joint or says that there is none (null). Otherwise `joint` keeps
+  /// its value, which is the joint of the enclosing part.
   void expand_joint(const std::optional<JointName>& name, Where where, const DocumentPath& at,
                     std::int32_t& joint);
   Result<> find_joint(const std::string& name, std::int32_t& joint) const;
@@ -168,7 +168,8 @@ void TypeExpander::expand_contents(const PartDocument& document, const DocumentP
        [&](const PartDocument& part, const DocumentPath& path) { expand_part(part, path, stand); });
 }
 
-/// Mounts `device` on the device named `on`, which must have a joint and must already be in the type.
+/// Mounts `device` on the device named `on`. Returns an error if the type has no such device yet, or if that
+/// device does not have exactly one joint.
 Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on) const {
   std::vector<std::string_view> known;
   for (const engine::DeviceSpec& other : type_.devices) {

@@ -164,8 +164,9 @@ void WorldExpander::expand_image_plan(const FloorplanDocument& document, const D
   part.image = image->spec;
   vertices_ += count_vertices(part.solids);
   if (vertices_ > engine::k_most_vertices) {
-    at.error(fmt::format("too large: together, the outlines of all floor plans have more than {} corners",
-                         engine::k_most_vertices));
+    at.error(
+        fmt::format("the outlines of all floor plans together have more than {} corners: use simpler images",
+                    engine::k_most_vertices));
     part.solids.clear();
   }
   const Pose pose_body_center = image->image->place ? image->image->place->pose_map_center : Pose();
@@ -258,7 +259,7 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
     model.body.fiducial = *document.fiducial_return;
     if (model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
       DocumentPath(at, "fiducial_return", document.where_of("fiducial_return"))
-          .error("a model can have its own \"fiducial_return\" only if its type has one other than 0");
+          .error("a model can have its own \"fiducial_return\" only if that of its type is not 0");
   }
   models_.push_back(std::move(model));
 }
@@ -286,8 +287,8 @@ void WorldExpander::expand_population(const PopulationDocument& document, const 
         (extends(document.name, other.name) || extends(other.name, document.name)))
       DocumentPath(at, "name", document.where_of("name"))
           .error(fmt::format(
-              "the populations \"{}\" and \"{}\" differ only in digits at the end, so their bodies "
-              "cannot be told apart by name: add a letter, as in \"{}_\"",
+              "the names of the populations \"{}\" and \"{}\" differ only in digits at the end, so that a "
+              "body of each could have the same name: end one name with another character, as in \"{}_\"",
               other.name, document.name, document.name));
   populations_.push_back(std::move(population));
 }
@@ -330,7 +331,7 @@ void WorldExpander::expand_region(const PlaceDocument& document, const DocumentP
   else
     at.error(
         "missing \"region_m\", [[x_min, y_min], [x_max, y_max]], or \"polygon_m\": one of them is needed, "
-        "because the world has neither bounds nor floor plans");
+        "because the world has no bounds, floor plans or arena");
 }
 
 TypeId WorldExpander::type_of(const std::string& name, const Placed& object, const DocumentPath& at) {
@@ -403,8 +404,10 @@ void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy
   if (overlaps_are_errors && !shape.empty()) report_overlaps(model, shape, occupancy);
   if (spec_.bounds && engine::is_mobile(spec_.types[body.type.index()]) &&
       !spec_.bounds->contains(body.pose_world_body.position()))
-    diagnostics_.error(body.where, fmt::format("{}: \"{}\" is outside the bounds of the world", model.pointer,
-                                               spec_.names.text(body.name)));
+    diagnostics_.error(
+        body.where,
+        fmt::format("{}: \"{}\" is outside the bounds of the world; move it, or change \"bounds_m\"",
+                    model.pointer, spec_.names.text(body.name)));
   crowd.add(shape, body.pose_world_body);
 }
 
@@ -474,7 +477,8 @@ void WorldExpander::report_repeated_names() {
     const Where other = spec_.bodies[first.index()].where;
     diagnostics_.error(
         body.where,
-        fmt::format("the name \"{}\" is already used{}", spec_.name(BodyId(i)),
+        fmt::format("the name \"{}\" is already used{}; \"same_names\": \"warn\" in the world allows this",
+                    spec_.name(BodyId(i)),
                     other.line > 0 ? fmt::format(" by the body on line {}", other.line) : std::string()));
     reported = &body.where;
   }

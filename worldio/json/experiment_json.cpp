@@ -174,7 +174,7 @@ Record SettingExpander::expand_controller(const JsonCursor& at, const engine::Ty
       controller == type.controllers.end() ? nullptr : registry_.controller(controller->kind);
   if (!kind) {
     JsonCursor(at, "kind", *node)
-        .error(unknown_name("controller of the type", *name,
+        .error(unknown_name("controller of this type", *name,
                             names_of(type.controllers, &engine::ControllerSpec::kind)));
     return {};
   }

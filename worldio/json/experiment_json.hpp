@@ -33,8 +33,8 @@ void contract_experiment(const engine::WorldSpec& spec, std::span<const std::str
 
 /// Reads new parameters of a type from JSON: {"drive": {...}}, {"device": {"name": ..., ...}} or
 /// {"controller": {"kind": ..., ...}}, as in the intervention `set` of a world file. type: TypeSpec::name of
-/// a type of `spec`. Empty, with errors that have no place in a file, if the type does not have such
-/// parameters.
+/// a type of `spec`. Empty, with errors that have no place in a file, if the JSON is wrong or the type does
+/// not have these parameters.
 std::optional<engine::SettingSpec> read_setting(std::string_view type, std::string_view json,
                                                 const engine::Registry& registry,
                                                 const engine::WorldSpec& spec, Diagnostics& diagnostics);
@@ -47,7 +47,8 @@ std::string parameters_json(const engine::TypeSpec& type, const engine::Registry
 /// left unread.
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
-/// Adds the keys that read_experiment() reads to `object`. Adds nothing for a world without an experiment.
+/// The inverse of read_experiment(): adds the keys of spec.experiment to `object`. Adds nothing for a world
+/// without an experiment.
 void write_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                       const engine::Registry& registry, JsonNode::Object& object);
 

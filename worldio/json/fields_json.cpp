@@ -204,7 +204,7 @@ std::optional<double> exactly_in(double si, const UnitSuffix& suffix) {
   return value;
 }
 
-/// Converts a list of numbers in the same way. Empty if any of them has no such number.
+/// Converts each number of a list with exactly_in(). Empty if the result is empty for any of them.
 std::optional<std::vector<double>> exactly_in(std::span<const double> si, const UnitSuffix& suffix) {
   std::vector<double> values;
   for (const double x : si)

@@ -33,9 +33,9 @@ FoundField find_field(JsonObject& object, const engine::Field& field);
 engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
 /// Reads all fields of a table from an object. A field that the object lacks takes its value from `presets`,
-/// which are pairs of a field name and a value, or else its default. A field without either is an error,
-/// unless it is optional: then its value is not given. Unknown keys are not reported; JsonObject::finish()
-/// does that.
+/// which are pairs of a field name and a value, or else its default. A field that has neither is an error,
+/// unless the field is optional: the record then has no value for it. Unknown keys are not reported;
+/// JsonObject::finish() reports them.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 
@@ -64,7 +64,8 @@ bool same_bits(const engine::Value& a, const engine::Value& b);
 bool same_bits(double a, double b);
 bool same_bits(const Pose& a, const Pose& b);
 
-/// Reads the object under `key`, whose keys must all be fields of `table`. Empty if `key` is absent.
+/// Reads the object under `key` with read_fields(). Every key that is not a field of `table` is an error.
+/// Empty if `key` is absent.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
                                          const engine::FieldTable& table);
 

@@ -66,7 +66,7 @@ std::string value_text(const Value& value, const Field& field) {
   const bool optional = field.type == FieldType::record &&
                         std::ranges::all_of(field.record->fields,
                                             [](const Field& f) { return f.fallback.given() || f.optional; });
-  return optional ? "its defaults" : "required";
+  return optional ? "the defaults of its keys" : "required";
 }
 
 void append_table(const FieldTable& table, std::string& text) {

@@ -272,7 +272,7 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
       const auto index = list_index(token, list->size());
       if (!index) {
         diagnostics.error(
-            where, fmt::format("{} is a list: \"{}\" is neither an index nor -, which appends an entry",
+            where, fmt::format("{} is a list: \"{}\" is neither an index nor \"-\", which appends an entry",
                                parent, token));
         return;
       }
@@ -289,7 +289,7 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
         std::vector<std::string_view> known;
         for (const JsonMember& m : *members) known.push_back(m.key);
         diagnostics.error(where,
-                          fmt::format("{} has no \"{}\"{}", parent, token, did_you_mean(token, known)));
+                          fmt::format("{} has no key \"{}\"{}", parent, token, did_you_mean(token, known)));
         return;
       }
       at = member ? member : &members->emplace_back(JsonMember{token, where, {}}).node;

@@ -112,7 +112,7 @@ class Includer {
     const std::optional<std::string> text = readable ? read_file(file) : std::nullopt;
     if (!text)
       return at.error(fmt::format("\"{}\" cannot be included: {}", name.generic_string(),
-                                  readable ? "it cannot be read" : readable.error().text));
+                                  readable ? "the file cannot be read" : readable.error().text));
     std::optional<JsonNode> document =
         parse_json(*text, {diagnostics_.files()->add(file.string()), 0}, false, diagnostics_);
     if (!document) return;

@@ -21,7 +21,7 @@ struct JsonNode {
 
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Object>
       value;    ///< std::monostate is null
-  Where where;  ///< where it begins
+  Where where;  ///< where the value begins
 
   /// Each function returns a pointer to the value if it is a list, an object or a text, respectively, else
   /// null.

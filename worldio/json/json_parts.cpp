@@ -189,7 +189,7 @@ std::optional<Box> read_box(const JsonCursor& at) {
   box.min = corners[0];
   box.max = corners[1];
   if (!box.empty()) return box;
-  at.error("corners in the wrong order: expected [[x_min, y_min], [x_max, y_max]]");
+  at.error("the corners are in the wrong order: expected [[x_min, y_min], [x_max, y_max]]");
   return std::nullopt;
 }
 
@@ -234,10 +234,10 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
   if (!made.image) return std::nullopt;
   if (made.image->contours.empty()) {
     DocumentPath(at, "bitmap", where)
-        .error(is_map ? fmt::format("\"{}\" has no occupied cell", document.bitmap)
-                      : fmt::format(
-                            "\"{}\" has no solid pixel: pixels whose first channel is at most 127 are solid",
-                            document.bitmap));
+        .error(is_map ? fmt::format("the ROS map \"{}\" has no occupied cell", document.bitmap)
+                      : fmt::format("the image \"{}\" has no solid pixel: pixels whose first channel is at "
+                                    "most 127 are solid",
+                                    document.bitmap));
     return std::nullopt;
   }
   if (is_map)

@@ -34,7 +34,7 @@ std::optional<Box> read_box(const JsonCursor& at);
 Result<> check_outline(const Ring& ring);
 
 /// Returns the solids that an image gives a part, in the frame of the body. `part` must have its image, size
-/// and pose. A ROS map sets x and y of the size.
+/// and pose. If the image is a ROS map, sets x and y of the size of `part`.
 std::vector<Solid> image_solids(const FloorImage& image, engine::PartSpec& part);
 
 /// The images of a world, each of which is read from its file only once, and the folder that their paths are
@@ -52,7 +52,7 @@ struct ExpandedImage {
 /// Reads the image of a part or floor plan. `object` is this part or floor plan, and `at` is its path; both
 /// are used for errors. Empty, with an error, if the image cannot be read or has nothing solid. Also empty,
 /// without an error, if the document has no image, or if the size of the image is missing: the reader of
-/// documents has already reported that.
+/// documents has already reported a missing size.
 std::optional<ExpandedImage> expand_image(const ImageDocument& document, const Placed& object,
                                           const DocumentPath& at, ImageFolder& images);
 /// The inverse of expand_image(): returns the document of an image that is scaled to `size`, m. The path of

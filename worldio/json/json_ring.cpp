@@ -17,7 +17,7 @@ namespace troupe::worldio {
 namespace {
 
 /// Appends a number to the name of an entry, and to the names of the entries of its lists of sensors, devices
-/// and parts: names of devices are unique in a type.
+/// and parts, because all devices of a type must have different names.
 void number_names(JsonNode& entry, std::size_t number) {
   constexpr std::array<std::string_view, 3> k_named{"sensors", "devices", "parts"};
   auto* members = std::get_if<JsonNode::Object>(&entry.value);

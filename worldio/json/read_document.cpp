@@ -127,7 +127,9 @@ bool ObjectReader::applies(const DocumentKey& key) const {
 
 void ObjectReader::read_key(const DocumentKey& key) {
   if (key.is_resolved) {  // finding it makes it a known key
-    if (keys_.find(key.field.name)) at_.error(fmt::format("\"{}\" is not allowed here", key.field.name));
+    if (keys_.find(key.field.name))
+      at_.error(
+          fmt::format("\"{}\" cannot be set with --set: write this key in the world file", key.field.name));
     return;
   }
   switch (key.form) {

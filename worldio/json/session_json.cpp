@@ -189,7 +189,9 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
   if (session.end)
     object.at().error("no line may follow the line that ends the session");
   else if (logged.tick < last)
-    object.at().error(fmt::format("tick {} is before tick {} of an earlier line", logged.tick, last));
+    object.at().error(fmt::format(
+        "tick {} is less than tick {} of an earlier line: acts must be in the order of their ticks",
+        logged.tick, last));
   else if (logged.n != session.acts.size() + 1)
     object.at().error(fmt::format("found act {} after act {}: acts must be numbered 1, 2, 3, ...", logged.n,
                                   session.acts.size()));

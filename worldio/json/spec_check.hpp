@@ -7,10 +7,11 @@
 namespace troupe::worldio {
 
 /// Reports all values of a spec that no world can have: values beyond the limits in
-/// engine/spec_description.cpp, parameters that do not match their kind, unknown kinds, and whatever
-/// engine::check_rules() finds. A message begins with the path of the value, as in `types[0].parts[2].size:
-/// must be from -1000000 to 1000000 m, found nan`. Its place is the one that the spec has for the value, if
-/// any. The kinds check their own parameters later, in the constructor of World.
+/// engine/spec_description.cpp, parameters that do not match their kind, unknown kinds, and all
+/// errors of engine::check_rules(). A message begins with the path of the value, as in
+/// `types[0].parts[2].size: must be from -1000000 to 1000000 m, found nan`. If the spec has a place in a file
+/// for the value (a Where), the error has this place. The kinds check their own parameters later, in the
+/// constructor of World.
 void check_spec(const engine::WorldSpec& spec, const engine::Registry& registry, Diagnostics& diagnostics);
 
 }  // namespace troupe::worldio

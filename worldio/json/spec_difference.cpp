@@ -117,7 +117,7 @@ class FirstDifference {
   std::string text_;
 };
 
-/// Appends all values for which Walk calls it to one byte string.
+/// For Walk: appends all compared values to one byte string.
 class Bytes {
  public:
   bool size(const std::array<std::size_t, 1>& sizes, const SpecPath&) { return add(sizes[0]); }

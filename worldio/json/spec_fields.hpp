@@ -35,7 +35,7 @@ inline bool is_within(const engine::Field& field, double x) {
 /// Whether the struct that `table` describes consists only of numbers, as a pose does. In a stored world,
 /// such a struct is a list of numbers.
 bool is_listed(const engine::FieldTable& table);
-/// Returns how many numbers a struct has that consists only of numbers, including those of nested structs.
+/// For a struct that consists only of numbers: returns how many it has, including those of nested structs.
 std::size_t numbers_in(const engine::FieldTable& table);
 
 /// Returns the address of the member that `field` describes in the struct at `object`.

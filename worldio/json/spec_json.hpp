@@ -36,17 +36,17 @@ struct StoredSpec {
 StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// Returns a spec without its bodies as JSON: settings, types with their solids and parameters, the words
-/// that names consist of, names of parts, and the names of the files to which each place `where`, [file,
-/// line], refers. Parameters have the names and SI units of their field tables. Throws std::runtime_error for
-/// a number that is not finite and for a parameter that is not UTF-8, because JSON cannot represent these.
-/// Throws it also for a kind that is not registered.
+/// that names consist of, names of parts, and a list of file names. In a place `where`, [file, line], `file`
+/// is an index into this list. Parameters have the names and SI units of their field tables. Throws
+/// std::runtime_error for a number that is not finite and for a parameter that is not UTF-8, because JSON
+/// cannot represent these. Throws it also for a kind that is not registered.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// Returns the keys that the types of a world have when it is stored: their indices "0", "1", ...
+/// Returns the keys that stand for the types of a world when the world is stored: "0", "1", ...
 std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
 
-/// The values of a stored world that --set may change, for messages. They affect neither which arrays the
-/// state has nor the sizes of these arrays.
+/// JSON pointers to the values of a stored world that --set may change, for messages. These values affect
+/// neither which arrays the state has nor the sizes of these arrays.
 inline constexpr std::string_view k_changeable =
     "/seed, /quit_time_s, /stop_when, /ranging, /resolution_m, /bounds_m; in /types/N: /drive/period_s, "
     "/drive/params/..., "

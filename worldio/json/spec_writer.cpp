@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 double finite(double x) {
   if (!std::isfinite(x))
-    throw std::runtime_error("the world has a number that is not finite, which JSON cannot represent");
+    throw std::runtime_error("a number in the world is infinite or NaN, which JSON cannot represent");
   return x;
 }
 
@@ -52,8 +52,8 @@ Json text_json(const std::string& text) {
   return other;
 }
 
-/// Whether the reader of stored worlds accepts the value of a parameter. It refuses values outside the
-/// limits, although a default may be outside them: it then means "not given".
+/// Whether the reader of stored worlds accepts the value of a parameter. The reader refuses values outside
+/// the limits of the parameter, even a default that is outside them because it means "not given".
 bool takes(const Field& field, const Value& value) {
   switch (field.type) {
     case FieldType::integer: return is_within(field, static_cast<double>(value.integer()));
@@ -109,7 +109,7 @@ Json params_json(const Record& record, const FieldTable& table) {
   return json;
 }
 
-/// Appends all numbers of a struct that consists only of numbers to `list`.
+/// Appends to `list` all numbers of a struct that consists only of numbers.
 void list_numbers(const FieldTable& table, const void* object, Json& list) {
   for (const Field& field : table.fields) {
     if (field.type == FieldType::record) {

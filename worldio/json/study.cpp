@@ -249,7 +249,8 @@ Choice StudyReader::read_steps(JsonObject& object) {
   choice.high = given->to;
   choice.steps = static_cast<std::size_t>(given->steps);
   if (!std::isfinite(choice.high - choice.low))
-    object.at().error("\"from\" and \"to\" are further apart than the largest number, 1.8e308");
+    object.at().error(
+        "\"from\" and \"to\" differ by more than 1.8e308, the largest number that can be represented");
   return choice;
 }
 
@@ -265,7 +266,7 @@ Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
   if (!(choice.low < choice.high))
     at.error("the first number must be below the second");
   else if (!std::isfinite(choice.high - choice.low))
-    at.error("the numbers are further apart than the largest number, 1.8e308");
+    at.error("the numbers differ by more than 1.8e308, the largest number that can be represented");
   else if (kind == Kind::log_uniform && choice.low <= 0)
     at.error("both numbers must be above 0");
   else if (kind == Kind::integers && (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) ||
@@ -308,7 +309,7 @@ void StudyReader::read_measures(JsonObject& object) {
     const auto statistic =
         static_cast<Statistic>(std::ranges::find(k_statistics, name.text()) - k_statistics.begin());
     if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end())
-      at.error("this statistic is given twice");
+      at.error("this statistic is already in the list: remove one of the two entries");
     study_.statistics.push_back(statistic);
   });
   if (study_.statistics.empty()) study_.statistics.push_back(Statistic::last);

@@ -14,7 +14,7 @@
 
 namespace troupe::worldio {
 
-/// How a column of a study's table summarises the values of a measure in a run.
+/// How a column of the table of results summarises the values that a measure has during a run.
 enum class Statistic : std::uint8_t { last, mean, min, max };
 /// Returns the name of a statistic in a study: "last", "mean", "min" or "max".
 std::string_view statistic_name(Statistic statistic);
@@ -27,6 +27,7 @@ struct Study {
     std::string name;     ///< name of its column in the table of results
     std::string pointer;  ///< JSON pointer into the world, as in --set
   };
+  /// The values of the parameters and the seed of one run.
   struct Run {
     std::vector<std::string> values;    ///< JSON texts, one per parameter
     std::optional<std::uint64_t> seed;  ///< empty: the seed of the world
@@ -37,7 +38,7 @@ struct Study {
       for_s;  ///< world time at which each run ends at the latest, s; empty: the world's quit time
   std::vector<Parameter> parameters;
   std::vector<std::string>
-      measures;  ///< in the form that troupe::Measures accepts; empty: the measures of the world
+      measures;  ///< measures, as troupe::Measures accepts them; empty: the measures of the world
   std::vector<Statistic> statistics;
   double measure_every_s = 1;  ///< world time between measurements, s; 0: every tick
   bool series = false;         ///< whether all measurements are also stored, in a separate table

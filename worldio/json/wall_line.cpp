@@ -70,7 +70,7 @@ Result<> check_wall_line(const Ring& line, double thickness) {
     const Vec2 after = line[(i + 1) % points] - line[i];
     if (before.dot(after) < k_least_cosine * before.norm() * after.norm())
       return Error{fmt::format(
-          "the line turns back on itself at point {}, counted from 0: it may turn by at most 165 degrees",
+          "the line turns back on itself at point {}, counted from 0: a line may turn by at most 165 degrees",
           i)};
   }
   const WallCorners corners(line, thickness);
@@ -79,8 +79,9 @@ Result<> check_wall_line(const Ring& line, double thickness) {
     const Vec2 along = corners.direction(i);
     if ((corners.left(end) - corners.left(i)).dot(along) <= 0 ||
         (corners.right(end) - corners.right(i)).dot(along) <= 0)
-      return Error{fmt::format("the segment that begins at point {} is too short for walls {:.10g} m thick",
-                               i, thickness)};
+      return Error{fmt::format(
+          "the segment that begins at point {}, counted from 0, is too short for walls {:.10g} m thick", i,
+          thickness)};
   }
   return {};
 }

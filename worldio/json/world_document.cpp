@@ -324,10 +324,11 @@ const DocumentShorthand k_condition_text{
 template <class T, auto... Path>
 void describe_returns(DocumentKeys<T>& d) {
   using engine::Returns;
-  d.template value<Path..., &Returns::obstacle>("obstacle", "true: blocks the motion of other bodies");
+  d.template value<Path..., &Returns::obstacle>("obstacle",
+                                                "true: the body blocks the motion of other bodies");
   d.template value<Path..., &Returns::ranger>(
       "ranger_return", within(-k_most_return, k_most_return),
-      "intensity that a ranger reads from the body; below 0: beams pass through the body");
+      "intensity that a ranger reads where a beam meets the body; below 0: beams pass through the body");
   d.template value<Path..., &Returns::fiducial>(
       "fiducial_return", "number that fiducial finders read from the body; 0: they do not find it");
   d.template value<Path..., &Returns::fiducial_key>(
@@ -336,10 +337,12 @@ void describe_returns(DocumentKeys<T>& d) {
                                                "true: grippers sense the body and can hold it");
   d.template value<Path..., &Returns::blob>("blob_return", "true: blob finders see the colour of the body");
   d.template value<Path..., &Returns::pushable>("pushable",
-                                                "true: robots push the whole body instead of stalling");
+                                                "true: robots can push the whole body instead of stalling");
 }
 
-constexpr std::string_view k_size_text = "size of a box that stands on z = 0: along x, along y, height";
+constexpr std::string_view k_size_text =
+    "size [x, y, height] of a box that stands on z = 0; with an image or `fit`: the box to which the image "
+    "or the blocks are scaled";
 
 /// Returns the value of the key `bitmap`, the path of an image; null if the object has no such text.
 const std::string* bitmap_of(const JsonNode& object) {
@@ -400,8 +403,8 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
 /// Describes the key `ring`, which a list's entry with a pose may have.
 template <class T>
 void describe_ring(DocumentKeys<T>& d) {
-  DocumentKey& key =
-      d.template other<>(Form::object, "ring", "repeats the entry on a circle around its pose");
+  DocumentKey& key = d.template other<>(
+      Form::object, "ring", "repeats this entry on a circle whose centre is the pose of the entry");
   key.table = &document_table<RingDocument>;
   key.resolve();
 }
@@ -473,7 +476,7 @@ void describe_group(DocumentKeys<G>& d) {
   d.template value<&G::count>("count", within(0, k_most_chosen),
                               "number of bodies to select at random from the group");
   d.template value<&G::share>("share", within(0, 1), "fraction of the group to select at random");
-  constexpr std::string_view k_whom = "give one of \"population\", \"type\" and \"model\"";
+  constexpr std::string_view k_whom = "give exactly one of \"population\", \"type\" and \"model\"";
   d.rule({.how = How::one_of,
           .keys = {"population", "type", "model"},
           .none = std::string(k_whom),
@@ -485,11 +488,11 @@ void describe_group(DocumentKeys<G>& d) {
 template <class T, auto... Path>
 void describe_experiment(DocumentKeys<T>& d) {
   d.template list<Path..., &ExperimentDocument::stop_when>(
-      "stop_when", "conditions on measures: the run ends when any of them holds, docs/experiments.md");
+      "stop_when", "conditions on measures: the run ends when any of them holds; see docs/experiments.md");
   d.template list<Path..., &ExperimentDocument::at>("at",
                                                     "interventions: changes to the world at given times");
-  d.template list<Path..., &ExperimentDocument::faults>("faults",
-                                                        "which robots fail during the run, when and how");
+  d.template list<Path..., &ExperimentDocument::faults>(
+      "faults", "faults: which robots fail during the run, when and how");
 }
 
 template <class P>
@@ -502,22 +505,24 @@ void describe_body(DocumentKeys<P>& d) {
   d.template value<&P::origin>(
        "origin", "pose of the centre of the image or of the scaled blocks, in the frame of the body or part")
       .when([](const JsonNode& object) { return has_image(object) || is_fitted(object); });
-  d.template object<&P::disc>("disc", "an upright cylinder about the origin, in addition to the blocks")
+  d.template object<&P::disc>(
+       "disc", "an upright cylinder about the origin of the body or part, in addition to the blocks")
       .when([](const JsonNode& object) { return !has_image(object) && !is_fitted(object); });
   d.template list<&P::blocks>("blocks", "upright prisms that form the solid shape of the body or part")
       .when(no_image);
   d.template value<&P::floor_plan>(
       "floor_plan",
       "true: controllers and troupe lint treat the shape as a floor plan; default: true with `bitmap`");
-  d.template value<&P::extent>("extent", meters, within(0, 2 * k_max_size_m),
-                               "declared size: x, y and height, if it differs from the extent of the solids");
+  d.template value<&P::extent>(
+      "extent", meters, within(0, 2 * k_max_size_m),
+      "size [x, y, height] that sensors and controllers read, if it differs from the extent of the solids");
   d.template other<&P::color>(Form::color, "color");
   describe_returns<P, &P::returns>(d);
 }
 
 template <class P>
 void describe_contents(DocumentKeys<P>& d) {
-  d.template object<&P::device>("device", "makes the body or the part itself a device");
+  d.template object<&P::device>("device", "the device that the body or the part itself is");
   d.template list<&P::sensors>("sensors", "devices that only observe the world");
   d.template list<&P::devices>("devices", "devices that act, by themselves or on command");
   d.template object<&P::controller>("controller");
@@ -686,12 +691,14 @@ void ControllerDocument::describe(DocumentKeys<ControllerDocument>& d) {
 void PartDocument::describe(DocumentKeys<PartDocument>& d) {
   d.table().definition = "part";
   d.other<&PartDocument::name>(
-       Form::name, "name", "name of the part; programs find the part as BODY.NAME, where BODY is its body",
+       Form::name, "name",
+       "name of the part; programs find the part by the name BODY.NAME, where BODY is the name of its body",
        "the part's name")
       .require("the part's name");
   d.other<&PartDocument::alias>(Form::name, "alias", "another name, by which programs can find the part",
                                 "another name of the part");
-  d.other<&PartDocument::kind>(Form::model_kind, "kind", "type of Stage model that corresponds to the part");
+  d.other<&PartDocument::kind>(Form::model_kind, "kind",
+                               "model type of Stage that corresponds to the part; default: \"model\"");
   d.value<&PartDocument::pose>("pose", "pose in the frame of the body, with all joints at rest");
   d.other<&PartDocument::joint>(Form::joint, "joint",
                                 "name of the joint that moves the part; null: no joint moves it");
@@ -703,22 +710,27 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
 
 void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.table().definition = "type";
-  d.other<>(Form::name, "extends",
-            "name of another type: this type has all keys of that type, except those that it gives itself")
+  d.other<>(
+       Form::name, "extends",
+       "name of another type, whose keys this type inherits; a key that this type has itself replaces the "
+       "inherited key")
       .resolve();
   d.other<&TypeDocument::name>(
       Form::name, "name",
       "name of the type, if it differs from the key; several types may have the same name",
       "the name of the type");
-  d.other<&TypeDocument::kind>(Form::model_kind, "kind",
-                               "type of Stage model that corresponds to the body itself");
+  d.other<&TypeDocument::kind>(
+      Form::model_kind, "kind",
+      "model type of Stage that corresponds to the body itself; default: \"position\" with a drive, else "
+      "\"model\"");
   describe_body(d);
   d.object<&TypeDocument::drive>("drive",
                                  "the drive of the bodies; without one, they do not move by themselves");
   describe_contents(d);
   d.other<&TypeDocument::device_order>(
       Form::names, "device_order",
-      "names of all devices, each exactly once, in the order in which the type has them");
+      "names of all devices of the type, each exactly once, in the order in which controllers choose among "
+      "them; default: the order in the file");
   d.rule({.how = How::any_of,
           .keys = {"size", "disc", "blocks", "bitmap", "device"},
           .none = "the type has no shape: give \"size_m\" (a box), \"disc\", \"blocks\", \"bitmap\" or "
@@ -770,15 +782,15 @@ void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {
       .require(k_type_of);
   d.other<&ModelDocument::reserve_of>(
       Form::name, "reserve_of",
-      "name of the population into which the body may be born during the run, docs/lives.md",
+      "name of the population into which the body may be born during the run; see docs/lives.md",
       "the name of a population");
   d.value<&ModelDocument::pose>("pose").write_always();
   d.other<&ModelDocument::color>(Form::color, "color");
   d.value<&ModelDocument::fiducial_return>("fiducial_return",
                                            "number that fiducial finders read from this body");
-  d.other<&ModelDocument::global_parts>(Form::names, "global_parts",
-                                        "names of parts that can be looked up without the name of the body",
-                                        "the name of a part");
+  d.other<&ModelDocument::global_parts>(
+      Form::names, "global_parts", "names of parts that programs can look up without the name of the body",
+      "the name of a part");
   d.check<check_model>();
 }
 
@@ -788,12 +800,16 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
   d.table().variant = "rule";
   d.choice<&PlaceDocument::rule>("rule", k_rules)
       .require("grid, uniform, gaussian, poisson_disc or free_floor");
-  d.other<&PlaceDocument::region>(Form::box, "region_m", "rectangle in which the origins of the bodies lie");
-  d.other<&PlaceDocument::polygon>(Form::points, "polygon_m",
-                                   "polygon in which the origins of the bodies must also lie")
+  d.other<&PlaceDocument::region>(
+      Form::box, "region_m",
+      "rectangle in which the origins of the bodies lie; default without `polygon_m`: the bounds of the "
+      "world");
+  d.other<&PlaceDocument::polygon>(
+       Form::points, "polygon_m",
+       "polygon in which the origins of the bodies lie; with `region_m`, they lie in both")
       .entries(3);
   d.other<&PlaceDocument::spill>(Form::box, "spill_m",
-                                 "second region, for bodies that do not fit into the first")
+                                 "second rectangle, for bodies that do not fit into `region_m`")
       .of_variants(bit(Rule::grid));
   d.value<&PlaceDocument::pitch>("pitch", meters, above(0), at_most(k_max_size_m),
                                  "distance between neighbouring cells of the grid")
@@ -815,7 +831,7 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
       .require("the minimum distance between the origins of two bodies")
       .of_variants(bit(Rule::poisson_disc));
   d.value<&PlaceDocument::from>("from", meters, within(-k_max_size_m, k_max_size_m),
-                                "point from which the floor must be reachable")
+                                "bodies are placed only on floor that can be reached from this point")
       .of_variants(bit(Rule::free_floor));
   d.value<&PlaceDocument::cell>("cell", meters, within(k_least_step_m, k_max_size_m),
                                 "cell size of the search for reachable floor")
@@ -836,7 +852,7 @@ void PopulationDocument::describe(DocumentKeys<PopulationDocument>& d) {
   count.require().counts_bodies = true;
   d.value<&PopulationDocument::reserve>(
        "reserve", within(0, LoadOptions().most_bodies),
-       "number of further bodies that may be born during the run, docs/lives.md")
+       "number of further bodies that may be born during the run; see docs/lives.md")
       .counts_bodies = true;
   d.other<&PopulationDocument::color>(
       Form::color_or_random, "color",
@@ -888,14 +904,14 @@ void MoveDocument::describe(DocumentKeys<MoveDocument>& d) {
 void SettingDocument::describe(DocumentKeys<SettingDocument>& d) {
   d.other<&SettingDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
-  d.other<&SettingDocument::drive>(Form::kept, "drive", "new values of some parameters of the drive");
+  d.other<&SettingDocument::drive>(Form::kept, "drive", "new values of parameters of the drive");
   d.other<&SettingDocument::device>(Form::kept, "device",
                                     "`name` of a device, and new values of its parameters", "name");
   d.other<&SettingDocument::controller>(Form::kept, "controller",
                                         "`kind` of a controller, and new values of its parameters", "kind");
   d.rule({.how = How::one_of,
           .keys = {"drive", "device", "controller"},
-          .none = "give one of \"drive\", \"device\" and \"controller\""});
+          .none = "give exactly one of \"drive\", \"device\" and \"controller\""});
 }
 
 void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
@@ -925,17 +941,18 @@ void FaultDocument::describe(DocumentKeys<FaultDocument>& d) {
 void ExperimentDocument::describe(DocumentKeys<ExperimentDocument>& d) { describe_experiment(d); }
 
 void RecordDocument::describe(DocumentKeys<RecordDocument>& d) {
-  d.other<&RecordDocument::file>(Form::name, "file", "name of the recording that troupe run writes",
+  d.other<&RecordDocument::file>(Form::name, "file", "name of the recording (a file) that troupe run writes",
                                  "the name of a file");
   d.value<&RecordDocument::every>("every", seconds, above(0), at_most(engine::k_most_seconds),
                                   "simulated time between two frames; default: 0.1 s");
-  d.other<&RecordDocument::fields>(Form::names, "fields", "fields of the state to record, docs/recordings.md",
-                                   "the name of a field")
+  d.other<&RecordDocument::fields>(
+       Form::names, "fields", "fields of the state to record; see docs/recordings.md", "the name of a field")
       .entries(1);
 }
 
 void GroundDocument::describe(DocumentKeys<GroundDocument>& d) {
-  d.other<&GroundDocument::alias>(Form::name, "alias", "another name of the ground",
+  d.other<&GroundDocument::alias>(Form::name, "alias",
+                                  "another name of the ground, which is called `_ground_model`",
                                   "another name of the ground")
       .require();
 }
@@ -953,14 +970,14 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                 "length of a tick; default: 0.1 s")
       .write_always();
   d.value<&WorldDocument::quit_time>("quit_time", seconds, above(0), at_most(engine::k_most_seconds),
-                                     "time at which a run ends");
+                                     "simulated time at which a run ends");
   d.value<&WorldDocument::measure_every>("measure_every", seconds, within(0, engine::k_most_seconds),
-                                         "interval between measurements; 0: every tick");
+                                         "simulated time between two measurements; 0: every tick");
   d.choice<&WorldDocument::ranging>("ranging", engine::k_ranging_engines,
-                                    "engine that computes ranges, docs/sensing.md");
+                                    "engine that computes ranges; see docs/sensing.md");
   d.value<&WorldDocument::resolution>("resolution", meters,
                                       within(engine::k_min_resolution_m, engine::k_max_resolution_m),
-                                      "edge length of the cells of the grid engine");
+                                      "edge length of the cells that `ranging` \"grid\" uses");
   d.other<&WorldDocument::bounds>(
       Form::box, "bounds_m",
       "rectangle that robots may not leave; default: that of the floor plans and the arena");
@@ -972,7 +989,7 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
       &window_fields();
   d.value<&WorldDocument::mortal>("mortal",
                                   "true: programs may remove and disable bodies, even if nothing else in the "
-                                  "world file adds, removes or disables bodies, docs/lives.md");
+                                  "world file adds, removes or disables bodies; see docs/lives.md");
   d.choice<&WorldDocument::overlaps>(
       "overlaps", k_checks, "whether a model that overlaps something at the start is an error or a warning");
   d.choice<&WorldDocument::same_names>("same_names", k_checks,

@@ -24,8 +24,8 @@
 #include <vector>
 
 /// The content of a JSON world as plain data: types, images, populations, all in SI units, with the place of
-/// each value in its file. expand() makes an engine::WorldSpec from it; write_json_world() makes a document
-/// from a spec. The keys, their units, limits and meanings are in world_document.cpp and in
+/// each value in its file. expand() converts a document to an engine::WorldSpec; write_json_world() does the
+/// reverse. The keys, their units, limits and meanings are in world_document.cpp and in
 /// docs/world-format.md.
 namespace troupe::worldio {
 
@@ -34,11 +34,11 @@ template <class T>
 class DocumentKeys;
 
 inline constexpr std::int64_t k_format_version = 1;  ///< the only version of the format
-inline constexpr double k_max_size_m = 100000;       ///< maximum of coordinates and sizes
+inline constexpr double k_max_size_m = 100000;       ///< maximum of sizes and of absolute coordinates
 inline constexpr std::size_t k_most_block_points =
-    1000;  ///< of one outline; the time of check_outline() is quadratic
+    1000;  ///< maximum per outline; the time of check_outline() grows with the square of this number
 
-/// The place of an object in its file, and the places of the values of its keys. Error messages name these.
+/// The place of an object in its file, and the places of the values of its keys, for error messages.
 struct Placed {
   /// A key that the object has, even if its value is wrong.
   struct Key {
@@ -74,12 +74,13 @@ struct BlockDocument : Placed {
   static void describe(DocumentKeys<BlockDocument>& d);  ///< adds its keys to `d`
 };
 
-/// The key `ring` of an object that has a pose: the object stands for several, at equal angles on a circle.
-/// The reader replaces it by these objects, so that no document contains a ring (worldio/json/json_ring.hpp).
+/// The value of the key `ring` of an object with a pose: the object stands for several copies of itself, at
+/// equal angles on a circle. The reader replaces such an object by its copies (worldio/json/json_ring.hpp),
+/// so that the other structs have no member for a ring.
 struct RingDocument : Placed {
-  std::int64_t count = 0;                               ///< number of objects; required
-  double radius = 0;                                    ///< distance from the centre, m
-  double start = 0;                                     ///< direction of the first object, rad
+  std::int64_t count = 0;  ///< number of copies; required
+  double radius = 0;       ///< distance of the copies from the pose of the object, m
+  double start = 0;        ///< direction of the first copy, rad, from the heading of the pose
   static void describe(DocumentKeys<RingDocument>& d);  ///< adds its keys to `d`
 };
 
@@ -93,7 +94,7 @@ struct DiscDocument : Placed {
 
 /// An image, or a ROS map, that gives a body its shape.
 struct ImageDocument {
-  /// The part of an image that is scaled to the size.
+  /// The part of an image that is scaled to `size`.
   enum class Margins : std::uint8_t {
     trim,  ///< the bounding box of the solid pixels
     keep,  ///< the whole image
@@ -103,25 +104,25 @@ struct ImageDocument {
     free,   ///< as floor
     solid,  ///< as walls
   };
-  std::string bitmap;                   ///< path, relative to the world file; empty: no image
+  std::string bitmap;                   ///< path, relative to the folder of the world file; empty: no image
   std::optional<Eigen::Vector3d> size;  ///< m; a map has a size of its own
   std::optional<double> height;         ///< height of the walls of a map or of lines, m; empty: 1
   Unknown unknown = Unknown::free;      ///< how unknown cells of a map are treated
-  Margins margins = Margins::trim;      ///< the part of the image that is scaled to the size
-  bool boundary = false;                ///< adds four walls just inside the edges
+  Margins margins = Margins::trim;      ///< the part of the image that is scaled to `size`
+  bool boundary = false;                ///< true: adds four walls just inside the edges of the image
 };
 
 /// A device of a type or part: a sensor or another device.
 struct DeviceDocument : Placed {
   std::string name;                ///< empty: generated from the kind, as in "ranger:0"
   std::string kind;                ///< name in Registry::devices
-  bool is_kind_implied = false;    ///< the kind follows from that of the enclosing part
-  std::optional<Pose> pose;        ///< in the frame of the body, or of the device `on`
-  std::optional<JointName> joint;  ///< joint that moves it; empty: that of its part
+  bool is_kind_implied = false;    ///< true: the writer omits `kind`, which follows from that of the part
+  std::optional<Pose> pose;        ///< in the frame of the body or, if `on` is not empty, of that device
+  std::optional<JointName> joint;  ///< joint that moves the device; empty: that of its part
   bool active = true;              ///< false: runs only while a controller or a program reads it
   double period = 0;               ///< time between two readings, s; 0: every tick
   engine::Record params;           ///< one value per field of the kind's table
-  std::string on;                  ///< the device that it is mounted on; empty: none
+  std::string on;                  ///< name of the device on which this one is mounted; empty: none
   // The members below describe the body of a device that has a joint. Other devices have no body.
   std::optional<Color> color;                             ///< colour of its body
   engine::Returns returns;                                ///< how other bodies collide with it and sense it
@@ -158,24 +159,24 @@ struct ControllerDocument : Placed {
 struct PartDocument : Placed {
   std::string name;                ///< name of the part or type; empty for a type that is named like its key
   std::string alias;               ///< another name; empty: none
-  std::string kind;                ///< type of Stage model; empty: "position" with a drive, else "model"
+  std::string kind;                ///< type of the Stage model; empty: "position" with a drive, else "model"
   std::optional<Pose> pose;        ///< in the frame of the body
-  std::optional<JointName> joint;  ///< joint that moves it; empty: that of the enclosing part
-  ImageDocument image;             ///< without a bitmap, its size is that of the box or the fitted blocks
-  bool fit = false;                ///< the blocks are scaled to the size
+  std::optional<JointName> joint;  ///< joint that moves the part; empty: that of the enclosing part
+  ImageDocument image;             ///< without a bitmap, only `size` is used: of the box or the fitted blocks
+  bool fit = false;                ///< true: the blocks together are scaled to image.size
   std::optional<Pose> origin;      ///< pose of the centre of the image or of the fitted blocks, part frame
   std::optional<DiscDocument> disc;  ///< a cylinder about the origin, in addition to the blocks
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
-  std::optional<bool> floor_plan;                ///< whether it is a floor plan; empty: true with an image
-  std::optional<Eigen::Vector3d> extent;         ///< declared size, m, if it differs from the shape's
-  std::optional<Color> color;                    ///< colour of the part; empty: that of the body
-  engine::Returns returns;                       ///< how other bodies collide with it and sense it
-  std::optional<OwnDeviceDocument> device;       ///< the device that the part itself is
-  std::vector<SensorDocument> sensors;           ///< devices that only observe the world
-  std::vector<DeviceDocument> devices;           ///< all other devices
-  std::optional<ControllerDocument> controller;  ///< the only controller; excludes `controllers`
-  std::vector<ControllerDocument> controllers;   ///< several controllers; excludes `controller`
-  std::vector<PartDocument> parts;               ///< parts mounted on this part
+  std::optional<bool> floor_plan;           ///< whether the shape is a floor plan; empty: true with an image
+  std::optional<Eigen::Vector3d> extent;    ///< declared size, m, if it differs from the shape's
+  std::optional<Color> color;               ///< colour of the part; empty: that of the body
+  engine::Returns returns;                  ///< how other bodies collide with it and sense it
+  std::optional<OwnDeviceDocument> device;  ///< the device that the part itself is
+  std::vector<SensorDocument> sensors;      ///< devices that only observe the world
+  std::vector<DeviceDocument> devices;      ///< all other devices
+  std::optional<ControllerDocument> controller;         ///< the only controller; excludes `controllers`
+  std::vector<ControllerDocument> controllers;          ///< several controllers; excludes `controller`
+  std::vector<PartDocument> parts;                      ///< parts mounted on this part
   static void describe(DocumentKeys<PartDocument>& d);  ///< adds its keys to `d`
 };
 
@@ -213,11 +214,11 @@ struct ModelDocument : Placed {
   std::string name;            ///< unique in the world
   std::string alias;           ///< another name; empty: none
   std::string type;            ///< a key of WorldDocument::types
-  std::string reserve_of;      ///< population that it may be born into; empty: exists from the start
+  std::string reserve_of;      ///< population whose reserve has the body; empty: it exists from the start
   Pose pose;                   ///< in the world frame
   std::optional<Color> color;  ///< colour of the body; empty: that of its type
   std::optional<std::int32_t> fiducial_return;  ///< number that fiducial finders read; empty: the type's
-  std::vector<std::string> global_parts;        ///< parts that can be found without the body's name
+  std::vector<std::string> global_parts;        ///< names of parts that can be found without the body's name
   static void describe(DocumentKeys<ModelDocument>& d);  ///< adds its keys to `d`
 };
 
@@ -233,12 +234,12 @@ struct ColorDocument {
   Color color;             ///< if not random: the colour of all bodies
 };
 
-/// How a population is placed.
+/// The rule by which the bodies of a population are placed, and its parameters.
 struct PlaceDocument : Placed {
   std::optional<engine::PlacementRule::Kind> rule;  ///< the rule: grid, uniform, ...; required
   std::optional<Box> region;                        ///< region of the origins, m
   std::optional<Ring> polygon;                      ///< polygon that contains the origins, m
-  std::optional<Box> spill;                   ///< grid: region for bodies that do not fit in the first, m
+  std::optional<Box> spill;                   ///< grid: region for bodies that do not fit in `region`, m
   std::optional<double> pitch;                ///< grid: distance between neighbouring cells, m; required
   double jitter = 0;                          ///< grid: maximum random displacement of each coordinate, m
   std::optional<std::array<double, 2>> mean;  ///< gaussian: mean of the origins, m; required
@@ -264,10 +265,10 @@ struct PopulationDocument : Placed {
 
 // ---- measures and experiments
 
-/// A measure of the run.
+/// A measure that a run computes.
 struct MeasureDocument : Placed {
   std::string kind;       ///< name in Registry::measures
-  std::string of;         ///< a type, a population or a robot; empty: all robots
+  std::string of;         ///< name of a type, a population or a robot; empty: all robots
   std::string name;       ///< name of the column; empty: KIND or KIND:OF
   engine::Record params;  ///< one value per field of the kind's table
   static void describe(DocumentKeys<MeasureDocument>& d);  ///< adds its keys to `d`
@@ -279,7 +280,7 @@ struct ComparisonDocument {
   double with = 0;                                     ///< the number, in the unit of the measure
 };
 
-/// A condition on a measure.
+/// A condition on a measure, such as `coverage >= 0.9`.
 struct ConditionDocument : Placed {
   std::optional<MeasureDocument> measure;                    ///< what is compared; required
   std::optional<ComparisonDocument> is;                      ///< the comparison that must hold; required
@@ -313,8 +314,8 @@ struct MoveDocument : Placed {
   static void describe(DocumentKeys<MoveDocument>& d);  ///< adds its keys to `d`
 };
 
-/// New parameters of the drive, a device or a controller, for all bodies of a type. Exactly one of the three
-/// is given. It is stored as unread JSON, because which parameters are valid depends on the type.
+/// New parameters of the drive, a device or a controller, for all bodies of a type. Exactly one of `drive`,
+/// `device` and `controller` is given, as unread JSON, because the type decides which parameters are valid.
 struct SettingDocument : Placed {
   std::string type;                                        ///< a key of WorldDocument::types
   std::optional<JsonNode> drive;                           ///< new parameters of the drive
@@ -328,8 +329,8 @@ struct InterventionDocument : Placed {
   std::optional<double> time;                                   ///< simulated time, s; required
   std::optional<GroupDocument> remove;                          ///< bodies to remove
   std::optional<AddDocument> add;                               ///< bodies to be born
-  std::optional<GroupDocument> disable;                         ///< bodies to stop
-  std::optional<GroupDocument> enable;                          ///< disabled bodies to continue
+  std::optional<GroupDocument> disable;                         ///< bodies to disable
+  std::optional<GroupDocument> enable;                          ///< disabled bodies to enable again
   std::optional<MoveDocument> move;                             ///< a body and its new pose
   std::optional<SettingDocument> set;                           ///< new parameters of a type
   static void describe(DocumentKeys<InterventionDocument>& d);  ///< adds its keys to `d`
@@ -381,27 +382,27 @@ struct WorldDocument : Placed {
   std::shared_ptr<SourceFiles> files;  ///< the files to which the places (Where) refer; null: none
   std::string schema;                  ///< `$schema`, for editors
   std::string title;                   ///< empty: the file's name without its ending
-  std::uint64_t seed = 1;              ///< seed of all random draws
+  std::uint64_t seed = 1;              ///< seed of all random numbers
   double tick = 0.1;                   ///< length of a tick, s
   std::optional<double> quit_time;     ///< time at which a run ends, s
   double measure_every = 1;            ///< interval between measurements, s; 0: every tick
   engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< engine that computes ranges
-  double resolution = engine::k_resolution_m;                    ///< edge of the cells of the grid engine, m
-  std::optional<Box> bounds;             ///< region for robots, m; empty: the box of floor plans and arena
-  std::optional<GroundDocument> ground;  ///< properties of the ground
-  std::optional<RecordDocument> record;  ///< what a run records
-  std::optional<engine::Record> watch;   ///< clock and pace: engine::watch_fields()
-  std::optional<engine::Record> window;  ///< a view of the world: window_fields()
-  bool mortal = false;                   ///< programs may always remove and disable bodies
-  Check overlaps = Check::error;         ///< how a model that overlaps something at the start is treated
-  Check same_names = Check::error;       ///< how bodies with the same name are treated
-  std::vector<FloorplanDocument> floorplans;                ///< walls, as images or lines
-  std::optional<ArenaDocument> arena;                       ///< a rectangle with walls
+  double resolution = engine::k_resolution_m;  ///< edge length of the cells of the grid engine, m
+  std::optional<Box> bounds;  ///< where robots may be, m; empty: the box around floor plans and arena
+  std::optional<GroundDocument> ground;       ///< properties of the ground
+  std::optional<RecordDocument> record;       ///< what a run records
+  std::optional<engine::Record> watch;        ///< display of the time, and pace: engine::watch_fields()
+  std::optional<engine::Record> window;       ///< a view of the world: window_fields()
+  bool mortal = false;                        ///< programs may always remove and disable bodies
+  Check overlaps = Check::error;              ///< how a model that overlaps something at the start is treated
+  Check same_names = Check::error;            ///< how bodies with the same name are treated
+  std::vector<FloorplanDocument> floorplans;  ///< walls, as images or lines
+  std::optional<ArenaDocument> arena;         ///< a rectangle with walls
   std::vector<std::pair<std::string, TypeDocument>> types;  ///< types, each with its key
   std::vector<ModelDocument> models;                        ///< single bodies
   std::vector<PopulationDocument> populations;              ///< bodies placed by rules
   std::vector<MeasureDocument> measures;                    ///< what a run measures
-  ExperimentDocument experiment;                            ///< its keys are keys of the world
+  ExperimentDocument experiment;                            ///< its keys are keys of the world itself
   static void describe(DocumentKeys<WorldDocument>& d);     ///< adds its keys to `d`
 };
 

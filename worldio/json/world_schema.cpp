@@ -212,7 +212,8 @@ JsonNode table_schema(const FieldTable& table) { return ObjectSchema().fields(ta
 JsonNode entry_schema(const FieldTable& table) {
   ObjectSchema entry;
   if (table.find("pose") >= 0)
-    entry.member("ring", reference("ring"), "repeats the entry on a circle around its pose");
+    entry.member("ring", reference("ring"),
+                 "repeats this entry on a circle whose centre is the pose of the entry");
   return entry.fields(table).done();
 }
 

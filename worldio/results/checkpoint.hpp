@@ -15,8 +15,8 @@
 
 namespace troupe::worldio {
 
-/// A checkpoint: everything that is needed to continue a run, in one sealed HDF5 file
-/// (worldio/results/sealed_file.hpp).
+/// A checkpoint: everything that is needed to continue a run, in one HDF5 file with a hash that detects
+/// damage (worldio/results/sealed_file.hpp).
 ///
 /// `/meta`        attributes: layout, tick, time_s, state_hash, counters, and the header given by the caller
 /// `/world`       the spec as JSON (worldio/json/spec_json.hpp), without its bodies and aliases

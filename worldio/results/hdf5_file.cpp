@@ -367,7 +367,8 @@ std::string Hdf5Object::text(const std::string& name) const {
   if (H5Tis_variable_str(type.get()) > 0) return variable_text(attribute.get(), name);
   const std::size_t size = H5Tget_size(type.get());
   if (size > H5Aget_storage_size(attribute.get()))
-    fail(fmt::format("has an attribute \"{}\" that is larger than the file says: the file is damaged", name));
+    fail(fmt::format(
+        "has an attribute \"{}\" whose text is longer than its stored bytes: the file is damaged", name));
   std::string value(size, '\0');
   check(H5Aread(attribute.get(), type.get(), value.data()), "read");
   return unpadded(std::move(value));
@@ -440,14 +441,15 @@ std::size_t Hdf5Dataset::values() const {
 
 void Hdf5Dataset::check_element(engine::Element element) const {
   if (element != element_)
-    fail(fmt::format("holds {}, not {}", engine::element_name(element_), engine::element_name(element)));
+    fail(fmt::format("holds values of type {}, but type {} was requested", engine::element_name(element_),
+                     engine::element_name(element)));
 }
 
 void Hdf5Dataset::write_rows(std::size_t first, std::size_t rows, const void* from, std::size_t values,
                              engine::Element element) {
   check_element(element);
   if (values != rows * row_values())
-    fail(fmt::format("takes {} values, not {}", rows * row_values(), values));
+    fail(fmt::format("takes exactly {} values, but {} were given", rows * row_values(), values));
   if (values == 0) return;
   const LibraryCall call;
   const hid_t type = memory_type(element);
@@ -473,7 +475,8 @@ void Hdf5Dataset::write_bytes(std::span<const std::byte> from) {
 void Hdf5Dataset::append(const void* from, std::size_t values, engine::Element element) {
   check_element(element);
   const std::size_t row = std::max<std::size_t>(row_values(), 1);
-  if (values % row != 0) fail(fmt::format("has rows of {} values, not {}", row, values));
+  if (values % row != 0)
+    fail(fmt::format("has rows of {} values: {} values are no whole number of rows", row, values));
   const std::size_t first = rows();
   resize(first + values / row);
   write_rows(first, values / row, from, values, element);
@@ -499,7 +502,8 @@ void Hdf5Dataset::read_rows(std::size_t first, void* into, std::size_t values,
   const std::size_t row = std::max<std::size_t>(row_values(), 1);
   const std::size_t count = values / row;
   if (values % row != 0 || first > rows() || count > rows() - first)
-    fail(fmt::format("has {} rows of {} values, not {} values from row {} on", rows(), row, values, first));
+    fail(fmt::format("has {} rows of {} values; {} values cannot be read from row {} on", rows(), row, values,
+                     first));
   const LibraryCall call;
   const hid_t type = memory_type(element);
   if (count == rows()) {

@@ -63,7 +63,8 @@ struct RecordedScene {
   std::vector<Body> bodies;  ///< indexed by BodyId
 };
 
-/// Returns the columns of /scene for all bodies of a world, walls included, as the spec describes them.
+/// Returns the columns of the group /scene of a recording: all bodies of a world, walls included, as the spec
+/// describes them.
 RecordingReader::Scene scene_columns(const engine::WorldSpec& spec);
 
 /// Returns the colour of a body in a frame. `parts` is the recorded value of its field `shown_color`: red,

@@ -11,9 +11,9 @@
 namespace troupe::worldio {
 
 /// A component of the state as a recording stores it, such as /state/pose or /sensors/minibot/eye. Its rows
-/// are bodies in the order of their ids, whatever the order of the rows in memory. A component
-/// of /state that only some types have, such as a power pack, comes from several tables, one for each of
-/// them.
+/// are bodies in the order of their ids, whatever the order of the rows in memory. In memory, a component of
+/// /state may consist of several tables: the memory of a controller, for example, has a table for each type
+/// with this controller. `sources` lists these tables.
 struct RecordedComponent {
   std::vector<std::string> path;  ///< steps from the root: {"state", "pose"}
   std::string name;               ///< name of the component in the state: "pose", "ranger/eye"

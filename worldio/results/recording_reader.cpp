@@ -12,7 +12,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr int k_most_steps = 8;  // in the path of a component; Troupe writes at most three
+constexpr int k_most_steps = 8;  // steps in the path of a component; Troupe writes at most three
 
 /// Returns the position of an array in the order in which a tick computes the arrays. Arrays are sorted by
 /// it, so that a comparison of two recordings finds the earliest difference first.
@@ -74,7 +74,8 @@ Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
     file.fail(fmt::format("has no /meta of kind \"{}\": the file is not a recording", k_kind));
   Hdf5Group meta = file.group("meta");
   if (const std::int64_t layout = meta.integer("layout"); layout != k_recording_layout)
-    meta.fail(fmt::format("has layout {}; this program reads layout {}", layout, k_recording_layout));
+    meta.fail(fmt::format("has layout {}, of another version of Troupe; this program reads layout {}", layout,
+                          k_recording_layout));
   return meta;
 }
 

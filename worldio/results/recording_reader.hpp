@@ -44,7 +44,7 @@ class RecordingReader {
 
   /// All bodies of the world as it was loaded, walls included. Each column has one entry per body, by BodyId.
   struct Scene {
-    std::vector<std::uint32_t> word, number;  ///< engine::Name; `word` is an index into the words in /world
+    std::vector<std::uint32_t> word, number;  ///< name: index into `words` of /world, number (engine::Name)
     std::vector<std::uint32_t> type;          ///< index into the types of /world
     std::vector<double> pose;                 ///< x, y, z (m) and heading (rad), world frame
     std::vector<float> color;                 ///< red, green, blue, opacity

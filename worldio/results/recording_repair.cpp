@@ -72,7 +72,7 @@ bool has_only(const Hdf5Group& group, std::size_t frames) {
 // The groups whose arrays have one row per frame.
 constexpr std::array<const char*, 3> k_framed = {"frames", "state", "sensors"};
 
-/// Whether every such array of a recording has exactly `frames` rows.
+/// Whether every array in the groups k_framed of a recording has exactly `frames` rows.
 bool is_even(const fs::path& file, std::size_t frames) {
   const Hdf5File hdf5 = Hdf5File::open(file);
   return std::ranges::all_of(k_framed, [&](const char* name) {

@@ -78,7 +78,7 @@ class RecordingWriter {
   };
   struct Batch {                                // frames that are written together
     std::vector<std::vector<std::byte>> state;  // one buffer per output, with room for a full batch
-    std::vector<std::uint64_t> ticks;           // one per frame; so have the next two members
+    std::vector<std::uint64_t> ticks;           // one per frame, as in the next two members
     std::vector<double> times_s;
     std::vector<std::uint64_t> hashes;
     void reserve(std::size_t frames);
@@ -99,7 +99,7 @@ class RecordingWriter {
   std::vector<RecordedComponent> components_;
   std::uint64_t every_ticks_ = 1;
   std::size_t batch_frames_ = 1;
-  std::vector<Output> outputs_;             // one per field of components_, in order; last, /state/alive
+  std::vector<Output> outputs_;             // one per field of components_; the last is /state/alive
   std::vector<Hdf5Dataset> frame_outputs_;  // /frames/tick, /frames/time_s, /frames/hash
   Batch gathered_;                          // frames that are not written yet
   Batch written_;                           // frames that the thread writes, if there is a thread

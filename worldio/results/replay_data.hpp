@@ -8,6 +8,7 @@
 
 namespace troupe::worldio {
 
+/// The options of replay_data().
 struct ReplayOptions {
   std::size_t most_bytes =
       18000000;                     ///< maximum size of ReplayData::bytes; frames are omitted until it is met

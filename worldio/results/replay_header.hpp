@@ -34,7 +34,7 @@ std::string replay_header(const RecordingReader& recording, const ReplayPlan& pl
 struct LivePage {
   std::string header;                ///< like replay_header(), without the keys that only recordings have
   std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page, sorted by type, then by id
-  bool has_z = false;                ///< whether heights may change; if not, the header has them
+  bool has_z = false;                ///< whether heights may change; if not, `header` contains them
 };
 /// Returns the data for a page that shows this world while it runs.
 LivePage live_page(const engine::World& world, const engine::Registry& registry);

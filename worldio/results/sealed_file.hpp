@@ -16,8 +16,8 @@ namespace troupe::worldio {
 ///     xxh3 6b0f...
 ///
 /// The head is padded with blanks. Its third line gives the number of bytes that follow the head, and its
-/// fourth line gives their XXH3 hash (64 bits). To HDF5, the head is a user block, so the tools of HDF5 and
-/// h5py can open the file.
+/// fourth line gives their XXH3 hash (64 bits). HDF5 ignores the head (its user block), so the tools of HDF5
+/// and h5py can open the file.
 inline constexpr std::size_t k_seal_bytes = 512;
 
 /// Writes `bytes` as a sealed file. `kind` is the word in the first line, and `layout` the number in the

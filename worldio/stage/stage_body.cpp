@@ -150,7 +150,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
         given[static_cast<std::size_t>(*number)] = &property;
       else
         values_.warning(values_.where(property),
-                        fmt::format("\"{}\" is ignored: the block has {} points, numbered from 0",
+                        fmt::format("\"{}\" is ignored: the block has {} corners, numbered from 0",
                                     document_.key(property), *count));
     }
   Ring ring;
@@ -165,7 +165,8 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   if (const auto missing = std::ranges::count(given, nullptr); missing > 0)
     values_.warning(
         values_.where(*points),
-        fmt::format("{} of the {} points are not given; as in Stage, they are at [0 0]", missing, *count));
+        fmt::format("{} of the {} corners \"point[k]\" are not given; as in Stage, they are at [0 0]",
+                    missing, *count));
   const double area = signed_area(ring);
   if (area == 0) values_.warning(block.where, "this block has no area");
   if (area < 0) std::ranges::reverse(ring);
@@ -180,7 +181,8 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
       return;
     }
   }
-  if (z.min == z.max) values_.warning(block.where, "this block has no height; give it \"z\" [min max]");
+  if (z.min == z.max)
+    values_.warning(block.where, "this block has no height; give it the property \"z\", [min max]");
   solids.push_back({{std::move(ring)}, z});
 }
 

@@ -34,8 +34,8 @@ class StageBodies {
 
   /// Returns the body of a model in the frame of the model, before `origin` is applied. The body is stretched
   /// to `size`, m, and centred in x and y; z is scaled and not shifted. `blocks` are the block children of
-  /// the model, with their macros applied. A ROS map keeps its own place and its own size in x and y, which
-  /// is stored in `size`.
+  /// the model, with their macros applied. A ROS map is not stretched: it keeps its own place and its own
+  /// extent in x and y, which this function stores in `size`.
   StageBody make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
 

@@ -109,7 +109,9 @@ engine::ControllerKind dynamic_controller() {
 
 engine::ControllerKind lasernoise_controller() {
   return engine::make_controller_kind<LaserNoise>(
-      k_lasernoise, "add a normally distributed error, proportional to the reading, to the model's ranger");
+      k_lasernoise,
+      "add a normally distributed error to the readings of the model's ranger; its standard "
+      "deviation is proportional to the reading");
 }
 
 StageAddition stage_addition(std::string_view controller) {

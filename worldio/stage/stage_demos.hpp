@@ -19,17 +19,18 @@ engine::ControllerKind dynamic_controller();
 
 /// The controller `lasernoise`. When a `.world` file is read, it gives the first transducer of its ranger a
 /// normally distributed error (`noise_relative`). The standard deviation is the fraction `share` of each
-/// reading, by default 5 %. Stage's controller multiplies the readings instead. A JSON world sets
-/// `noise_relative` of the ranger directly. While the world runs, the controller only keeps its ranger
-/// running.
+/// reading, by default 5 %. Stage's controller multiplies each reading by a random factor instead. A JSON
+/// world sets `noise_relative` of the ranger directly. While the world runs, the controller only keeps its
+/// ranger running.
 engine::ControllerKind lasernoise_controller();
 
-/// Applies one of these controllers to `type`, the type of its model. `params` are the parameters of the
-/// controller, `seed` is that of the world, and `part` is the index of the part that has the controller.
+/// A function that makes the change of a controller `dynamic` or `lasernoise` to `type`, the type of its
+/// model. `params` are the parameters of the controller, `seed` is that of the world, and `part` is the index
+/// of the part that has the controller.
 using StageAddition = void (*)(const engine::Record& params, std::uint64_t seed,
                                const engine::Registry& registry, engine::TypeSpec& type, std::uint32_t part);
 
-/// Returns the function that applies a controller of this kind; null if the kind does not change its model.
+/// Returns the function that makes the change of this kind of controller; null for all kinds but these two.
 StageAddition stage_addition(std::string_view controller);
 
 }  // namespace troupe::worldio

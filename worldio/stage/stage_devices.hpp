@@ -6,8 +6,8 @@
 
 namespace troupe::worldio {
 
-/// The unit of a number in a `.world` file. `length` and `angle` follow `unit_length` and `unit_angle`; the
-/// others do not.
+/// The unit of a number in a `.world` file. `length` and `angle` follow `unit_length` and `unit_angle` of
+/// the file; the other units are the same in all files.
 enum class StageUnit : std::uint8_t { plain, length, angle, degrees, milliseconds };
 
 /// A property of a Stage model that maps directly to one parameter of the model's device. StageKinds has code

@@ -440,7 +440,7 @@ std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& mo
   for (std::size_t i = 0; i < bounds.size(); i += 2)
     if (bounds[i] > bounds[i + 1]) {
       values_.error(values_.where(*property),
-                    fmt::format("each minimum of \"{}\" must be at most its maximum", key));
+                    fmt::format("in \"{}\", each minimum must be at most the maximum that follows it", key));
       return {};
     }
   return bounds;

@@ -22,9 +22,9 @@ class StageLint {
 
   /// Checks the properties at the top level of the file.
   void check_world();
-  /// Checks an entity, its macros and its children. The body of a macro is checked once.
+  /// Checks an entity, its macros and its children. The body of a macro is checked only at its first use.
   void check(const StageEntity& entity) { check(entity, 0); }
-  /// Reports the warnings about groups of properties. Call it last.
+  /// Reports one warning for each group of properties (Summary). Call it last.
   void finish();
 
  private:

@@ -141,8 +141,9 @@ void StageMacros::report_unused() {
     included[document_.token(property.key).file].is_used = true;
   for (const auto& [file, holds] : included)
     if (!holds.is_used)
-      values_.warning({file, 0}, fmt::format("nothing of this file is used; it defines {} macro{}",
-                                             holds.macros, holds.macros == 1 ? "" : "s"));
+      values_.warning({file, 0},
+                      fmt::format("nothing of this included file is used; the file defines {} macro{}",
+                                  holds.macros, holds.macros == 1 ? "" : "s"));
 }
 
 }  // namespace troupe::worldio

@@ -42,8 +42,9 @@ class StageMacros {
 
   /// Adds a macro. The first definition of a name is used; another one is a warning.
   void define(const StageItem& item);
-  /// Applies the macros of an entity: follows the chain of their bases, then replaces a type name of older
-  /// files such as "laser". Empty, with an error, if the chain of bases is a cycle or does not end at a type.
+  /// Applies the macros of an entity: follows the chain of their bases, then replaces an older name of a
+  /// type, such as "laser", by the present name. Empty, with an error, if the chain of bases is a cycle or
+  /// does not end at a type.
   std::optional<StageModel> resolve(const StageEntity& entity);
   /// Whether models of this type have a device: a ranger, a gripper, ...
   bool is_device(std::string_view type) const;

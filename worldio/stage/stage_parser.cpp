@@ -180,9 +180,10 @@ class Lexer {
     const std::string_view text = source.take_while(is_number_part);
     if (is_letter(source.peek()) || source.peek() == '_') {
       const std::string_view rest = source.take_while(is_word_part);
-      errors_.add(source.where(),
-                  fmt::format("\"{}{}\" is not a number; numbers are written without exponent and unit: 0.02",
-                              text, rest));
+      errors_.add(
+          source.where(),
+          fmt::format("\"{}{}\" is not a number; numbers are written without exponent and unit, as in 0.02",
+                      text, rest));
     }
     add(source, Kind::number, text);
   }
@@ -241,14 +242,18 @@ class Lexer {
       return;
     }
     if (++inclusions_ > k_most_inclusions) {
-      errors_.add(where,
-                  fmt::format("too large: files are included more than {} times in all", k_most_inclusions));
+      errors_.add(
+          where,
+          fmt::format(
+              "too many includes: the limit is {} included files, each counted every time it is included",
+              k_most_inclusions));
       throw GiveUp{};
     }
     included_bytes_ += text->size();
     if (included_bytes_ > k_most_included_bytes) {
-      errors_.add(where, fmt::format("too large: the included files add up to more than {} MiB",
-                                     k_most_included_bytes >> 20));
+      errors_.add(where,
+                  fmt::format("too large: the included files together have more than {} MiB, the limit",
+                              k_most_included_bytes >> 20));
       throw GiveUp{};
     }
     read(tidied(*found), std::move(*text));
@@ -310,7 +315,7 @@ class Parser {
     if (depth > k_deepest_nesting) {
       document_.well_nested = false;
       errors_.add(document_.token(entity.word).where(),
-                  fmt::format("nested deeper than {} levels", k_deepest_nesting));
+                  fmt::format("models and blocks are nested deeper than {} levels", k_deepest_nesting));
       throw GiveUp{};
     }
     while (peek().kind != Kind::close) {
@@ -348,7 +353,7 @@ class Parser {
       }
       case Kind::tuple_open:
         errors_.add(token.where(),
-                    "no property name is before this tuple; a property is written: name [1 2 3]");
+                    "this tuple has no property name before it; a property is written: name [1 2 3]");
         static_cast<void>(tuple());
         return false;
       case Kind::tuple_close:
@@ -356,9 +361,10 @@ class Parser {
         ++at_;
         return false;
       default:
-        errors_.add(token.where(),
-                    fmt::format("no property name is before the value {}; a property is written: name value",
-                                shown(token)));
+        errors_.add(
+            token.where(),
+            fmt::format("the value {} has no property name before it; a property is written: name value",
+                        shown(token)));
         ++at_;
         return false;
     }

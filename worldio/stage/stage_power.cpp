@@ -68,10 +68,11 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   if (constant > 0 && std::ranges::find(k_own_draw, model.type) == k_own_draw.end())
     draws_.push_back({part, constant, is_on(model)});
   else if (constant > 0)
-    values_.warning_once(values_.where(*model.find(document_, "watts")),
-                         fmt::format("\"watts\" of a {} has no effect: Troupe computes the power of such a "
-                                     "model (docs/stage-worlds.md)",
-                                     model.type));
+    values_.warning_once(
+        values_.where(*model.find(document_, "watts")),
+        fmt::format("\"watts\" of a model of type {} has no effect: Troupe computes the power of "
+                    "such a model (docs/stage-worlds.md)",
+                    model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
     if (!(kg >= 0 && kg <= engine::k_most_mass_kg))
@@ -124,7 +125,8 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
   const engine::DeviceKind* kind = registry_.device("power_pack");
   const StageProperty* empty = model.find(document_, "when_empty");
   if (empty && !has_pack)
-    values_.warning(values_.where(*empty), "\"when_empty\" has no effect without \"joules\"");
+    values_.warning(values_.where(*empty),
+                    "\"when_empty\" has no effect without \"joules\" or \"joules_capacity\"");
   if (!has_pack || !kind) return;
   DeviceSpec pack{.name = device_name(type, part, "power"),
                   .kind = "power_pack",

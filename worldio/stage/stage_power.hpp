@@ -19,9 +19,9 @@ class StagePower {
 
   /// Reads the model of one `part` and adds its devices to `type`. Call it for every part, in order.
   void read(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
-  /// Call it after the last part of a type. It adds the power that each part draws to the pack of that part,
-  /// or to the pack of the nearest part on which it is mounted. It removes contacts without a pack, with a
-  /// warning.
+  /// Call it after the last part of a type. It adds the power that each part draws to the power pack that
+  /// supplies the part: its own pack, or that of the nearest enclosing part with a pack. It removes power
+  /// contacts without a pack, with a warning.
   void finish(engine::TypeSpec& type);
 
  private:

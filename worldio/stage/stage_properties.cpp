@@ -51,13 +51,13 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "pose", honoured,
      "[x y z heading] in the parent's frame; the older [x y heading] is read with a warning"},
     {"model", "size", honoured,
-     "[x y z], above 0 if the model has a body; the older form [x y] takes the default height of the model "
-     "type, with a warning"},
+     "[x y z], above 0 if the model has a body; with the older form [x y], the height is the default of the "
+     "model type, and a warning says so"},
     {"model", "origin", honoured, "offset of the body from `pose`; it does not move the children"},
     {"model", "update_interval", fixed, "time between two updates, ms; 0: every tick (with 0, Stage hangs)"},
     {"model", "color", fixed,
-     "X11 name, or \"random\": a random colour; that of a top-level model depends on the seed and the id of "
-     "its body, that of a child on the seed and its name"},
+     "X11 name, or \"random\": a random colour, which depends on the seed and on the id of the body (for a "
+     "top-level model) or the name of the model (for a child)"},
     {"model", "color_rgba", honoured, "used if `color` is not given"},
     {"model", "bitmap", fixed,
      "an image whose solid pixels, stretched to `size`, are the body, or the YAML file of a ROS map; whole "
@@ -100,8 +100,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "whose power follows from what they do: position, ranger (0.2 W per sensor), blobfinder (2 W), bumper "
      "(0.1 W), actuator (2 W), camera (100 W)"},
     {"model", "joules", fixed,
-     "gives the model a power pack, which is full at the start and then holds this energy, J; below 0: the "
-     "pack never runs out. An empty pack stops the parts that it supplies: see `when_empty`"},
+     "gives the model a power pack with this capacity, J, which is full at the start; below 0: the pack "
+     "never runs out. An empty pack stops the parts that it supplies: see `when_empty`"},
     {"model", "kjoules", fixed, "as `joules`, in kJ"},
     {"model", "joules_capacity", honoured,
      "capacity of the power pack, J; without `joules`, the pack is empty at the start"},
@@ -275,7 +275,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
 
     {"blobfinder", "image", fixed,
      "[columns rows]; a single column looks straight ahead, where Stage divides by 0"},
-    {"blobfinder", "range", honoured, "m, whatever `unit_length` says"},
+    {"blobfinder", "range", honoured, "largest distance, m, whatever `unit_length` says"},
     {"blobfinder", "fov", fixed, "opening angle; unlike in Stage, no column between two blobs is skipped"},
     {"blobfinder", "pan", honoured, "angle that is added to the heading of the blob finder"},
     {"blobfinder", "colors_count", honoured,
@@ -314,7 +314,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
 
     {"camera", "resolution", fixed,
      "[width height], pixels; any size (in Stage, the size of its window is the limit)"},
-    {"camera", "range", honoured, "[near far]"},
+    {"camera", "range", honoured, "[near far]: nearer and farther surfaces are not drawn"},
     {"camera", "fov", honoured, "[horizontal vertical], degrees, whatever `unit_angle` says"},
     {"camera", "pantilt", fixed,
      "[pan tilt], degrees: pan to the right, tilt upwards, relative to the heading of the camera; in Stage, "

@@ -34,8 +34,8 @@ std::span<const StageRow> stage_rows();
 /// numbers: "point[3]".
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
-/// Whether a property of this name has no effect in any entity, so that bodies that differ only in this
-/// property share a type. False for an unknown property. `name` is the name in the file.
+/// Whether a property of this name has no effect in any entity. Bodies that differ only in such a property
+/// can have the same type. False for an unknown property. `name` is the name in the file.
 bool is_without_effect(std::string_view name);
 
 /// Returns the names of the properties that an entity of this type can have, without obsolete ones. They are

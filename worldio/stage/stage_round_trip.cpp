@@ -114,7 +114,7 @@ void RoundTrip::check_drive() {
   const Where where = type_.drive ? type_.drive->where : type_.parts.front().where;
   if (type_.drive.has_value() != back_.drive.has_value() ||
       (type_.drive && type_.drive->kind != back_.drive->kind))
-    return lacks(where, "its drive, or that it has none");
+    return lacks(where, "its drive, or the lack of a drive");
   if (!type_.drive) return;
   const std::string owner = fmt::format("drive \"{}\"", type_.drive->kind);
   if (!same_bits(type_.drive->period_s, back_.drive->period_s)) lacks(where, owner + ": its period");
@@ -134,10 +134,9 @@ void RoundTrip::check_devices() {
   }
   for (const DeviceSpec& device : back_.devices)
     if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
-      lacks(
-          type_.parts.front().where,
-          fmt::format("that it has no device \"{}\": read again, the file gives it such a device, of kind {}",
-                      device.name, device.kind));
+      lacks(type_.parts.front().where, fmt::format("that it has no device \"{}\": when the written file is "
+                                                   "read, the type has this device, of kind {}",
+                                                   device.name, device.kind));
   // The order of devices of one kind matters, because controllers choose among them in this order.
   for (const engine::DeviceKind& kind : registry_.devices) {
     const auto names = [&](const TypeSpec& type) {
@@ -219,8 +218,9 @@ void RoundTrip::check_bodies() {
                         controller.kind));
     return lacks(
         type_.parts.front().where,
-        fmt::format("its number of parts with solids, which is {}: read again, the file gives another number",
-                    parts.size()));
+        fmt::format(
+            "its number of parts with solids, which is {}: when the written file is read, the number differs",
+            parts.size()));
   }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const PartSpec& a = *parts[p];
@@ -271,9 +271,10 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
   if (!same_bits(spec.tick_s, back.tick_s))
     lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
   if (spec.bodies.size() != back.bodies.size())
-    return lacks(whole,
-                 fmt::format("the number of bodies, which is {}: read again, the file gives another number",
-                             spec.bodies.size()));
+    return lacks(
+        whole,
+        fmt::format("the number of bodies, which is {}: when the written file is read, the number differs",
+                    spec.bodies.size()));
   std::set<std::pair<std::uint32_t, std::uint32_t>> types;
   for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
     const engine::BodySpec& body = spec.bodies[b];

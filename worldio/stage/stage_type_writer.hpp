@@ -31,7 +31,7 @@ std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
 struct StageMacro {
   std::string word;              ///< name of the macro
   Color color;                   ///< colour of the bodies that do not have a colour of their own
-  bool has_many_colors = false;  ///< whether some bodies have another: then `color` is written as color_rgba
+  bool has_many_colors = false;  ///< the bodies differ in colour: `color` is then written as color_rgba
   std::vector<bool> added;       ///< for each part: whether it is omitted, from added_parts()
 };
 

@@ -27,7 +27,7 @@ class StageValues {
 
   /// Sets the units of the file: the factors that convert its lengths to metres and its angles to radians.
   void set_units(double length, double angle) { length_ = length, angle_ = angle; }
-  void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }
+  void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }  ///< for pose_in_device()
   double length_unit() const { return length_; }
   double angle_unit() const { return angle_; }
 
@@ -45,7 +45,7 @@ class StageValues {
 
   /// Returns a single value as text, with or without quotes in the file.
   std::optional<std::string_view> text(const StageProperty& property);
-  /// Like text(), for names. Empty, with a warning, for "" and "/".
+  /// Like text(), for names. Empty, with a warning, for the names "" and "/".
   std::optional<std::string_view> name(const StageProperty& property);
   /// Returns the single value, or all values of a tuple, as texts.
   std::vector<std::string_view> texts(const StageProperty& property);
@@ -70,7 +70,7 @@ class StageValues {
   /// set_wraps_headings(false), its heading is not wrapped.
   std::optional<Pose> pose_in_device(const StageProperty& property);
   /// Reads a size [x y z], or the older form [x y], which takes the default height, m. Each extent must be
-  /// from 0 to 200 km; the caller decides whether 0 is allowed.
+  /// from 0 to 200 km; the caller checks whether 0 is allowed.
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
   /// Reads a colour by its X11 name. Returns red, with a warning, for an unknown name. Empty for "random".
   std::optional<Color> color(const StageProperty& property);

@@ -458,9 +458,10 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   if (!body.blocks.empty()) part.fitted = engine::FittedBlocks{std::move(body.blocks), origin};
   vertices_ += count_vertices(part.solids);
   if (vertices_ > engine::k_most_vertices) {
-    values_.error(draft.where,
-                  fmt::format("too large: together, the outlines of the models have more than {} corners",
-                              engine::k_most_vertices));
+    values_.error(
+        draft.where,
+        fmt::format("the outlines of all models together have more than {} corners: use simpler shapes",
+                    engine::k_most_vertices));
     draft.broken = true;
     return;
   }

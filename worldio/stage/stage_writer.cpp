@@ -117,17 +117,18 @@ void WorldText::refuse_what_stage_lacks() {
   if (!spec_.reserves.empty())
     lacks(says("populations") ? "populations" : "models",
           "Stage has no \"reserve\" of bodies that are born later");
-  if (spec_.mortal) lacks("mortal", "Stage has no deaths");
-  if (!spec_.experiment.stop_when.empty()) lacks("stop_when", "a Stage world ends only at its quit_time");
-  if (!spec_.experiment.at.empty()) lacks("at", "Stage has no events at given times");
+  if (spec_.mortal) lacks("mortal", "a .world file has no property for this");
+  if (!spec_.experiment.stop_when.empty())
+    lacks("stop_when", "in Stage, a run can end only at its \"quit_time\"");
+  if (!spec_.experiment.at.empty()) lacks("at", "a .world file has no interventions");
   if (!spec_.experiment.faults.empty()) lacks("faults", "robots do not fail in Stage");
   if (says("bounds_m"))
-    lacks("bounds_m", "a Stage world always reaches 100 km in each direction");
+    lacks("bounds_m", "a Stage world always reaches 100 km from its origin in each direction");
   else if (spec_.bounds)
     diagnostics_.warning(
         where_of("floorplans"),
-        "a .world file reaches 100 km in each direction: robots are no longer stopped at the edge of the "
-        "floor plans");
+        "the world of a .world file reaches 100 km from its origin in each direction: the edge of the floor "
+        "plans no longer stops robots");
 }
 
 void WorldText::write_settings() {

@@ -1,6 +1,6 @@
 // Evolves a controller that maps ranges to speeds, so that eight robots cover a room. A (5 + 20) evolution
 // strategy (5 parents, 20 children per generation) runs 1,000 trials of 30 s. Each trial resets the same
-// world, which reads no file and allocates no memory.
+// world; a reset reads no file and allocates no memory.
 #include <troupe/troupe.hpp>
 
 #include <algorithm>

@@ -22,10 +22,10 @@ struct FollowWall {
   Params params;
 
   static constexpr std::string_view text = "keep a wall at the left";
-  static constexpr std::array k_uses{std::string_view("ranger")};  // must face ahead and to the left
+  static constexpr std::array k_uses{std::string_view("ranger")};  // its beams: from ahead to the left
 
   struct Memory {
-    std::uint32_t corners = 0;  // number of times that a wall ahead made it turn
+    std::uint32_t corners = 0;  // number of times that a wall ahead made the robot turn
     bool turning = false;
     TROUPE_FIELDS(corners, turning)
   };

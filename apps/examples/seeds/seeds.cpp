@@ -1,6 +1,6 @@
 // A study in C++: measures the fraction of a room that 2 to 16 robots cover in one minute, for eight seeds.
 // Each core makes one run at a time. The table is the same on any number of cores. (`troupe sweep` does this
-// for any world, and can be resumed after a kill.)
+// for any world, and continues where it was interrupted.)
 #include <troupe/troupe.hpp>
 
 #include <algorithm>

@@ -11,7 +11,7 @@
 namespace {
 
 struct BeamRanger {
-  /// Fractions of beams that unmapped objects cut short, that return no echo, or that read random values.
+  /// Parameters of the built-in ranger, and fractions of beams that are cut short, lost or random.
   struct Params {
     troupe::Ranger::Params ranger;
     double short_share = 0.05;
@@ -25,7 +25,7 @@ struct BeamRanger {
       d.member<&Params::short_share>("short_share", within(0, 1), "fraction of beams that are cut short");
       d.member<&Params::short_rate>(
           "short_rate", above(0),
-          "1/m: cut beams end at exponentially distributed ranges of mean 1/short_rate");
+          "1/m: the ranges of cut beams are exponentially distributed, with mean 1/short_rate");
       d.member<&Params::max_share>("max_share", within(0, 1), "fraction of beams without an echo");
       d.member<&Params::random_share>("random_share", within(0, 1), "fraction of readings that are random");
     }

@@ -22,7 +22,7 @@ class Batch:
     """Copies of the world of a task (a troupe.BatchEnv), with the observations, actions and rewards of the task.
 
     copies   number of copies of the world
-    threads  number of threads; 0: one per processor that the process may use. Changes no result
+    threads  number of threads; 0: one per processor that the process may use. The number changes no result
     robot    name of a robot: only this robot learns, and the others run the controllers of the world file. None: all
              robots of the teams learn
     options  options of troupe.Simulation
@@ -34,7 +34,7 @@ class Batch:
         self.task = task
         self.teams = [dataclasses.replace(team) for team in task.teams]
         if not self.teams:
-            raise ValueError(f"{type(task).__name__} has no teams: set its member teams to a list of one or more")
+            raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
         if robot is not None:
             if len(self.teams) != 1:
                 raise ValueError(f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}")
@@ -52,7 +52,7 @@ class Batch:
         }
         self.core = BatchEnv(simulation, spec)
         self.copies = copies
-        #: Data that a task stores about the copies, such as which robots have a load. Not part of the worlds' states.
+        #: Data that a task stores about the copies, such as which robots have a load. State hashes do not cover them.
         self.memory: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]
         self.observation_spaces: List[spaces.Space[Any]] = [
@@ -62,19 +62,20 @@ class Batch:
         self.world_seed = int(simulation.options["seed"])
 
     def array(self, name: str, team: int = 0) -> npt.NDArray[Any]:
-        """Returns an array of a team, one of its observations or of Team.arrays, after the last step: copies x
-        robots x columns, read-only."""
+        """Returns the values of an array of a team after the last step: copies x robots x columns, read-only. name: a
+        key of Team.arrays or of Team.observation; "observation" if Team.observation is a list."""
         return self.core.array(name, team)
 
     def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
         """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all
-        copies. seeds: one seed per copy; a copy without a seed (None, or an empty list) begins its next episode."""
+        copies. seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose
+        seed is derived from the seed that the copy was given last."""
         self.core.reset(which, list(seeds))
         self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
 
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
-        """Advances all copies by one step. actions: one array per team, whose first axes are copies x robots. begins:
-        one bool per copy; copies with True begin their next episode instead of making a step."""
+        """Advances all copies by one step. actions: one array per team, copies x robots x the shape of an action.
+        begins: one bool per copy; copies with True begin their next episode instead of making a step."""
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
         for index, team in enumerate(self.teams):
             commands = self.task.act(self, index, commands_of(team, actions[index]))

@@ -17,8 +17,8 @@ _PerAgent = Dict[str, Any]
 
 
 class ParallelEnv(_ParallelEnv):
-    """A task in which each robot of each team is an agent, with the name of the robot. Agents of different teams may
-    have different observation and action spaces.
+    """An environment in which each robot of each team of a task is an agent. The name of an agent is the name of its
+    robot. Agents of different teams may have different observation and action spaces.
 
     render_size  width and height of pictures, pixels
     options      options of troupe.Simulation
@@ -77,8 +77,9 @@ class ParallelEnv(_ParallelEnv):
 
     def step(self, actions: _PerAgent) -> Tuple[_PerAgent, _PerAgent, _PerAgent, _PerAgent, _PerAgent]:
         """Advances the world by one step. actions: one action per agent; the action of a missing agent is all zeros.
-        Returns (observations, rewards, terminations, truncations, infos) of all agents before the step and of those
-        born in it. Raises ValueError for a name that is not in `agents`, and for an action of a wrong shape."""
+        Returns (observations, rewards, terminations, truncations, infos) of the robots that were agents before the step
+        and of robots born in the step. Raises ValueError for a name that is not in `agents`, and for an action of a
+        wrong shape."""
         batch = self.batch
         if not self.agents:
             return {}, {}, {}, {}, {}

@@ -27,7 +27,7 @@ def first_of(observations: Any, *index: int) -> Any:
 
 
 class Env(gymnasium.Env[Any, Any]):
-    """A task in which one robot learns. The other robots of its team run the controllers of the world file.
+    """An environment in which one robot of a task learns. The other robots run the controllers of the world file.
 
     robot        name of the robot that learns; None: the first robot of the team
     render_size  width and height of pictures, pixels

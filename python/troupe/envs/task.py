@@ -68,12 +68,12 @@ class Task:
     world: World = {}
     teams: List[Team] = []
     ticks = 1  #: ticks of the world per step
-    seconds = 60.0  #: longest episode, world time, s; longer episodes are truncated
-    measures: List[str] = []  #: names of measures of each copy, for rewards and ends
+    seconds = 60.0  #: world time after which an episode is truncated, s
+    measures: List[str] = []  #: names of measures that are computed for each copy, and that rewards and ends may use
     max_return: Optional[float] = None  #: the largest possible sum of rewards of an episode, if known
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
-        """Called after some copies have begun an episode. copies: one bool per copy, True for copies that have."""
+        """Called after some copies have begun an episode. copies: one bool per copy, True for these copies."""
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
@@ -94,7 +94,8 @@ class Task:
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
-        """Returns the actions of a simple hand-written rule, one row per row of the observations."""
+        """Returns the actions of a hand-written policy, with which learned policies can be compared: one row of actions
+        per row of the observations."""
         raise NotImplementedError(f"{type(self).__name__} has no baseline")
 
 

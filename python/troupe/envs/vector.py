@@ -21,14 +21,14 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
 
     robot           name of a robot: only this robot learns in each copy, the others run the controllers of the world
                     file, and num_envs is the number of copies. None: all robots of the team learn
-    autoreset_mode  as in Gymnasium
-    threads         number of threads; 0: one per processor that the process may use. Changes no result
+    autoreset_mode  when a copy whose episode has ended begins the next one: an AutoresetMode of Gymnasium
+    threads         number of threads; 0: one per processor that the process may use. The number changes no result
     render_size     width and height of pictures, pixels
     options         options of troupe.Simulation
     episodes        the episodes of all robots of a copy end together, when all robots are finished or task.seconds have
-                    passed. From the step in which a robot is finished until then, infos["finished"] is True for it,
-                    and its rewards in later steps are 0
-    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, or element c if s is a list. The
+                    passed. From the step in which a robot is finished to the end of the episode,
+                    infos["finished"] is True for the robot. Its rewards in the steps after that step are 0
+    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, or s[c] if s is a list. The
                     seeds of later episodes of the copy are derived from this seed
     """
 
@@ -46,14 +46,17 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     ) -> None:
         check_render_mode(render_mode)
         if len(task.teams) != 1:
-            raise ValueError(f"a VectorEnv has one team, and {type(task).__name__} has {len(task.teams)}: use a ParallelEnv")
+            raise ValueError(
+                f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
+                "use ParallelEnv"
+            )
         if num_envs < 1:
             raise ValueError(f"num_envs={num_envs}: give 1 or more")
         robots = 1
         if robot is None:
             robots = len(Batch(task, 1, threads=1, **options).names[0])
         if num_envs % robots:
-            raise ValueError(f"num_envs={num_envs}: each copy has {robots} robots: give a multiple of {robots}")
+            raise ValueError(f"num_envs={num_envs}: {robots} robots learn in each copy: give a multiple of {robots}")
         self._batch: Optional[Batch] = Batch(task, num_envs // robots, threads=threads, robot=robot, **options)
         self.task = task
         self.num_envs = num_envs
