@@ -796,7 +796,7 @@ class InABrowser(unittest.TestCase):
         page.wait("troupe.group().length === 2")
         self.keep("group")
         self.press_button("#group-enable")
-        page.wait("document.getElementById('told').textContent.startsWith('1 of 2 refused')")
+        page.wait("document.getElementById('told').textContent.startsWith('Refused for 1 of 2 robots')")
         self.press_button("#ungroup")
         page.wait("troupe.group().length === 0")
 
