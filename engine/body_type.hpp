@@ -81,6 +81,9 @@ struct BodyType {
     std::size_t table = 0;                     ///< table of its percepts: index into World::tables()
     std::optional<std::size_t> command_table;  ///< table of its commands: index into World::tables()
     std::uint32_t switch_bit = 0;              ///< its bit in Command::off; 0: no controller switches it
+
+    /// Whether it measures ranges: its first percept then holds one range per beam, m, as float32.
+    bool is_ranger() const { return !prepared.bearings.empty(); }
   };
   std::vector<Device> devices;  ///< sensors and other devices, in the order of TypeSpec::devices
   /// Indices of the devices that move joints. Each comes before the devices that are mounted on its joints.

@@ -399,7 +399,7 @@ class Readings {
   Readings() = default;
   /// The state in row `slot` of a device's table. The table must outlive this object.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
-  /// The values of field f (its index among the percepts of the device's kind), one per column.
+  /// The values of field f, one per column; f is an index into DeviceKind::Prepared::percepts.
   template <class T>
   std::span<const T> field(std::size_t f) const {
     return table_->cell<T>(slot_, f);

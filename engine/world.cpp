@@ -539,9 +539,11 @@ void World::report_overlaps(Diagnostics& diagnostics) {
   if (!diagnostics.thorough()) {
     const auto [first, second] = listed.front();
     diagnostics.warning(
-        where(first), fmt::format("{} at the start, for example \"{}\" and \"{}\"; bodies that overlap may "
-                                  "move apart, but not closer",
-                                  count_of(counted, ""), state_.spec.name(first), state_.spec.name(second)));
+        where(first),
+        fmt::format("{} at the start{} \"{}\" and \"{}\"; bodies that overlap may move apart, but "
+                    "not closer",
+                    count_of(counted, ""), counted == 1 ? ":" : ", for example", state_.spec.name(first),
+                    state_.spec.name(second)));
     return;
   }
   for (const auto& [first, second] : listed)

@@ -104,7 +104,7 @@ struct HeldModel {
 
 /// A swarm owned by Python, which keeps its simulation alive.
 struct HeldSwarm {
-  Holder held;  ///< null for a swarm that is the argument of a measure and valid only during that call
+  Holder held;  ///< null for a swarm that a measure gets as its argument
   Swarm swarm;
 
   /// Returns the swarm. Throws as Held::use() does.

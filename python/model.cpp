@@ -171,7 +171,7 @@ void bind_models(py::module_& module) {
           [](HeldModel& m, const std::string& sensor) { return view(m.use().ranges(sensor), m.held); },
           py::arg("sensor") = "",
           "Ranges that the ranger named `sensor` measured, m, float32, one per beam; an empty name means the "
-          "first sensor,\nwhich must then be a ranger.\nThe array refers to the memory of the simulation: "
+          "first ranger.\nThe array refers to the memory of the simulation: "
           "its content changes with each step. Raises LookupError if\nthere is no such sensor, and "
           "RuntimeError if it does not run (see Simulation.subscribe()).")
       .def(

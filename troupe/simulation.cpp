@@ -285,12 +285,12 @@ struct Model::Place {
       throw std::logic_error(fmt::format(
           "sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step", device.name, name));
   }
-  const engine::BodyType::Device& sensor(std::string_view wanted) const {
-    const auto is_sensor = [](const engine::BodyType::Device& d) { return d.kind->is_sensor(); };
+  const engine::BodyType::Device& ranger(std::string_view wanted) const {
+    const auto is_ranger = [](const engine::BodyType::Device& d) { return d.is_ranger(); };
     const auto* found = find([&](const engine::BodyType::Device& d) {
-      return is_sensor(d) && (wanted.empty() || d.name == wanted);
+      return is_ranger(d) && (wanted.empty() || d.name == wanted);
     });
-    if (!found) throw_unknown("sensor", wanted, is_sensor);
+    if (!found) throw_unknown("ranger", wanted, is_ranger);
     check_running(*found);
     return *found;
   }
@@ -418,12 +418,12 @@ std::vector<std::string> Model::sensors() const {
 }
 
 std::span<const float> Model::ranges(std::string_view sensor) const {
-  const auto& found = place_->sensor(sensor);
+  const auto& found = place_->ranger(sensor);
   return place_->world->percepts(found).cell<float>(place_->world->slot(place_->row()), 0);
 }
 
 std::span<const float> Model::intensities(std::string_view sensor) const {
-  const auto& found = place_->sensor(sensor);
+  const auto& found = place_->ranger(sensor);
   const engine::StateTable& table = place_->world->percepts(found);
   if (table.fields().size() < 2) return {};
   return table.cell<float>(place_->world->slot(place_->row()), 1);

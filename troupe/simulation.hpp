@@ -249,10 +249,9 @@ class Model {
   /// all its parts; if it is a part, only the sensors on this part.
   std::vector<std::string> sensors() const;
   /// Ranges that the ranger named `sensor` measured, m, one per beam, counter-clockwise within each
-  /// transducer. An empty name means the first sensor, which must then be a ranger. The span stays valid, and
-  /// its content changes with each step. Throws std::out_of_range, with the known names, if there is no such
-  /// sensor. Throws std::logic_error if the sensor does not run; Simulation::subscribe() makes all sensors of
-  /// a robot run.
+  /// transducer. An empty name means the first ranger. The span stays valid, and its content changes with
+  /// each step. Throws std::out_of_range, with the known names, if there is no such ranger. Throws
+  /// std::logic_error if the sensor does not run; Simulation::subscribe() makes all sensors of a robot run.
   std::span<const float> ranges(std::string_view sensor = {}) const;
   /// Intensities that the ranger named `sensor` measured, one per value of ranges(); errors as in ranges().
   /// The span is empty unless the parameter `intensity` of the ranger is true.

@@ -21,8 +21,6 @@ void check_size(std::string_view what, std::size_t given, std::size_t robots) {
         fmt::format("found {} {} for a swarm of {} robots: give one per robot", given, what, robots));
 }
 
-bool is_ranger(const engine::BodyType::Device& device) { return !device.prepared.bearings.empty(); }
-
 }  // namespace
 
 Swarm Simulation::swarm(std::string_view of) {
@@ -113,7 +111,7 @@ void Swarm::speeds(std::span<Model::Speed> out) const {
 Swarm::Ranger Swarm::ranger_of(Row row, std::string_view sensor) const {
   std::vector<std::string_view> known;
   for (const engine::BodyType::Device& device : world_->type(row).devices) {
-    if (!is_ranger(device)) continue;
+    if (!device.is_ranger()) continue;
     if (sensor.empty() || device.name == sensor) return {&device, &world_->percepts(device)};
     known.push_back(device.name);
   }

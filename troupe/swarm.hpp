@@ -86,8 +86,9 @@ class Swarm {
   /// columns, row-major, in elements of the type of reading_field(). Throws as reading_field() does,
   /// std::invalid_argument if `out` has another size in bytes, and std::logic_error if a sensor does not run.
   void readings(std::span<std::byte> out, std::string_view field, std::string_view device = {}) const;
-  /// Returns descriptions of the fields of the command that the device named `device` takes. Throws as
-  /// reading_field() does.
+  /// Returns descriptions of the fields of the command that the first robot's device named `device` takes.
+  /// Throws std::out_of_range if that robot has no device of this name that takes commands, and
+  /// std::logic_error for a swarm without robots.
   std::span<const engine::StateField> command_fields(std::string_view device) const;
   /// Writes one field of the current commands: for each robot, of the command of its device named `device`.
   /// The values are robots x columns, row-major, in elements of the type of the field. Throws as readings()

@@ -107,7 +107,7 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--threads", "N", "Worker threads of each rank (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   add_value(app, "--ranks", "N",
-            "Ranks: replicas of the world, each of which computes a part of the robots (default: 1)",
+            "Number of ranks: each holds a copy of the world and computes some of its robots (default: 1)",
             [&options](const std::string& text) { options.simulation.ranks = rank_count(text); });
   add_value(app, "--tile-size", "M",
             "Edge length of the tiles (squares of the world that threads process), m (default: automatic)",

@@ -427,11 +427,23 @@ TEST_F(SimulationTest, SubscribingToWhatIsNotThereIsAnError) {
 TEST_F(SimulationTest, UnknownSensorsAreAnsweredWithTheKnown) {
   Simulation simulation = json();
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("r0").ranges("frnt")); }),
-            "\"r0\" has no sensor \"frnt\"; it has: front, top");
+            "\"r0\" has no ranger \"frnt\"; it has: front, top");
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("slider").ranges()); }),
-            "\"slider\" has no sensor");
+            "\"slider\" has no ranger");
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("wall").intensities()); }),
-            "\"wall\" has no sensor");
+            "\"wall\" has no ranger");
+}
+
+TEST_F(SimulationTest, OtherSensorsHaveNoRanges) {
+  Simulation simulation = Simulation::from_text(R"({"troupe": 1, "types": {"bot": {"size_m": 0.3, "sensors": [
+      {"name": "bump", "kind": "bumper"},
+      {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2}]}]}},
+    "models": [{"name": "r", "type": "bot"}]})",
+                                                "w.json");
+  simulation.step();
+  EXPECT_THAT(simulation.find("r").ranges(), ElementsAre(2.0F));
+  EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("r").ranges("bump")); }),
+            "\"r\" has no ranger \"bump\"; it has: eye");
 }
 
 TEST_F(SimulationTest, InStageWorldsSensorsRunWhenSubscribed) {

@@ -696,7 +696,7 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
             R"(maze.json:2: error: /floorplans/0: missing "size_m", "size_cm" or "size_mm": [x, y, height])");
   EXPECT_EQ(
       wrong(R"({"name": "a", "size_m": [4, 4, 1]})"),
-      R"(maze.json:2: error: /floorplans/0: missing "bitmap": the path of an image, or of the YAML file of a ROS map, relative to the world file; or "walls_m", [[x, y], ...], a line of walls)");
+      R"(maze.json:2: error: /floorplans/0: a floor plan needs "bitmap" (the path of an image, or of the YAML file of a ROS map, relative to the world file) or "walls_m" (points [[x, y], ...] of a line of walls))");
   EXPECT_EQ(
       wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "margins": "kep"})"),
       R"(maze.json:2: error: /floorplans/0/margins: unknown margins "kep"; known: keep, trim (did you mean "keep"?))");

@@ -893,8 +893,8 @@ TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: controller \"wander\" must be in a model of type "
                                       "position, which has a drive; this model is of type model",
                                       "w.world:2: error: controller \"wander\" must be in a model of type "
-                                      "position, which has a drive; this model is of type ranger "
-                                      "inside another model"));
+                                      "position, which has a drive; this one, inside another "
+                                      "model, is of type ranger"));
 }
 
 // Types.

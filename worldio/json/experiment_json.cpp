@@ -163,7 +163,8 @@ Record SettingExpander::expand_device(const JsonCursor& at, const engine::TypeSp
 Record SettingExpander::expand_controller(const JsonCursor& at, const engine::TypeSpec& type,
                                           SettingSpec& setting) const {
   JsonObject object(at);
-  const JsonNode* node = object.require("kind", "the kind of a controller of the type");
+  const JsonNode* node =
+      object.require("kind", "the kind of the controller to change: one of those of the body type");
   const std::string* name =
       node ? read_text(JsonCursor(at, "kind", *node), "the kind of a controller") : nullptr;
   if (!name) return {};

@@ -637,7 +637,7 @@ void RingDocument::describe(DocumentKeys<RingDocument>& d) {
 void DiscDocument::describe(DocumentKeys<DiscDocument>& d) {
   d.table().definition = "disc";
   d.value<&DiscDocument::radius>("radius", meters, above(0), at_most(k_max_size_m),
-                                 "distance of the corners from the axis")
+                                 "radius: distance from the axis to the corners of the polygon")
       .require();
   d.value<&DiscDocument::height>("height", meters, above(0), at_most(k_max_size_m), "height of the cylinder")
       .require();
@@ -752,8 +752,9 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
       .when(has_lines);
   d.rule({.how = How::one_of,
           .keys = {"bitmap", "walls_m"},
-          .none = fmt::format("missing \"bitmap\": {}; or \"walls_m\", [[x, y], ...], a line of walls",
-                              d.table().find("bitmap")->expects),
+          .none = fmt::format(
+              "a floor plan needs \"bitmap\" ({}) or \"walls_m\" (points [[x, y], ...] of a line of walls)",
+              d.table().find("bitmap")->expects),
           .several = "give \"bitmap\" or \"walls_m\", not both",
           .at_key = true});
   d.value<&FloorplanDocument::pose>("pose",

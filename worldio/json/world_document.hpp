@@ -29,7 +29,8 @@
 /// docs/world-format.md.
 namespace troupe::worldio {
 
-/// Collects the keys of a struct T of a document (worldio/json/document_table.hpp). T::describe() adds them.
+/// Collects the JSON keys of T, one of the structs below: T::describe() adds one key per member. Defined in
+/// worldio/json/document_table.hpp.
 template <class T>
 class DocumentKeys;
 
@@ -117,7 +118,7 @@ struct DeviceDocument : Placed {
   std::string name;                ///< empty: generated from the kind, as in "ranger:0"
   std::string kind;                ///< name in Registry::devices
   bool is_kind_implied = false;    ///< true: the writer omits `kind`, which follows from that of the part
-  std::optional<Pose> pose;        ///< in the frame of the body or, if `on` is not empty, of that device
+  std::optional<Pose> pose;        ///< in the frame of the body or, if `on` names a device, in its frame
   std::optional<JointName> joint;  ///< joint that moves the device; empty: that of its part
   bool active = true;              ///< false: runs only while a controller or a program reads it
   double period = 0;               ///< time between two readings, s; 0: every tick

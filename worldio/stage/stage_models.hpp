@@ -40,7 +40,7 @@ class StageMacros {
  public:
   StageMacros(const StageDocument& document, const engine::Registry& registry, StageValues& values);
 
-  /// Adds a macro. The first definition of a name is used; another one is a warning.
+  /// Adds a macro. The first definition of a name is used; a later one is ignored with a warning.
   void define(const StageItem& item);
   /// Applies the macros of an entity: follows the chain of their bases, then replaces an older name of a
   /// type, such as "laser", by the present name. Empty, with an error, if the chain of bases is a cycle or

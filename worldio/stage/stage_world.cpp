@@ -582,8 +582,9 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
     if (kind != nullptr && kind->needs_drive && !is_position) {
       values_.error(values_.where(*ctrl),
                     fmt::format("controller \"{}\" must be in a model of type position, which "
-                                "has a drive; this model is of type {}{}",
-                                controller.kind, model.type, is_root ? "" : " inside another model"));
+                                "has a drive; {} is of type {}",
+                                controller.kind, is_root ? "this model" : "this one, inside another model,",
+                                model.type));
       continue;
     }
     controller.part = part;
