@@ -299,7 +299,7 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("m.csv: error: cannot be written: this table cannot be continued after "
-                                     "the checkpoint, because its first line is not tick,time_s,order"));
+                                     "the checkpoint, because its first line is not \"tick,time_s,order\""));
   EXPECT_EQ(read("m.csv"), before);
 }
 

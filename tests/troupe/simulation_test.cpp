@@ -427,23 +427,24 @@ TEST_F(SimulationTest, SubscribingToWhatIsNotThereIsAnError) {
 TEST_F(SimulationTest, UnknownSensorsAreAnsweredWithTheKnown) {
   Simulation simulation = json();
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("r0").ranges("frnt")); }),
-            "\"r0\" has no ranger \"frnt\"; it has: front, top");
+            "\"r0\" has no ranging sensor \"frnt\"; it has: front, top");
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("slider").ranges()); }),
-            "\"slider\" has no ranger");
+            "\"slider\" has no ranging sensor");
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("wall").intensities()); }),
-            "\"wall\" has no ranger");
+            "\"wall\" has no ranging sensor");
 }
 
 TEST_F(SimulationTest, OtherSensorsHaveNoRanges) {
-  Simulation simulation = Simulation::from_text(R"({"troupe": 1, "types": {"bot": {"size_m": 0.3, "sensors": [
-      {"name": "bump", "kind": "bumper"},
+  Simulation simulation =
+      Simulation::from_text(R"({"troupe": 1, "types": {"bot": {"size_m": [0.3, 0.3, 0.2], "sensors": [
+      {"name": "needle", "kind": "compass"},
       {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2}]}]}},
     "models": [{"name": "r", "type": "bot"}]})",
-                                                "w.json");
+                            "w.json");
   simulation.step();
   EXPECT_THAT(simulation.find("r").ranges(), ElementsAre(2.0F));
-  EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("r").ranges("bump")); }),
-            "\"r\" has no ranger \"bump\"; it has: eye");
+  EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("r").ranges("needle")); }),
+            "\"r\" has no ranging sensor \"needle\"; it has: eye");
 }
 
 TEST_F(SimulationTest, InStageWorldsSensorsRunWhenSubscribed) {
