@@ -256,7 +256,7 @@ class Steered(unittest.TestCase):
             self.assertEqual(viewer.ask(do="set", type="runner", drive={"velocity_max_x_mps": 0.05})["type"], "done")
             viewer.ask(do="step", ticks=10)
             shown = self.paused(viewer)
-            for setting, reason in (({"drive": {"wheels": 3}}, "wheels"), ({}, "give one of"),
+            for setting, reason in (({"drive": {"wheels": 3}}, "wheels"), ({}, "give exactly one of"),
                                     ({"controller": {"kind": "wander", "cruise_speed_mps": "fast"}}, "cruise_speed_mps")):
                 self.assertIn(reason, viewer.ask(do="set", type="runner", **setting)["reason"])
             self.assertIn("unknown type", viewer.ask(do="parameters", type="x")["reason"])
@@ -829,6 +829,7 @@ class InABrowser(unittest.TestCase):
         page.wait("troupe.state().run === 2")
         restarted = self.paused()
         self.assertEqual(restarted["tick"], 0)
+        page.wait("troupe.pose('red')[3] === 0 && Math.abs(troupe.pose('red')[0] + 3) < 1e-3")  # it is drawn again
         self.keep("restarted")
         self.assertEqual(page.problems, [])
         view.end()

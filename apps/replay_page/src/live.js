@@ -143,7 +143,6 @@ class LivePage extends Page {
 
   /** Called when the run was restarted. */
   restarted() {
-    this.recording.restarted();
     this.trails(this.view.trails.seconds);
     this.panel.restarted();
     this.bar.restarted();
@@ -266,7 +265,7 @@ class Link {
       this.source = new LiveSource(message, (what) => this.send(what));
       this.onHello(this.source, this);
     } else if (message.type === "state") {
-      this.source.state = message;
+      this.source.takeState(message);
       if (message.inspected) this.source.inspected = message.inspected;
     } else {
       this.asked.get(message.id)?.(message);

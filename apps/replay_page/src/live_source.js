@@ -87,10 +87,13 @@ export class LiveSource {
   get span() {
     return this.ring.length === 0 ? [0, 0] : [this.ring[0].time, this.ring[this.ring.length - 1].time];
   }
-  /** Call this when the run was restarted: earlier pictures are of another run. */
-  restarted() {
-    this.ring = [];
-    this.lookTime = null;
+  /** Takes the state of the program, which arrives before the picture of the same tick. */
+  takeState(state) {
+    if (this.state && state.run !== this.state.run) {
+      this.ring = []; // these pictures are of the run before the restart
+      this.lookTime = null;
+    }
+    this.state = state;
   }
   /** Asks for the values by which robots are coloured, {component, field, column}; null: none. */
   colorBy(value) {
