@@ -363,9 +363,8 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
   try {
     work();
   } catch (...) {
-    is_in_tick_ = true;
+    is_in_tick_ = false;  // first: fail() throws
     if (!is_exchanged_) fail();
-    is_in_tick_ = false;
     throw;
   }
   is_in_tick_ = false;
@@ -471,7 +470,6 @@ void Replica::get_written(MessageReader& message, unsigned from) {
 }
 
 void Replica::exchange() {
-  is_exchanged_ = true;
   const auto began = [&](Phase phase) { return began_s_[static_cast<std::size_t>(phase)]; };
   work_[transport_.rank()] = {.rows = this->own().end - this->own().first,
                               .sense_s = began(Phase::actuate) - began(Phase::sense),
@@ -483,6 +481,7 @@ void Replica::exchange() {
   own.put(options_.requests ? options_.requests() : std::uint32_t{0});
   put_written(own);
   exchanged_bytes_ = own.size();
+  is_exchanged_ = true;
   transport_.send_to_all(std::move(own));
   std::vector<ReceivedOrder> received(ranks());
   std::vector<Failure> failures;

@@ -233,7 +233,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   std::vector<CLI::Option*> settings = command.get_options();
   settings.erase(settings.begin(), settings.begin() + static_cast<std::ptrdiff_t>(before));
-  command.final_callback([settings, &options, &command] {
+  command.final_callback([settings, &options] {
     PictureFiles& pictures = options.pictures;
     if (pictures.snapshot.empty() && pictures.film.empty()) throw CLI::RequiredError("--output or --film");
     if (pictures.snapshot.empty() && !pictures.snapshot_at_s.empty())

@@ -460,6 +460,31 @@ TEST_F(RanksOfAProgram, ReportAControllerThatThrows) {
   EXPECT_THAT(step_error(simulation), StartsWith("tick 3: controller \"fails\" of \"w"));
 }
 
+TEST_F(RanksOfAProgram, TakeOverWhatItChangesAfterAFailedTick) {
+  engine::Registry kinds = make_registry();
+  kinds.controllers.push_back(engine::make_controller_kind<Fails>("fails", "throws"));
+  std::string text(k_wanderers);
+  text.replace(text.find("\"wander\""), 8, "\"fails\"");
+  const fs::path file = write("fails.json", text);
+  const auto line_after = [&](unsigned ranks) {
+    SimulationOptions options;
+    options.threads = 1;
+    options.ranks = ranks;
+    Simulation simulation(file, options, kinds);
+    simulation.step();
+    simulation.step();
+    EXPECT_NE(step_error(simulation), "");
+    simulation.reset();
+    Model robot = simulation.find("w39");  // its rank is not 0
+    Pose pose = robot.pose();
+    pose.heading += 1;
+    robot.set_pose(pose);
+    simulation.step();
+    return simulation.hash_log_line();
+  };
+  EXPECT_EQ(line_after(4), line_after(1));
+}
+
 /// A collective controller: every robot turns by the mean of what the rangers of all of them read. It throws
 /// in tick `k_throws`.
 template <std::uint64_t k_throws>
