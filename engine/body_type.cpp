@@ -126,6 +126,231 @@ std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, 
   }
 }
 
+/// Compiles one type, see make_body_type(). Every error goes to the diagnostics, and the rest of the type is
+/// still compiled, so that one run reports all of them.
+class TypeCompiler {
+ public:
+  TypeCompiler(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
+               Diagnostics& diagnostics)
+      : spec_(spec), world_(world), registry_(registry), diagnostics_(diagnostics) {}
+
+  BodyType compile() {
+    type_.name = spec_.name;
+    add_geometry(spec_, type_, diagnostics_);
+    add_joints();
+    check_joints();
+    if (spec_.drive) {
+      check_thickness();
+      add_drive(*spec_.drive);
+    }
+    for (const DeviceSpec& device : spec_.devices) add_device(device);
+    check_joint_reach();
+    connect_supplies(spec_, registry_, type_, diagnostics_);
+    claimed_.assign(type_.devices.size(), false);
+    for (std::size_t c = 0; c < spec_.controllers.size(); ++c) add_controller(c);
+    return std::move(type_);
+  }
+
+ private:
+  void add_joints() {
+    for (const JointSpec& joint : spec_.joints) {
+      const Mount at_rest(joint.pose_body_joint);
+      type_.joints.push_back({joint.name, joint.parent, at_rest, inverse(at_rest)});
+    }
+  }
+
+  void check_joints() {
+    for (std::size_t j = 0; j < spec_.joints.size(); ++j)
+      if (spec_.joints[j].parent >= static_cast<std::int32_t>(j))
+        diagnostics_.error(
+            where(), fmt::format("type \"{}\": the parent of joint \"{}\" must come before it in the list of "
+                                 "joints",
+                                 spec_.name, spec_.joints[j].name));
+    for (const PartSpec& part : spec_.parts)
+      if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec_.joints.size()))
+        diagnostics_.error(
+            part.where,
+            fmt::format("type \"{}\": part \"{}\" refers to joint {}, counted from 0, but the type has "
+                        "{} joints",
+                        spec_.name, part.name, part.joint, spec_.joints.size()));
+  }
+
+  void check_thickness() {
+    constexpr double k_thin_m = 0.5e-3;
+    if (!type_.obstacle.empty() && type_.obstacle.thinnest < k_thin_m)
+      diagnostics_.warning(
+          where(),
+          fmt::format("a part of type \"{}\" is only {:.3g} m thick: each motion is tested in steps of a "
+                      "quarter of this thickness, which is slow; make the part at least {} m thick",
+                      spec_.name, type_.obstacle.thinnest, k_thin_m));
+  }
+
+  void add_drive(const DriveSpec& drive) {
+    const DriveKind* kind = registry_.drive(drive.kind);
+    if (!kind) {
+      diagnostics_.error(drive.where, unknown("drive", drive.kind, registry_.drives));
+      return;
+    }
+    const auto report = [&](const Result<>& checked) {
+      if (!checked)
+        diagnostics_.error(drive.where, fmt::format("drive \"{}\": {}", drive.kind, checked.error().text));
+    };
+    report(kind->check(drive.params));
+    type_.drive = {kind, kind->prepare(drive.params), period_ticks(drive.period_s, world_.tick_s), {}};
+    if (kind->localization) {
+      if (const Result<Localization> how = kind->localization(drive.params))
+        type_.drive->localization = *how;
+      else
+        report(how.error());
+    }
+    if (kind->pushes)
+      type_.drive->pushes =
+          static_cast<std::uint8_t>(std::clamp<std::int64_t>(kind->pushes(drive.params), 0, k_most_pushed));
+    if (type_.pushable)
+      diagnostics_.error(
+          drive.where,
+          fmt::format("type \"{}\" has a drive and is pushable: only a type without a drive can be "
+                      "pushable",
+                      spec_.name));
+  }
+
+  void add_device(const DeviceSpec& device) {
+    const DeviceKind* kind = registry_.device(device.kind);
+    if (!kind) {
+      diagnostics_.error(device.where, unknown("sensor", device.kind, registry_.devices));
+      return;
+    }
+    if (const double samples = samples_asked_for(kind->params, device.params); samples > k_most_readings) {
+      diagnostics_.error(
+          device.where, fmt::format("too large: sensor \"{}\" has {:.0f} samples, at most {:.0f} are allowed",
+                                    device.name, samples, k_most_readings));
+      return;
+    }
+    if (!has_joints_of(device, *kind)) {
+      diagnostics_.error(
+          device.where,
+          fmt::format(
+              "a device of kind \"{}\" is on a joint, or moves a joint, that type \"{}\" does not have: "
+              "add the device with add_device(), which also adds its joints",
+              device.kind, spec_.name));
+      return;
+    }
+    const std::string name = unique_name(device);
+    Result<DeviceKind::Prepared> prepared = prepare_device(*kind, device, world_, spec_);
+    if (!prepared) {
+      diagnostics_.error(device.where, fmt::format("device \"{}\" {}", device.name, prepared.error().text));
+      return;
+    }
+    type_.devices.push_back({name,
+                             kind,
+                             *std::move(prepared),
+                             period_ticks(device.period_s, world_.tick_s),
+                             device.active,
+                             device.part,
+                             device.joint,
+                             device.moves,
+                             stream_id(kind->name, name),
+                             {}});
+    type_.carries = type_.carries || kind->carries;
+    type_.joint_reach += type_.devices.back().prepared.joint_reach_m;
+    if (moves_joints(device, *kind)) type_.joint_devices.push_back(type_.devices.size() - 1);
+  }
+
+  static bool moves_joints(const DeviceSpec& device, const DeviceKind& kind) {
+    return !kind.joints.empty() && device.moves != k_rigid;
+  }
+
+  /// Whether the type has the joint that a device is mounted on and the joints that it moves.
+  bool has_joints_of(const DeviceSpec& device, const DeviceKind& kind) const {
+    const auto known = static_cast<std::int64_t>(spec_.joints.size());
+    const auto moved = static_cast<std::int64_t>(kind.joints.size());
+    if (device.joint < k_rigid || device.joint >= known || device.moves < k_rigid) return false;
+    return moves_joints(device, kind) ? device.moves + moved <= known : moved == 0;
+  }
+
+  /// Returns the name of a device, or a new name with a warning if a device before it has that name: readings
+  /// are looked up and hashed by the name of the device.
+  std::string unique_name(const DeviceSpec& device) {
+    std::string name = device.name;
+    for (int n = 2; std::ranges::find(type_.devices, name, &BodyType::Device::name) != type_.devices.end();
+         ++n)
+      name = fmt::format("{}#{}", device.name, n);
+    if (name != device.name)
+      diagnostics_.warning(device.where,
+                           fmt::format("the type already has a sensor \"{}\": this sensor is renamed \"{}\"",
+                                       device.name, name));
+    return name;
+  }
+
+  void check_joint_reach() {
+    // Limit of joint_reach, m. The circle of a large body is stored in every grid cell that it touches, so an
+    // unlimited circle would take unlimited memory.
+    constexpr double k_most_reach = 1000;
+    if (type_.joint_reach <= k_most_reach) return;  // not if it is NaN
+    diagnostics_.error(
+        where(),
+        fmt::format("too large: the joints of type \"{}\" can move by {:g} m in total, at most {:g} m are "
+                    "allowed",
+                    spec_.name, type_.joint_reach, k_most_reach));
+  }
+
+  /// Compiles the controller with the index `c` in the type.
+  void add_controller(std::size_t c) {
+    const ControllerSpec& controller = spec_.controllers[c];
+    const ControllerKind* kind = registry_.controller(controller.kind);
+    if (!kind) {
+      diagnostics_.error(controller.where, unknown("controller", controller.kind, registry_.controllers));
+      return;
+    }
+    const std::optional<std::size_t> drive = drive_of(spec_, type_, controller.part);
+    if (kind->needs_drive && !type_.drive && !drive) {
+      diagnostics_.error(controller.where,
+                         fmt::format("controller \"{}\" needs a drive, but type \"{}\" has none",
+                                     controller.kind, spec_.name));
+      return;
+    }
+    Result<ControllerKind::Prepared> prepared =
+        prepare_controller(*kind, controller, world_, spec_, type_, claimed_);
+    if (!prepared) {
+      diagnostics_.error(controller.where,
+                         fmt::format("controller \"{}\" {}", controller.kind, prepared.error().text));
+      return;
+    }
+    if (prepared->devices.size() > k_most_devices_read) {
+      diagnostics_.error(
+          controller.where,
+          fmt::format("controller \"{}\" uses {} sensors and other devices; at most {} are allowed",
+                      controller.kind, prepared->devices.size(), k_most_devices_read));
+      return;
+    }
+    for (const std::size_t d : prepared->devices) {
+      type_.devices[d].active = true;
+      if (kind->switches && d < 32) type_.devices[d].switch_bit = std::uint32_t{1} << d;
+    }
+    const std::uint64_t period = period_of(controller, prepared->devices);
+    type_.controllers.push_back({kind, std::move(prepared->data), std::move(prepared->devices), period,
+                                 stream_id(kind->name, std::to_string(c)), std::nullopt, drive});
+  }
+
+  /// Ticks from one decision of a controller to the next: the period of the first of its devices or, if it
+  /// has none, of the drive.
+  std::uint64_t period_of(const ControllerSpec& controller, const std::vector<std::size_t>& devices) const {
+    if (!devices.empty()) return type_.devices[devices.front()].period;
+    if (type_.drive) return type_.drive->period;
+    return period_ticks(controller.period_s, world_.tick_s);
+  }
+
+  /// The file position of findings that concern the type as a whole.
+  Where where() const { return spec_.parts.front().where; }
+
+  const TypeSpec& spec_;
+  const WorldSpec& world_;
+  const Registry& registry_;
+  Diagnostics& diagnostics_;
+  BodyType type_;
+  std::vector<bool> claimed_;  ///< by device: a controller has reserved it for itself
+};
+
 }  // namespace
 
 double BodyType::row_bytes() const {
@@ -201,172 +426,7 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
 
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics) {
-  const double tick_s = world.tick_s;
-  BodyType type;
-  type.name = spec.name;
-  add_geometry(spec, type, diagnostics);
-  for (const JointSpec& joint : spec.joints) {
-    const Mount at_rest(joint.pose_body_joint);
-    type.joints.push_back({joint.name, joint.parent, at_rest, inverse(at_rest)});
-  }
-
-  for (std::size_t j = 0; j < spec.joints.size(); ++j)
-    if (spec.joints[j].parent >= static_cast<std::int32_t>(j))
-      diagnostics.error(
-          spec.parts.front().where,
-          fmt::format("type \"{}\": the parent of joint \"{}\" must come before it in the list of "
-                      "joints",
-                      spec.name, spec.joints[j].name));
-  for (const PartSpec& part : spec.parts)
-    if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec.joints.size()))
-      diagnostics.error(
-          part.where,
-          fmt::format("type \"{}\": part \"{}\" refers to joint {}, counted from 0, but the type has "
-                      "{} joints",
-                      spec.name, part.name, part.joint, spec.joints.size()));
-
-  constexpr double k_thin_m = 0.5e-3;
-  if (spec.drive && !type.obstacle.empty() && type.obstacle.thinnest < k_thin_m) {
-    diagnostics.warning(
-        spec.parts.front().where,
-        fmt::format("a part of type \"{}\" is only {:.3g} m thick: each motion is tested in steps of a "
-                    "quarter of this thickness, which is slow; make the part at least {} m thick",
-                    spec.name, type.obstacle.thinnest, k_thin_m));
-  }
-  if (spec.drive) {
-    if (const DriveKind* kind = registry.drive(spec.drive->kind)) {
-      const Record& params = spec.drive->params;
-      const auto report = [&](const Result<>& checked) {
-        if (!checked)
-          diagnostics.error(spec.drive->where,
-                            fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text));
-      };
-      report(kind->check(params));
-      type.drive = {kind, kind->prepare(params), period_ticks(spec.drive->period_s, tick_s), {}};
-      if (kind->localization) {
-        if (const Result<Localization> how = kind->localization(params))
-          type.drive->localization = *how;
-        else
-          report(how.error());
-      }
-      if (kind->pushes)
-        type.drive->pushes =
-            static_cast<std::uint8_t>(std::clamp<std::int64_t>(kind->pushes(params), 0, k_most_pushed));
-      if (type.pushable)
-        diagnostics.error(
-            spec.drive->where,
-            fmt::format("type \"{}\" has a drive and is pushable: only a type without a drive can be "
-                        "pushable",
-                        spec.name));
-    } else
-      diagnostics.error(spec.drive->where, unknown("drive", spec.drive->kind, registry.drives));
-  }
-
-  for (const DeviceSpec& sensor : spec.devices) {
-    const DeviceKind* kind = registry.device(sensor.kind);
-    if (!kind) {
-      diagnostics.error(sensor.where, unknown("sensor", sensor.kind, registry.devices));
-      continue;
-    }
-    if (const double samples = samples_asked_for(kind->params, sensor.params); samples > k_most_readings) {
-      diagnostics.error(sensor.where,
-                        fmt::format("too large: sensor \"{}\" has {:.0f} samples, at most {:.0f} are allowed",
-                                    sensor.name, samples, k_most_readings));
-      continue;
-    }
-    const auto joints = static_cast<std::int64_t>(kind->joints.size());
-    const auto known = static_cast<std::int64_t>(spec.joints.size());
-    const bool moves = joints > 0 && sensor.moves != k_rigid;
-    if (sensor.joint < k_rigid || sensor.joint >= known || sensor.moves < k_rigid ||
-        (moves ? sensor.moves + joints > known : joints > 0)) {
-      diagnostics.error(
-          sensor.where,
-          fmt::format(
-              "a device of kind \"{}\" is on a joint, or moves a joint, that type \"{}\" does not have: "
-              "add the device with add_device(), which also adds its joints",
-              sensor.kind, spec.name));
-      continue;
-    }
-    // Readings are looked up and hashed by the name of the device, so the name must be unique.
-    std::string name = sensor.name;
-    for (int n = 2; std::ranges::find(type.devices, name, &BodyType::Device::name) != type.devices.end(); ++n)
-      name = fmt::format("{}#{}", sensor.name, n);
-    if (name != sensor.name) {
-      diagnostics.warning(sensor.where,
-                          fmt::format("the type already has a sensor \"{}\": this sensor is renamed \"{}\"",
-                                      sensor.name, name));
-    }
-    const std::uint32_t stream = stream_id(kind->name, name);
-    Result<DeviceKind::Prepared> prepared = prepare_device(*kind, sensor, world, spec);
-    if (!prepared) {
-      diagnostics.error(sensor.where, fmt::format("device \"{}\" {}", sensor.name, prepared.error().text));
-      continue;
-    }
-    type.devices.push_back({name,
-                            kind,
-                            *std::move(prepared),
-                            period_ticks(sensor.period_s, tick_s),
-                            sensor.active,
-                            sensor.part,
-                            sensor.joint,
-                            sensor.moves,
-                            stream,
-                            {}});
-    type.carries = type.carries || kind->carries;
-    type.joint_reach += type.devices.back().prepared.joint_reach_m;
-    if (moves) type.joint_devices.push_back(type.devices.size() - 1);
-  }
-  // Limit of joint_reach, m. The circle of a large body is stored in every grid cell that it touches, so an
-  // unlimited circle would take unlimited memory.
-  constexpr double k_most_reach = 1000;
-  if (!(type.joint_reach <= k_most_reach))
-    diagnostics.error(
-        spec.parts.front().where,
-        fmt::format("too large: the joints of type \"{}\" can move by {:g} m in total, at most {:g} m are "
-                    "allowed",
-                    spec.name, type.joint_reach, k_most_reach));
-  connect_supplies(spec, registry, type, diagnostics);
-
-  std::vector<bool> claimed(type.devices.size(), false);
-  for (std::size_t c = 0; c < spec.controllers.size(); ++c) {
-    const ControllerSpec& controller = spec.controllers[c];
-    const ControllerKind* kind = registry.controller(controller.kind);
-    if (!kind) {
-      diagnostics.error(controller.where, unknown("controller", controller.kind, registry.controllers));
-      continue;
-    }
-    const std::optional<std::size_t> drive = drive_of(spec, type, controller.part);
-    if (kind->needs_drive && !type.drive && !drive) {
-      diagnostics.error(controller.where,
-                        fmt::format("controller \"{}\" needs a drive, but type \"{}\" has none",
-                                    controller.kind, spec.name));
-      continue;
-    }
-    Result<ControllerKind::Prepared> made = prepare_controller(*kind, controller, world, spec, type, claimed);
-    if (!made) {
-      diagnostics.error(controller.where,
-                        fmt::format("controller \"{}\" {}", controller.kind, made.error().text));
-      continue;
-    }
-    ControllerKind::Prepared& prepared = *made;
-    if (prepared.devices.size() > k_most_devices_read) {
-      diagnostics.error(
-          controller.where,
-          fmt::format("controller \"{}\" uses {} sensors and other devices; at most {} are allowed",
-                      controller.kind, prepared.devices.size(), k_most_devices_read));
-      continue;
-    }
-    for (const std::size_t s : prepared.devices) {
-      type.devices[s].active = true;
-      if (kind->switches && s < 32) type.devices[s].switch_bit = std::uint32_t{1} << s;
-    }
-    const std::uint64_t period = !prepared.devices.empty() ? type.devices[prepared.devices.front()].period
-                                 : type.drive              ? type.drive->period
-                                                           : period_ticks(controller.period_s, tick_s);
-    type.controllers.push_back({kind, std::move(prepared.data), std::move(prepared.devices), period,
-                                stream_id(kind->name, std::to_string(c)), std::nullopt, drive});
-  }
-  return type;
+  return TypeCompiler(spec, world, registry, diagnostics).compile();
 }
 
 }  // namespace troupe::engine

@@ -218,11 +218,129 @@ class Spaced {
   std::unordered_map<std::uint64_t, std::vector<Vec2>> cells_;
 };
 
-/// A candidate pose, tested in advance against everything except other bodies.
-struct Ahead {
-  Pose pose;
-  std::uint32_t trial = 0;  ///< number of the trial that yielded the pose
-  bool is_open = false;     ///< whether the rule and the bounds allow the pose and no wall blocks it
+/// Places the bodies of one population, see place(). Many candidates are tested against the static scene in
+/// advance and in parallel. They are then tested against other bodies one by one, in order, because each body
+/// that is placed affects the next ones.
+class RulePlacer {
+ public:
+  RulePlacer(const PlacementRule& rule, const partition::ObstacleShape& shape, const Candidates& candidates,
+             const std::optional<Box>& bounds, const partition::StaticScene& scene, Crowd& crowd,
+             partition::Parallel& parallel)
+      : rule_(rule),
+        shape_(shape),
+        candidates_(candidates),
+        bounds_(bounds),
+        scene_(scene),
+        crowd_(crowd),
+        parallel_(parallel) {
+    if (rule.kind == PlacementRule::Kind::free_floor) floor_.emplace(rule, shape, scene, parallel);
+    if (rule.kind == PlacementRule::Kind::poisson_disc) spaced_.emplace(rule.distance_m);
+  }
+
+  /// Places at most `count` bodies by a rule that draws positions.
+  std::vector<Pose> place_at_random(std::size_t count) {
+    std::size_t size = 64;  // poses per batch, doubled each time: little work is lost if no pose is free
+    for (std::size_t i = 0; poses_.size() < count; ++i) {
+      const auto body = static_cast<std::uint32_t>(poses_.size());
+      if (i == ahead_.size()) {
+        size = std::min(2 * size, k_most_ahead);
+        test_ahead(std::min(size, count - poses_.size()),
+                   [&](std::size_t k) { return next_open(body + static_cast<std::uint32_t>(k), 0); });
+        i = 0;
+      }
+      Ahead found = ahead_[i];
+      while (found.is_open && !is_free(found.pose)) found = next_open(body, found.trial + 1);
+      if (!found.is_open) break;
+      add(found.pose);
+    }
+    return std::move(poses_);
+  }
+
+  /// Places at most `count` bodies in the cells of a grid rule.
+  std::vector<Pose> place_in_cells(std::size_t count) {
+    std::uint32_t trial = 0;
+    std::size_t i = 0;
+    for (std::uint64_t cell = 0; cell < candidates_.cells() && poses_.size() < count; ++cell, ++i) {
+      const auto body = static_cast<std::uint32_t>(poses_.size());
+      if (i == ahead_.size()) {
+        // Without random numbers, the pose of a cell does not depend on its body, so cells can be tested in
+        // advance. At least one cell is needed for each remaining body.
+        const std::uint64_t left = std::min<std::uint64_t>(candidates_.cells() - cell, count - poses_.size());
+        const std::size_t size =
+            candidates_.draws() ? 1 : static_cast<std::size_t>(std::min<std::uint64_t>(left, k_most_ahead));
+        test_ahead(size, [&](std::size_t k) {
+          const Pose pose = candidates_.pose(cell + k, body, trial);
+          return Ahead{pose, trial, is_open(pose)};
+        });
+        i = 0;
+      }
+      ++trial;
+      if (!ahead_[i].is_open || !is_free(ahead_[i].pose)) continue;
+      add(ahead_[i].pose);
+      trial = 0;
+    }
+    return std::move(poses_);
+  }
+
+ private:
+  /// A candidate pose, tested in advance against everything except other bodies.
+  struct Ahead {
+    Pose pose;
+    std::uint32_t trial = 0;  ///< number of the trial that yielded the pose
+    bool is_open = false;     ///< result of is_open(pose)
+  };
+  static constexpr std::size_t k_most_ahead = 16384;
+
+  /// Whether the rule and the bounds allow the pose and no wall blocks it.
+  bool is_open(const Pose& pose) const {
+    // Normally distributed positions may lie outside the region.
+    const bool may_leave = rule_.kind == PlacementRule::Kind::gaussian;
+    const Vec2 at = pose.position();
+    return (!bounds_ || bounds_->contains(at)) && (!may_leave || rule_.region.contains(at)) &&
+           (rule_.polygon.empty() || contains(polygon_, at)) && (!floor_ || floor_->contains(at)) &&
+           !scene_.blocked(shape_, pose);
+  }
+
+  /// Whether the bodies that are already placed allow the pose.
+  bool is_free(const Pose& pose) const {
+    return (!spaced_ || spaced_->takes(pose.position())) && crowd_.free(shape_, pose);
+  }
+
+  void add(const Pose& pose) {
+    crowd_.add(shape_, pose);
+    if (spaced_) spaced_->add(pose.position());
+    poses_.push_back(pose);
+  }
+
+  /// Tests the random poses of a body from this trial on, up to the first one that is open.
+  Ahead next_open(std::uint32_t body, std::uint32_t trial) const {
+    for (; trial < rule_.trials; ++trial)
+      if (const Pose pose = candidates_.pose(0, body, trial); is_open(pose)) return {pose, trial, true};
+    return {{}, trial, false};
+  }
+
+  /// Sets ahead_ to test(0), ..., test(size - 1), computed in parallel.
+  template <class Test>
+  void test_ahead(std::size_t size, Test&& test) {
+    constexpr std::size_t k_batch = 128;
+    ahead_.resize(size);
+    parallel_.for_each((size + k_batch - 1) / k_batch, [&](std::size_t b) {
+      for (std::size_t i = b * k_batch; i < std::min(size, (b + 1) * k_batch); ++i) ahead_[i] = test(i);
+    });
+  }
+
+  const PlacementRule& rule_;
+  const partition::ObstacleShape& shape_;
+  const Candidates& candidates_;
+  const std::optional<Box>& bounds_;
+  const partition::StaticScene& scene_;
+  Crowd& crowd_;
+  partition::Parallel& parallel_;
+  const Solid polygon_{{rule_.polygon}, {}};
+  std::optional<Floor> floor_;
+  std::optional<Spaced> spaced_;
+  std::vector<Ahead> ahead_;
+  std::vector<Pose> poses_;
 };
 
 }  // namespace
@@ -316,85 +434,11 @@ double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& sh
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel) {
+  if (count == 0) return {};
   const Candidates candidates(rule, seed, stream_id("place", population));
-  const Solid polygon{{rule.polygon}, {}};
-  std::optional<Floor> floor;
-  if (rule.kind == PlacementRule::Kind::free_floor && count > 0) floor.emplace(rule, shape, scene, parallel);
-  std::optional<Spaced> spaced;
-  if (rule.kind == PlacementRule::Kind::poisson_disc) spaced.emplace(rule.distance_m);
-  // Normally distributed positions may lie outside the region.
-  const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;
-  const auto is_open = [&](const Pose& pose) {
-    const Vec2 at = pose.position();
-    return (!bounds || bounds->contains(at)) && (!may_leave || rule.region.contains(at)) &&
-           (rule.polygon.empty() || contains(polygon, at)) && (!floor || floor->contains(at)) &&
-           !scene.blocked(shape, pose);
-  };
-  const auto is_free = [&](const Pose& pose) {
-    return (!spaced || spaced->takes(pose.position())) && crowd.free(shape, pose);
-  };
-  std::vector<Pose> poses;
-  const auto add = [&](const Pose& pose) {
-    crowd.add(shape, pose);
-    if (spaced) spaced->add(pose.position());
-    poses.push_back(pose);
-  };
-
-  // Many candidates are tested against the static scene in advance and in parallel. They are then tested
-  // against other bodies one by one, in order, because each body that is placed affects the next ones.
-  std::vector<Ahead> ahead;
-  const auto test_ahead = [&](std::size_t size, auto&& test) {
-    constexpr std::size_t k_batch = 128;
-    ahead.resize(size);
-    parallel.for_each((size + k_batch - 1) / k_batch, [&](std::size_t b) {
-      for (std::size_t i = b * k_batch; i < std::min(size, (b + 1) * k_batch); ++i) ahead[i] = test(i);
-    });
-  };
-  constexpr std::size_t k_most_ahead = 16384;
-
-  if (rule.kind != PlacementRule::Kind::grid) {
-    const auto next_open = [&](std::uint32_t body, std::uint32_t trial) {
-      for (; trial < rule.trials; ++trial)
-        if (const Pose pose = candidates.pose(0, body, trial); is_open(pose)) return Ahead{pose, trial, true};
-      return Ahead{{}, trial, false};
-    };
-    std::size_t size = 64;  // poses per batch, doubled each time: little work is lost if no pose is free
-    for (std::size_t i = 0; poses.size() < count; ++i) {
-      const auto body = static_cast<std::uint32_t>(poses.size());
-      if (i == ahead.size()) {
-        size = std::min(2 * size, k_most_ahead);
-        test_ahead(std::min(size, count - poses.size()),
-                   [&](std::size_t k) { return next_open(body + static_cast<std::uint32_t>(k), 0); });
-        i = 0;
-      }
-      Ahead found = ahead[i];
-      while (found.is_open && !is_free(found.pose)) found = next_open(body, found.trial + 1);
-      if (!found.is_open) break;
-      add(found.pose);
-    }
-    return poses;
-  }
-
-  std::uint32_t trial = 0;
-  std::size_t i = 0;
-  for (std::uint64_t cell = 0; cell < candidates.cells() && poses.size() < count; ++cell, ++i) {
-    const auto body = static_cast<std::uint32_t>(poses.size());
-    if (i == ahead.size()) {
-      // Without random numbers, the pose of a cell does not depend on its body, so cells can be tested in
-      // advance. At least one cell is needed for each remaining body.
-      const std::uint64_t left = std::min<std::uint64_t>(candidates.cells() - cell, count - poses.size());
-      test_ahead(candidates.draws() ? 1 : std::min<std::uint64_t>(left, k_most_ahead), [&](std::size_t k) {
-        const Pose pose = candidates.pose(cell + k, body, trial);
-        return Ahead{pose, trial, is_open(pose)};
-      });
-      i = 0;
-    }
-    ++trial;
-    if (!ahead[i].is_open || !crowd.free(shape, ahead[i].pose)) continue;
-    add(ahead[i].pose);
-    trial = 0;
-  }
-  return poses;
+  RulePlacer placer(rule, shape, candidates, bounds, scene, crowd, parallel);
+  return rule.kind == PlacementRule::Kind::grid ? placer.place_in_cells(count)
+                                                : placer.place_at_random(count);
 }
 
 }  // namespace troupe::engine

@@ -54,6 +54,55 @@ void add_experiment(const engine::ExperimentSpec& experiment, Summary& summary) 
   });
 }
 
+/// The number of bodies of each type at the start of a run, by TypeId.
+std::vector<std::size_t> bodies_at_start(const engine::WorldSpec& spec) {
+  std::vector<std::size_t> counts(spec.types.size());
+  for (const engine::BodySpec& body : spec.bodies) ++counts[body.type.index()];
+  for (const engine::ReserveSpec& reserve : spec.reserves)
+    counts[spec.bodies[reserve.first.index()].type.index()] -= reserve.count;
+  return counts;
+}
+
+/// Adds the number of robots, and a line for each of their types, to the summary. Returns that number.
+std::size_t add_robots(const engine::WorldSpec& spec, Summary& summary) {
+  const std::vector<std::size_t> counts = bodies_at_start(spec);
+  std::size_t robots = 0;
+  for (std::size_t t = 0; t < counts.size(); ++t)
+    if (engine::is_mobile(spec.types[t])) robots += counts[t];
+  summary.emplace_back("robots", fmt::format("{}", robots));
+  constexpr std::size_t k_most_types = 20;
+  std::size_t types = 0;
+  for (std::size_t t = 0; t < counts.size(); ++t) {
+    if (!engine::is_mobile(spec.types[t]) || counts[t] == 0) continue;
+    if (types++ < k_most_types)
+      summary.emplace_back("  " + spec.types[t].name, type_text(spec.types[t], counts[t]));
+  }
+  if (types > k_most_types)
+    summary.emplace_back("  ...", fmt::format("and {}", counted(types - k_most_types, "more type")));
+  return robots;
+}
+
+/// Adds the reserves of populations to the summary. Returns the number of bodies in them.
+std::size_t add_reserves(const engine::WorldSpec& spec, Summary& summary) {
+  std::string reserves;
+  std::size_t bodies = 0;
+  for (const engine::ReserveSpec& reserve : spec.reserves) {
+    bodies += reserve.count;
+    reserves += fmt::format("{}{} of {}", reserves.empty() ? "" : ", ", reserve.count, reserve.population);
+  }
+  if (!reserves.empty()) summary.emplace_back("in reserve", reserves);
+  return bodies;
+}
+
+/// Adds the measures of a world to the summary; adds nothing if it has none.
+void add_measures(const engine::WorldSpec& spec, Summary& summary) {
+  std::string measures;
+  for (const engine::MeasureSpec& measure : spec.measures)
+    measures += fmt::format("{}{}{}{}", measures.empty() ? "" : ", ", measure.kind,
+                            measure.of.empty() ? "" : ":", measure.of);
+  if (!measures.empty()) summary.emplace_back("measures", measures);
+}
+
 }  // namespace
 
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
@@ -73,39 +122,12 @@ Summary summary_of_world(const std::filesystem::path& file, const std::string& t
                   {"tick", fmt::format("{:.10g} s", spec.tick_s)}};
   if (spec.quit_time_s) summary.emplace_back("ends at", fmt::format("{:.10g} s", *spec.quit_time_s));
   summary.emplace_back("ranging", engine::ranging_engine_name(spec.ranging));
-  std::vector<std::size_t> counts(spec.types.size());
-  for (const engine::BodySpec& body : spec.bodies) ++counts[body.type.index()];
-  std::string reserves;
-  std::size_t in_reserve = 0;
-  for (const engine::ReserveSpec& reserve : spec.reserves) {
-    counts[spec.bodies[reserve.first.index()].type.index()] -= reserve.count;
-    in_reserve += reserve.count;
-    reserves += fmt::format("{}{} of {}", reserves.empty() ? "" : ", ", reserve.count, reserve.population);
-  }
-  std::size_t robots = 0;
-  for (std::size_t t = 0; t < counts.size(); ++t)
-    if (engine::is_mobile(spec.types[t])) robots += counts[t];
-  summary.emplace_back("robots", fmt::format("{}", robots));
-  constexpr std::size_t k_most_types = 20;
-  std::size_t left_out = 0;
-  std::size_t told = 0;
-  for (std::size_t t = 0; t < counts.size(); ++t) {
-    if (!engine::is_mobile(spec.types[t]) || counts[t] == 0) continue;
-    if (told++ < k_most_types)
-      summary.emplace_back("  " + spec.types[t].name, type_text(spec.types[t], counts[t]));
-    else
-      ++left_out;
-  }
-  if (left_out > 0) summary.emplace_back("  ...", fmt::format("and {}", counted(left_out, "more type")));
-  if (!reserves.empty()) summary.emplace_back("in reserve", reserves);
+  const std::size_t robots = add_robots(spec, summary);
+  const std::size_t in_reserve = add_reserves(spec, summary);
   summary.emplace_back("other models", fmt::format("{}", spec.bodies.size() - 1 - robots - in_reserve));
   summary.emplace_back(
       "bounds", spec.bounds ? box_text(*spec.bounds) : "none: the world reaches 100 km in each direction");
-  std::string measures;
-  for (const engine::MeasureSpec& measure : spec.measures)
-    measures += fmt::format("{}{}{}{}", measures.empty() ? "" : ", ", measure.kind,
-                            measure.of.empty() ? "" : ":", measure.of);
-  if (!measures.empty()) summary.emplace_back("measures", measures);
+  add_measures(spec, summary);
   add_experiment(spec.experiment, summary);
   if (const std::size_t warnings = diagnostics.warnings().size(); warnings > 0)
     summary.emplace_back("warnings", fmt::format("{}; troupe lint lists them", warnings));

@@ -324,6 +324,33 @@ std::map<std::size_t, std::string> gathered(const std::map<std::size_t, std::str
   return all;
 }
 
+fs::path csv_file(const fs::path& folder) { return folder / "table.csv"; }
+fs::path hdf5_file(const fs::path& folder) { return folder / "table.h5"; }
+
+/// Writes the tables of a study whose runs are all done. If a file cannot be written, prints the error and
+/// returns false; it does not throw, because that would end the program with k_bad_input.
+bool write_tables(const SweepTable& table, const std::vector<std::string>& measures, const fs::path& folder) {
+  try {
+    write_csv(table, csv_file(folder));
+    if (table.study.series) write_series(table, measures, folder);
+    if (worldio::has_hdf5()) write_hdf5(table, hdf5_file(folder));
+    return true;
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return false;
+  }
+}
+
+void print_result(const SweepTable& table, bool is_complete, const fs::path& folder) {
+  fmt::print("{} of {} runs done", table.outcomes.size(), table.study.run_count());
+  if (!table.failed.empty()) fmt::print(", {} failed", table.failed.size());
+  if (is_complete)
+    fmt::print(": {}{}\n", csv_file(folder).string(),
+               table.study.series ? ", " + (folder / "series.csv").string() : std::string());
+  else
+    fmt::print("; the table is written when all runs are done\n");
+}
+
 ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   partition::Message list;  // the indices of all runs to make
   if (deal.rank() > 0) {
@@ -349,9 +376,8 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
         "troupe sweep: error: -o DIR is required: the folder for the results of the runs and the tables");
   const auto [identity, measures] = identify(study, options, deal.rank() == 0);
   check_folder(options.folder);
-  const fs::path csv = options.folder / "table.csv";
-  const fs::path hdf5 = options.folder / "table.h5";
-  if (fs::exists(options.folder)) check_outputs({}, {csv, hdf5, options.folder / "series.csv"});
+  if (fs::exists(options.folder))
+    check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
   stop_on_signals();
   fs::create_directories(study.series ? options.folder / "series" : options.folder);
   if (deal.rank() == 0) {
@@ -372,27 +398,9 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   if (deal.rank() > 0) return k_finished;
   for (const auto& [run, error] : table.failed) fmt::print(stderr, "run {}: {}\n", run, error);
   table.outcomes = read_journals(options.folder, identity);
-  const std::size_t left = study.run_count() - table.outcomes.size() - table.failed.size();
-  if (left == 0) {
-    try {
-      write_csv(table, csv);
-      if (study.series) write_series(table, measures, options.folder);
-      if (worldio::has_hdf5()) write_hdf5(table, hdf5);
-    } catch (const OutputError&
-                 error) {  // returns k_failed, not k_bad_input, because the runs are finished and saved
-      fmt::print(stderr, "{}\n", error.what());
-      return k_failed;
-    }
-  }
-  if (!options.quiet) {
-    fmt::print("{} of {} runs done", table.outcomes.size(), study.run_count());
-    if (!table.failed.empty()) fmt::print(", {} failed", table.failed.size());
-    if (left == 0)
-      fmt::print(": {}{}\n", csv.string(),
-                 study.series ? ", " + (options.folder / "series.csv").string() : std::string());
-    else
-      fmt::print("; the table is written when all runs are done\n");
-  }
+  const bool is_complete = table.outcomes.size() + table.failed.size() == study.run_count();
+  if (is_complete && !write_tables(table, measures, options.folder)) return k_failed;
+  if (!options.quiet) print_result(table, is_complete, options.folder);
   if (stop_requested()) return k_stopped;
   return table.failed.empty() ? k_finished : k_failed;
 }

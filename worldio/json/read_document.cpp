@@ -40,6 +40,11 @@ class ObjectReader {
   void read_heading(const DocumentKey& key);
   void read_faults(const DocumentKey& key);
   void read_node(const DocumentKey& key, const JsonCursor& at);
+  void check_version(const DocumentKey& key, const JsonCursor& at) const;
+  void read_seed(const DocumentKey& key, const JsonCursor& at);
+  void read_model_kind(const DocumentKey& key, const JsonCursor& at);
+  void read_color_or_random(const DocumentKey& key, const JsonCursor& at);
+  void read_joint(const DocumentKey& key, const JsonCursor& at);
   void read_names(const DocumentKey& key, const JsonCursor& at);
   void read_contours(const DocumentKey& key, const JsonCursor& at);
   void read_list(const DocumentKey& key, const JsonCursor& at);
@@ -209,50 +214,17 @@ void ObjectReader::read_faults(const DocumentKey& key) {
 
 void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
   switch (key.form) {
-    case Form::version: {
-      const auto* version = std::get_if<std::int64_t>(&at.node().value);
-      if (!version)
-        at.expected(key.missing_hint());
-      else if (*version != k_format_version)
-        at.error(fmt::format("unknown format version {}: this program reads version {}", *version,
-                             k_format_version));
-      return;
-    }
-    case Form::seed: {
-      const auto* small = std::get_if<std::int64_t>(&at.node().value);
-      const auto* big = std::get_if<std::uint64_t>(&at.node().value);
-      if (big)
-        member<std::uint64_t>(key) = *big;
-      else if (small && *small >= 0)
-        member<std::uint64_t>(key) = static_cast<std::uint64_t>(*small);
-      else
-        at.expected("a whole number from 0 to 2^64 - 1");
-      return;
-    }
+    case Form::version: return check_version(key, at);
+    case Form::seed: return read_seed(key, at);
     case Form::name:
       if (const std::string* name = read_text(at, key.expects)) member<std::string>(key) = *name;
       return;
-    case Form::model_kind: {
-      const std::string* name = read_text(at, "the name of a model kind");
-      if (!name) return;
-      member<std::string>(key) = *name;
-      if (reading_.registry.model(*name)) return;
-      std::vector<std::string_view> known;
-      for (const engine::ModelKind& kind : reading_.registry.models) known.push_back(kind.name);
-      return at.error(unknown_name("model kind", *name, std::move(known)));
-    }
+    case Form::model_kind: return read_model_kind(key, at);
     case Form::names: return read_names(key, at);
     case Form::color:
       if (const auto color = read_color(at)) member<Color>(key) = *color;
       return;
-    case Form::color_or_random: {
-      const std::string* word = at.node().text();
-      if (word && *word == "random")
-        member<ColorDocument>(key).is_random = true;
-      else if (const auto color = read_color(at))
-        member<ColorDocument>(key).color = *color;
-      return;
-    }
+    case Form::color_or_random: return read_color_or_random(key, at);
     case Form::points: {
       Ring points = read_points(at, key.least, key.most);
       if (!points.empty()) member<Ring>(key) = std::move(points);
@@ -262,12 +234,7 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
       if (const auto box = read_box(at)) member<Box>(key) = *box;
       return;
     case Form::contours: return read_contours(key, at);
-    case Form::joint:
-      if (std::holds_alternative<std::monostate>(at.node().value))
-        member<JointName>(key).name.reset();
-      else if (const std::string* name = read_text(at, "the name of a joint, or null"))
-        member<JointName>(key).name = *name;
-      return;
+    case Form::joint: return read_joint(key, at);
     case Form::comparison:
       if (const std::string* text = read_text(at, key.expects))
         if (const auto comparison = read_comparison(at, *text)) member<ComparisonDocument>(key) = *comparison;
@@ -283,6 +250,52 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
     case Form::map: return read_map(key, at);
     default: return;  // the other forms are read by read_key()
   }
+}
+
+void ObjectReader::check_version(const DocumentKey& key, const JsonCursor& at) const {
+  const auto* version = std::get_if<std::int64_t>(&at.node().value);
+  if (!version)
+    at.expected(key.missing_hint());
+  else if (*version != k_format_version)
+    at.error(
+        fmt::format("unknown format version {}: this program reads version {}", *version, k_format_version));
+}
+
+void ObjectReader::read_seed(const DocumentKey& key, const JsonCursor& at) {
+  const auto* small = std::get_if<std::int64_t>(&at.node().value);
+  const auto* big = std::get_if<std::uint64_t>(&at.node().value);
+  if (big)
+    member<std::uint64_t>(key) = *big;
+  else if (small && *small >= 0)
+    member<std::uint64_t>(key) = static_cast<std::uint64_t>(*small);
+  else
+    at.expected("a whole number from 0 to 2^64 - 1");
+}
+
+/// Reads the name of a model kind. An unknown name is an error, but is stored.
+void ObjectReader::read_model_kind(const DocumentKey& key, const JsonCursor& at) {
+  const std::string* name = read_text(at, "the name of a model kind");
+  if (!name) return;
+  member<std::string>(key) = *name;
+  if (reading_.registry.model(*name)) return;
+  std::vector<std::string_view> known;
+  for (const engine::ModelKind& kind : reading_.registry.models) known.push_back(kind.name);
+  at.error(unknown_name("model kind", *name, std::move(known)));
+}
+
+void ObjectReader::read_color_or_random(const DocumentKey& key, const JsonCursor& at) {
+  const std::string* word = at.node().text();
+  if (word && *word == "random")
+    member<ColorDocument>(key).is_random = true;
+  else if (const auto color = read_color(at))
+    member<ColorDocument>(key).color = *color;
+}
+
+void ObjectReader::read_joint(const DocumentKey& key, const JsonCursor& at) {
+  if (std::holds_alternative<std::monostate>(at.node().value))
+    member<JointName>(key).name.reset();
+  else if (const std::string* name = read_text(at, "the name of a joint, or null"))
+    member<JointName>(key).name = *name;
 }
 
 void ObjectReader::read_names(const DocumentKey& key, const JsonCursor& at) {

@@ -1,6 +1,7 @@
 #include "worldio/stage/stage_kinds.hpp"
 
 #include "worldio/stage/stage_devices.hpp"
+#include "worldio/stage/stage_limits.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +16,6 @@ using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
-using engine::TransducerParams;
 using engine::Value;
 
 template <class Kind>
@@ -23,26 +23,6 @@ std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
   std::vector<std::string_view> names;
   for (const Kind& kind : kinds) names.push_back(kind.name);
   return names;
-}
-
-/// Checks a number, in SI units, against the limits of a field. The error text continues a sentence about the
-/// number, as in "must be above 0 m".
-Result<> check_limits(const Field& field, double value) {
-  const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
-  const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
-  if (field.above_min && !(value > field.min))
-    return Error{fmt::format("must be above {}{}", field.min, unit)};
-  if (!(value >= field.min)) return Error{fmt::format("must be at least {}{}", field.min, unit)};
-  if (!(value <= field.max)) return Error{fmt::format("must be at most {}{}", field.max, unit)};
-  return {};
-}
-
-/// Returns an angle, rad. If it is slightly above a whole turn, returns a whole turn, because files write a
-/// whole turn as 6.2832.
-double within_a_turn(double angle) {
-  constexpr double k_turn = 2 * k_pi;
-  constexpr double k_rounding = 1e-5;
-  return angle > k_turn && angle < k_turn * (1 + k_rounding) ? k_turn : angle;
 }
 
 /// Sets a field if the table has it. A kind need not have a field for every property of Stage's models.
@@ -82,114 +62,6 @@ double StageKinds::period_s(const StageModel& model) {
                                 ms));
   }
   return ms / 1000;
-}
-
-std::optional<TransducerParams> StageKinds::transducer(const StageModel& sensor) {
-  const FieldTable& table = engine::described<TransducerParams>();
-  TransducerParams params;
-  bool is_right = true;  // no early return: every wrong property is reported
-  // Checks a value against the limits of its field. Error messages use the name that the property has in the
-  // file.
-  const auto check = [&](std::string_view field_name, double value, const StageProperty& property) {
-    const auto at = static_cast<std::size_t>(table.find(field_name));
-    const Result<> kept = check_limits(table.fields[at], value);
-    if (!kept)
-      values_.error(values_.where(property),
-                    fmt::format("\"{}\" {}, found {}", values_.key(property), kept.error().text, value));
-    return static_cast<bool>(kept);
-  };
-  // The function `read` is called with the property and returns whether its value is right.
-  const auto read = [&](std::string_view key, auto&& read_property) {
-    const StageProperty* property = sensor.find(document_, key);
-    if (property && !read_property(*property)) is_right = false;
-  };
-
-  Eigen::Vector3d size(0.02, 0.02, 0.02);
-  const bool is_the_ranger = !sensor.alias.empty();  // a laser or sonar: its pose and size are of the body
-  if (sensor.alias == "laser") {                     // defaults of the lasers of older files
-    params.range_max = 8;
-    params.fov = radians(180);
-    params.samples = 180;
-  }
-  if (!is_the_ranger)
-    read("pose", [&](const StageProperty& property) {
-      const auto given = values_.pose_in_device(property);
-      params.pose = given.value_or(params.pose);
-      return given.has_value();
-    });
-  if (!is_the_ranger)
-    read("size", [&](const StageProperty& property) {
-      const auto given = values_.size(property, size.z());
-      size = given.value_or(size);
-      return given.has_value();
-    });
-  read("range", [&](const StageProperty& property) {
-    const auto given = values_.tuple(property, 2, 2, "[min max]");
-    if (!given) return false;
-    params.range_min = (*given)[0] * values_.length_unit();
-    params.range_max = (*given)[1] * values_.length_unit();
-    const bool min_is_right = check("range_min", params.range_min, property);
-    const bool max_is_right = check("range_max", params.range_max, property);
-    if (!min_is_right || !max_is_right || params.range_min <= params.range_max)
-      return min_is_right && max_is_right;
-    values_.error(values_.where(property), "\"range\" needs [min max] with min at most max");
-    return false;
-  });
-  const auto read_limit = [&](std::string_view key, double& limit) {
-    read(key, [&](const StageProperty& property) {
-      const auto given = values_.number(property);
-      limit = given ? *given * values_.length_unit() : limit;
-      return given && check(key, limit, property);
-    });
-  };
-  if (is_the_ranger) {
-    read_limit("range_min", params.range_min);
-    read_limit("range_max", params.range_max);
-    if (is_right && params.range_min > params.range_max) {
-      values_.error(sensor.where, fmt::format("\"range_min\", {} m, must be at most \"range_max\", {} m",
-                                              params.range_min, params.range_max));
-      return {};
-    }
-  }
-  read("fov", [&](const StageProperty& property) {
-    const auto given = values_.number(property);
-    params.fov = given ? within_a_turn(*given * values_.angle_unit()) : params.fov;
-    return given && check("fov", params.fov, property);
-  });
-  read("samples", [&](const StageProperty& property) {
-    const auto given = values_.integer(property);
-    params.samples = given.value_or(params.samples);
-    return given && check("samples", static_cast<double>(params.samples), property);
-  });
-  read("noise", [&](const StageProperty& property) {
-    const auto given = values_.tuple(property, 3, 3, "[variance share angle]");
-    if (!given) return false;
-    if (std::ranges::any_of(*given, [](double part) { return part < 0; })) {
-      values_.error(values_.where(property), "\"noise\" needs values of 0 or above: [variance share angle]");
-      return false;
-    }
-    // Stage reads the first number as a variance and scales the third by half the angle between beams.
-    const double step = params.fov / static_cast<double>(std::max<std::int64_t>(params.samples - 1, 1));
-    params.noise_stddev = sqrt((*given)[0] * values_.length_unit());
-    params.noise_proportional = (*given)[1];
-    params.noise_angular = 0.5 * step * (*given)[2] * values_.angle_unit();
-    return check("noise_proportional", params.noise_proportional, property) &&
-           check("noise_angular", params.noise_angular, property);
-  });
-  read("beam_width", [&](const StageProperty& property) {
-    const auto given = values_.number(property);
-    params.beam_width = given ? *given * values_.angle_unit() : params.beam_width;
-    return given && check("beam_width", params.beam_width, property);
-  });
-  read("apply_range_min", [&](const StageProperty& property) {
-    const auto given = values_.flag(property);
-    params.apply_range_min = given.value_or(false);
-    return given.has_value();
-  });
-  if (!is_right) return {};
-
-  params.pose.z += size.z() / 2;  // beams leave from the middle of the transducer's height
-  return params;
 }
 
 std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,

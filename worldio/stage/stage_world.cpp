@@ -128,6 +128,15 @@ class StageWorld {
   TypeId share_type(TypeSpec type, const std::vector<std::string_view>& names);
   std::optional<Contents> contents(const StageModel& model, Draft& draft);
   void add_part(const StageModel& model, const Place& place, Draft& draft);
+  bool make_solids(const StageModel& model, const engine::ModelKind& kind,
+                   const std::vector<StageModel>& blocks, const Pose& origin, engine::PartSpec& part,
+                   Draft& draft);
+  void set_appearance(const StageModel& model, const engine::ModelKind& kind, bool is_root,
+                      engine::PartSpec& part);
+  std::int32_t add_device(const StageModel& model, const engine::ModelKind& model_kind,
+                          const std::vector<StageModel>& sensors, const Place& place,
+                          const Pose& pose_body_frame, Draft& draft);
+  std::int32_t add_wheels(const StageModel& model, const Place& place, Draft& draft);
   bool is_without_body(const StageModel& model);
   void check_extent(const StageModel& model, const engine::PartSpec& part);
   engine::Returns returns(const StageModel& model);
@@ -431,10 +440,8 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
   return out;
 }
 
+/// Adds a model as a part of a body, and all that the model holds.
 void StageWorld::add_part(const StageModel& model, const Place& place, Draft& draft) {
-  const auto find = [&](std::string_view key) { return model.find(document_, key); };
-  const auto index = static_cast<std::uint32_t>(draft.type.parts.size());
-  const bool is_root = index == 0;
   const engine::ModelKind& kind = *registry_.model(model.type);
   const std::optional<Contents> holds = contents(model, draft);
   if (!holds) return;
@@ -445,13 +452,33 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
   part.pose_body_part = place.pose_body_part;
   part.where = model.where;
   part.size = kind.size;
-  if (const StageProperty* property = find("size"))
+  if (const StageProperty* property = model.find(document_, "size"))
     if (const auto size = values_.size(*property, kind.size.z())) part.size = *size;
   Pose origin;
-  if (const StageProperty* property = find("origin"))
+  if (const StageProperty* property = model.find(document_, "origin"))
     if (const auto given = values_.pose(*property)) origin = *given;
-  const Pose pose_body_frame = compose(place.pose_body_part, origin);
-  StageBody body = bodies_.make(model, kind, part.size, holds->blocks);
+  if (!make_solids(model, kind, holds->blocks, origin, part, draft)) return;
+  check_extent(model, part);
+  set_appearance(model, kind, draft.type.parts.empty(), part);
+  const double height = part.size.z();
+  const auto index = static_cast<std::uint32_t>(draft.type.parts.size());
+  draft.type.parts.push_back(std::move(part));
+
+  Place below = place;
+  below.parent = index;
+  below.joint = add_device(model, kind, holds->sensors, place, compose(place.pose_body_part, origin), draft);
+  if (model.type == "position" && index > 0) below.joint = add_wheels(model, place, draft);
+  power_.read(model, index, draft.type);
+  add_behaviour(model, index, draft);
+  add_children(model, below, height, holds->children, draft);
+}
+
+/// Sets the solids of a part, in the frame of the body, and the image or blocks that they come from.
+/// `origin`: the value of the property. False, with an error, if the world then has too many vertices.
+bool StageWorld::make_solids(const StageModel& model, const engine::ModelKind& kind,
+                             const std::vector<StageModel>& blocks, const Pose& origin,
+                             engine::PartSpec& part, Draft& draft) {
+  StageBody body = bodies_.make(model, kind, part.size, blocks);
   part.solids = std::move(body.solids);
   part.image = std::move(body.image);
   if (part.image) part.image->origin = origin;
@@ -463,74 +490,90 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
         fmt::format("the outlines of all models together have more than {} corners: use simpler shapes",
                     engine::k_most_vertices));
     draft.broken = true;
-    return;
+    return false;
   }
+  const Pose pose_body_frame = compose(part.pose_body_part, origin);
   const Transform to_body(pose_body_frame);
   for (Solid& solid : part.solids) {
     for (Ring& ring : solid.contours)
       for (Vec2& point : ring) point = to_body * point;
     solid.z = solid.z.shifted(pose_body_frame.z);
   }
-  check_extent(model, part);
-  if (model.type == "bumper" && !find("size") && !part.solids.empty())
+  return true;
+}
+
+/// Sets how other bodies meet and sense a part, and how it is drawn.
+void StageWorld::set_appearance(const StageModel& model, const engine::ModelKind& kind, bool is_root,
+                                engine::PartSpec& part) {
+  const auto find = [&](std::string_view key) { return model.find(document_, key); };
+  part.returns = returns(model);
+  if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
+  part.floor_plan = find("bitmap") != nullptr;
+}
+
+/// Adds the device of a model to its part, the last one of the draft. Returns the joint that moves the part
+/// and the parts on it.
+std::int32_t StageWorld::add_device(const StageModel& model, const engine::ModelKind& model_kind,
+                                    const std::vector<StageModel>& sensors, const Place& place,
+                                    const Pose& pose_body_frame, Draft& draft) {
+  const engine::DeviceKind* kind = registry_.device(model_kind.device);
+  if (!kind) return place.joint;
+  const std::size_t index = draft.type.parts.size() - 1;
+  auto device = model.type == "ranger"    ? kinds_.ranger(model, sensors)
+                : model.type == "gripper" ? kinds_.gripper(model, *kind, draft.type.parts[index].size)
+                                          : kinds_.device(model, *kind);
+  if (!device) return place.joint;
+  device->name = place.name;
+  device->part = static_cast<std::uint32_t>(index);
+  device->joint = place.joint;
+  device->pose_body_device = pose_body_frame;
+  const std::size_t d = engine::add_device(draft.type, std::move(*device), *kind);
+  std::int32_t joint = place.joint;
+  if (model.type == "actuator")  // an actuator moves its own part and the parts on it
+    draft.type.parts[index].joint = joint = draft.type.devices[d].moves;
+  if (draft.type.parts[index].solids.empty() && !is_without_body(model))
+    engine::add_device_body(draft.type, d, *kind);
+  return joint;
+}
+
+/// Adds the drive of a position model inside another model to its part, the last one of the draft. Returns
+/// the joint that moves the part and the parts on it.
+std::int32_t StageWorld::add_wheels(const StageModel& model, const Place& place, Draft& draft) {
+  const engine::DeviceKind* kind = registry_.device("wheels");
+  if (!kind) return place.joint;
+  auto device = kinds_.wheels(model, *kind);
+  if (!device) return place.joint;
+  const std::size_t index = draft.type.parts.size() - 1;
+  device->name = place.name;
+  device->part = static_cast<std::uint32_t>(index);
+  device->joint = place.joint;
+  device->pose_body_device = place.pose_body_part;
+  const std::size_t d = engine::add_device(draft.type, std::move(*device), *kind);
+  return draft.type.parts[index].joint = draft.type.devices[d].moves;
+}
+
+/// Checks the size of a model that has a body. Reports an error if the size is 0 along x or y, and a warning
+/// if only the height is 0; for a gripper, a height of 0 is also an error. Warns of a bumper whose size is
+/// the default.
+void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
+  const StageProperty* property = model.find(document_, "size");
+  const Where where = property ? values_.where(*property) : model.where;
+  const bool has_body =
+      !part.solids.empty() || model.type == "gripper";  // a gripper gets its body together with its paddles
+  const bool is_flat = part.size.head<2>().minCoeff() > 0 && model.type != "gripper";
+  if (has_body && !(part.size.minCoeff() > 0)) {
+    if (is_flat)
+      values_.warning_once(
+          where,
+          "\"size\" gives this model a height of 0: only bodies and beams at exactly its height meet it");
+    else if (part.size.minCoeff() == 0)
+      values_.error(where, "\"size\" must be above 0 in every direction, found 0");
+  }
+  if (model.type == "bumper" && !property && !part.solids.empty())
     values_.warning_once(model.where,
                          fmt::format("as in Stage, a bumper without \"size\" has a body of {:g} m x {:g} m x "
                                      "{:g} m; give it a \"size\", or \"noblocks 1\"",
                                      part.size.x(), part.size.y(), part.size.z()));
-  part.returns = returns(model);
-  if (!is_root) part.color = color(find("color"), find("color_rgba"), kind.color, part.name, BodyId(0));
-  part.floor_plan = find("bitmap") != nullptr;
-  const Eigen::Vector3d size = part.size;
-  const double height = size.z();
-  draft.type.parts.push_back(std::move(part));
-
-  Place below = place;
-  below.parent = index;
-  if (const engine::DeviceKind* device_kind = registry_.device(kind.device)) {
-    auto device = model.type == "ranger"    ? kinds_.ranger(model, holds->sensors)
-                  : model.type == "gripper" ? kinds_.gripper(model, *device_kind, size)
-                                            : kinds_.device(model, *device_kind);
-    if (device) {
-      device->name = place.name;
-      device->part = index;
-      device->joint = place.joint;
-      device->pose_body_device = pose_body_frame;
-      const std::size_t d = engine::add_device(draft.type, std::move(*device), *device_kind);
-      if (model.type == "actuator")  // an actuator moves its own part and the parts on it
-        draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
-      if (draft.type.parts[index].solids.empty() && !is_without_body(model))
-        engine::add_device_body(draft.type, d, *device_kind);
-    }
-  }
-  const engine::DeviceKind* wheels = registry_.device("wheels");
-  if (model.type == "position" && !is_root && wheels)
-    if (auto device = kinds_.wheels(model, *wheels)) {
-      device->name = place.name;
-      device->part = index;
-      device->joint = place.joint;
-      device->pose_body_device = place.pose_body_part;
-      const std::size_t d = engine::add_device(draft.type, std::move(*device), *wheels);
-      draft.type.parts[index].joint = below.joint = draft.type.devices[d].moves;
-    }
-  power_.read(model, index, draft.type);
-  add_behaviour(model, index, draft);
-  add_children(model, below, height, holds->children, draft);
-}
-
-/// Checks the size of a model that has a body. Reports an error if the size is 0 along x or y, and a warning
-/// if only the height is 0; for a gripper, a height of 0 is also an error.
-void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
-  const bool is_gripper =
-      model.type == "gripper";  // the body of a gripper is added together with its paddles
-  if (part.size.minCoeff() > 0 || (part.solids.empty() && !is_gripper)) return;
-  const StageProperty* property = model.find(document_, "size");
-  const Where where = property ? values_.where(*property) : model.where;
-  if (part.size.head<2>().minCoeff() > 0 && !is_gripper)
-    values_.warning_once(
-        where,
-        "\"size\" gives this model a height of 0: only bodies and beams at exactly its height meet it");
-  else if (part.size.minCoeff() == 0)
-    values_.error(where, "\"size\" must be above 0 in every direction, found 0");
 }
 
 /// Whether the model has `noblocks 1`: no body, not even the default of its kind.

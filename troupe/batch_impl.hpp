@@ -1,0 +1,143 @@
+#pragma once
+
+#include "partition/parallel.hpp"
+#include "troupe/batch_env.hpp"
+#include "troupe/measures.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe {
+
+/// The data of a BatchEnv. The constructor looks up all names, so that a step works on indices and addresses.
+struct BatchEnv::Impl {
+  using Of = BatchPart::Of;
+  /// Number of commands of a drive: forward, left, turn.
+  static constexpr std::size_t k_drive = 3;
+
+  /// How the columns of one part of an array are computed. plan() creates it at the start, so that no step
+  /// has to look up names.
+  struct Part {
+    const BatchPart* spec = nullptr;
+    std::size_t columns = 0;
+    engine::Element element = engine::Element::f32;  // of a reading
+    std::size_t of_kind = 0;  // index among the readings, the groups or the targets of TeamCopy
+  };
+  struct ArrayData {
+    std::string name;
+    engine::Element element = engine::Element::f32;
+    std::size_t columns = 0;
+    std::vector<Part> parts;
+    std::vector<std::byte> bytes;  // copies x robots x columns
+
+    std::size_t row_bytes() const { return columns * engine::element_size(element); }
+  };
+  /// A BatchColumn whose names have been looked up: indices instead of names.
+  struct Column {
+    std::size_t array = 0;
+    std::size_t column = 0;
+    bool of_measure = false;
+  };
+  struct Action {
+    std::size_t command = 0;  // 0 to 2: drive; from k_drive on: devices, see TeamCopy::commands
+    engine::Element element = engine::Element::f64;
+    double low = 0;
+    double span = 0;
+  };
+  struct TeamData {
+    const BatchTeam* spec = nullptr;
+    std::size_t robots = 0;
+    std::vector<std::string> names;
+    std::vector<ArrayData> arrays;
+    std::vector<Action> actions_plan;
+    bool drives = false;
+    std::vector<Column> rewards_of;
+    std::vector<Column> ends_of;
+    std::vector<double> actions;  // copies x robots x actions
+    std::vector<double> rewards;  // copies x robots, as are terminated and alive
+    std::vector<std::uint8_t> terminated;
+    std::vector<std::uint8_t> alive;
+  };
+  /// The data of a team in one copy of the world.
+  struct TeamCopy {
+    std::vector<Row> rows;
+    std::vector<const std::byte*> readings;    // readings x robots
+    std::vector<std::vector<Row>> groups;      // the possible neighbours, for each part `nearest`
+    std::vector<std::vector<BodyId>> targets;  // for each part `target`: one for all robots, or one per robot
+    std::vector<std::byte*> commands;          // commands of devices x robots
+    std::vector<double> before;                // rewards x robots: the rewarded numbers of the previous step
+    std::vector<std::uint8_t> was_terminated;  // per robot: `terminated` before the step
+    std::vector<std::uint8_t> was_alive;       // per robot: `alive` after the previous step
+  };
+  struct Copy {
+    explicit Copy(Simulation&& s) : simulation(std::move(s)) {}
+    Simulation simulation;
+    std::optional<Measures> measures;
+    std::vector<std::uint8_t> learns;  // per row: 1 if its robot is in a team
+    std::vector<TeamCopy> teams;
+    std::uint64_t first_seed = 0;
+    std::uint64_t episode = 0;
+    bool has_begun = false;
+    std::uint64_t last_tick = 0;
+  };
+
+  BatchSpec spec;
+  partition::Parallel parallel;
+  std::uint64_t episode_ticks = 1;
+  std::vector<TeamData> teams;
+  std::vector<std::unique_ptr<Copy>> copies;
+  std::vector<std::string> measure_columns;
+  std::vector<double> measures;  // copies x columns
+  std::vector<std::uint8_t> truncated;
+  std::vector<std::uint8_t> over;
+  std::vector<std::uint64_t> seeds;
+  bool was_reset = false;
+
+  Impl(const Simulation& world, const BatchSpec& wanted);
+  /// Throws std::invalid_argument with this text.
+  [[noreturn]] static void refuse(const std::string& text);
+
+  // troupe/batch_plan.cpp: what the names in the spec refer to
+  void check_spec() const;
+  static void check_array(const BatchTeam& team, const BatchArraySpec& array);
+  void plan(TeamData& team, Copy& first);
+  Part plan(const BatchPart& part, Simulation& simulation, BodyId robot) const;
+  void plan_actions(TeamData& team, Simulation& simulation, BodyId robot) const;
+  static void plan_drive_action(const BatchAction& action, bool has_drive, TeamData& team);
+  static void plan_device_action(const BatchAction& action, const Model::Asked& asked, TeamData& team);
+  Column find(const TeamData& team, const BatchColumn& column, std::string_view what) const;
+  static std::size_t array_index(const TeamData& team, std::string_view name);
+  static void bind(const TeamData& team, Copy& copy, TeamCopy& bound);
+  static void bind_readings(const TeamData& team, const Part& part, const std::vector<Model>& robots,
+                            TeamCopy& bound);
+  static std::vector<BodyId> targets_of(const TeamData& team, const BatchPart& part,
+                                        const std::vector<Model>& robots, const engine::World& world);
+  static void bind_commands(const TeamData& team, std::vector<Model>& robots, TeamCopy& bound);
+
+  // troupe/batch_env.cpp: the copies and their steps
+  void add_copy(const Simulation& world, std::size_t c);
+  template <class Work>
+  void for_copies(Work&& work);
+  void begin(std::size_t c);
+  void check_actions(std::span<const std::uint8_t> begins) const;
+  void act(std::size_t c);
+  void read_outputs(std::size_t c);
+
+  // troupe/batch_observations.cpp: the arrays
+  class RowReader;
+  void observe(std::size_t c);
+  double value(const TeamData& team, const Column& column, std::size_t c, std::size_t i) const;
+
+  // troupe/batch_rewards.cpp: rewards and ends of episodes
+  void judge(std::size_t c, bool has_stepped);
+  double take_reward(const TeamData& team, TeamCopy& bound, std::size_t c, std::size_t i) const;
+  std::optional<double> end_reward(const TeamData& team, double reward, std::size_t c, std::size_t i) const;
+};
+
+}  // namespace troupe

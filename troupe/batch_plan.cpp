@@ -1,0 +1,292 @@
+#include "base/diagnostics.hpp"
+#include "engine/world.hpp"
+#include "troupe/batch_impl.hpp"
+#include "troupe/swarm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+// The start of a BatchEnv: checks the spec, and looks up what its names refer to.
+
+namespace troupe {
+namespace {
+
+constexpr std::size_t k_most_copies = 1'000'000;
+constexpr std::size_t k_most_neighbours = 1000;
+constexpr double k_longest_episode_s = 1e12;
+
+template <class Named>
+void check_names(const std::vector<Named>& all, std::string_view what) {
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (all[i].name == all[j].name)
+        throw std::invalid_argument(
+            fmt::format("{} \"{}\" occurs twice: names must be unique", what, all[i].name));
+}
+
+template <class List>
+std::vector<std::string_view> known_names(const List& all) {
+  std::vector<std::string_view> names;
+  for (const auto& each : all) names.push_back(each.name);
+  return names;
+}
+
+}  // namespace
+
+void BatchEnv::Impl::refuse(const std::string& text) { throw std::invalid_argument(text); }
+
+void BatchEnv::Impl::check_spec() const {
+  if (spec.copies < 1 || spec.copies > k_most_copies)
+    refuse(fmt::format("{} copies of the world: give 1 to {}", spec.copies, k_most_copies));
+  if (spec.ticks < 1) refuse("0 ticks per step: give 1 or more");
+  if (!(spec.seconds > 0 && spec.seconds <= k_longest_episode_s))
+    refuse(fmt::format("episodes of {} s: give a length above 0 s, at most {:g} s", spec.seconds,
+                       k_longest_episode_s));
+  if (spec.teams.empty()) refuse("the batch has no teams: give one or more");
+  check_names(spec.teams, "team");
+  for (const BatchTeam& team : spec.teams) {
+    check_names(team.arrays, fmt::format("array (team \"{}\")", team.name));
+    for (const BatchArraySpec& array : team.arrays) check_array(team, array);
+    for (const BatchAction& action : team.actions)
+      if (!std::isfinite(action.low) || !std::isfinite(action.high))
+        refuse(fmt::format("action \"{}\" of team \"{}\": low is {}, high is {}: give finite numbers",
+                           action.command, team.name, action.low, action.high));
+  }
+}
+
+void BatchEnv::Impl::check_array(const BatchTeam& team, const BatchArraySpec& array) {
+  if (array.parts.empty())
+    refuse(fmt::format("array \"{}\" of team \"{}\" has no parts: give one or more", array.name, team.name));
+  if (array.raw && (array.parts.size() != 1 || array.parts.front().of != Of::reading))
+    refuse(
+        fmt::format("array \"{}\" of team \"{}\": an array with \"raw\" must have exactly one part, "
+                    "whose source is reading",
+                    array.name, team.name));
+  for (const BatchPart& part : array.parts) {
+    if (part.of == Of::nearest && (part.count < 1 || part.count > k_most_neighbours))
+      refuse(fmt::format("array \"{}\" of team \"{}\": count is {} nearest robots: give 1 to {}", array.name,
+                         team.name, part.count, k_most_neighbours));
+    if (!(part.range_m > 0))
+      refuse(fmt::format("array \"{}\" of team \"{}\": range_m is {}: give a distance above 0", array.name,
+                         team.name, part.range_m));
+    if (!std::isfinite(part.scale))
+      refuse(fmt::format("array \"{}\" of team \"{}\": scale is {}: give a finite number", array.name,
+                         team.name, part.scale));
+  }
+}
+
+/// Determines the columns, actions, rewards and ends of a team from its first robot. `first` is the first
+/// copy. The other robots may have other types if their observed fields and commands are the same; bind()
+/// checks this.
+void BatchEnv::Impl::plan(TeamData& team, Copy& first) {
+  const BatchTeam& own = *team.spec;
+  Simulation& simulation = first.simulation;
+  const BodyId robot = simulation.world().body(first.teams.back().rows.front());
+  std::array<std::size_t, 3> of_kind{};
+  for (const BatchArraySpec& wanted : own.arrays) {
+    ArrayData& array = team.arrays.emplace_back();
+    array.name = wanted.name;
+    for (const BatchPart& each : wanted.parts) {
+      Part part = plan(each, simulation, robot);
+      if (each.of == Of::reading) part.of_kind = of_kind[0]++;
+      if (each.of == Of::nearest) part.of_kind = of_kind[1]++;
+      if (each.of == Of::target) part.of_kind = of_kind[2]++;
+      array.columns += part.columns;
+      if (wanted.raw) array.element = part.element;
+      array.parts.push_back(part);
+    }
+    array.bytes.resize(spec.copies * team.robots * array.row_bytes());
+  }
+  plan_actions(team, simulation, robot);
+  for (const BatchReward& reward : own.rewards) team.rewards_of.push_back(find(team, reward.of, "reward"));
+  for (const BatchEnd& end : own.ends) team.ends_of.push_back(find(team, end.of, "end"));
+  const std::size_t robots = spec.copies * team.robots;
+  team.actions.resize(robots * own.actions.size());
+  team.rewards.resize(robots);
+  team.terminated.resize(robots);
+  team.alive.resize(robots);
+}
+
+BatchEnv::Impl::Part BatchEnv::Impl::plan(const BatchPart& part, Simulation& simulation, BodyId robot) const {
+  Part out{.spec = &part};
+  switch (part.of) {
+    case Of::reading: {
+      const engine::StateField& field = *simulation.model(robot).reading(part.field, part.device).field;
+      out.columns = field.columns;
+      out.element = field.element;
+      break;
+    }
+    case Of::pose:
+    case Of::estimate: out.columns = 4; break;
+    case Of::speed: out.columns = 3; break;
+    case Of::stalled:
+    case Of::time_left: out.columns = 1; break;
+    case Of::nearest: out.columns = BatchPart::k_neighbour * part.count; break;
+    case Of::target: out.columns = 3; break;
+  }
+  return out;
+}
+
+void BatchEnv::Impl::plan_actions(TeamData& team, Simulation& simulation, BodyId robot) const {
+  const bool has_drive = simulation.world().type(simulation.world().row(robot)).drive.has_value();
+  for (const BatchAction& action : team.spec->actions) {
+    if (action.device.empty())
+      plan_drive_action(action, has_drive, team);
+    else
+      plan_device_action(action, simulation.model(robot).asked(action.device), team);
+  }
+}
+
+void BatchEnv::Impl::plan_drive_action(const BatchAction& action, bool has_drive, TeamData& team) {
+  constexpr std::array<std::string_view, k_drive> k_commands{"forward", "left", "turn"};
+  const auto found = std::ranges::find(k_commands, action.command);
+  if (found == k_commands.end())
+    throw std::out_of_range(
+        unknown_name("command of a drive", action.command, {k_commands.begin(), k_commands.end()}));
+  if (!has_drive)
+    refuse(
+        fmt::format("team \"{}\": an action without a device commands the drive, but the robots have "
+                    "no drive",
+                    team.spec->name));
+  team.drives = true;
+  team.actions_plan.push_back({.command = static_cast<std::size_t>(found - k_commands.begin()),
+                               .low = action.low,
+                               .span = action.high - action.low});
+}
+
+/// `asked`: the commands of the device, of any robot of the team.
+void BatchEnv::Impl::plan_device_action(const BatchAction& action, const Model::Asked& asked,
+                                        TeamData& team) {
+  const auto field = std::ranges::find(asked.fields, action.command, &engine::StateField::name);
+  if (field == asked.fields.end())
+    throw std::out_of_range(unknown_name(fmt::format("command (device \"{}\")", action.device),
+                                         action.command, known_names(asked.fields)));
+  if (field->columns != 1)
+    refuse(fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one",
+                       action.command, action.device, field->columns));
+  const auto of_devices = std::ranges::count_if(
+      team.actions_plan, [](const Action& before) { return before.command >= k_drive; });
+  team.actions_plan.push_back({.command = k_drive + static_cast<std::size_t>(of_devices),
+                               .element = field->element,
+                               .low = action.low,
+                               .span = action.high - action.low});
+}
+
+BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchColumn& column,
+                                            std::string_view what) const {
+  if (column.array.empty()) {
+    for (std::size_t m = 0; m < measure_columns.size(); ++m) {
+      const std::string& name = measure_columns[m];
+      const bool has_unit = name.starts_with(column.measure + "_");  // displacement, displacement_m
+      if (name == column.measure || has_unit) return {.column = m, .of_measure = true};
+    }
+    throw std::out_of_range(fmt::format(
+        "{} of team \"{}\": {}", what, team.spec->name,
+        unknown_name("measure", column.measure, {measure_columns.begin(), measure_columns.end()})));
+  }
+  const std::size_t index = array_index(team, column.array);
+  const ArrayData& array = team.arrays[index];
+  if (column.column >= array.columns)
+    refuse(fmt::format(
+        "{} of team \"{}\": there is no column {} in array \"{}\", which has {} columns, counted from 0",
+        what, team.spec->name, column.column, column.array, array.columns));
+  return {index, column.column, false};
+}
+
+std::size_t BatchEnv::Impl::array_index(const TeamData& team, std::string_view name) {
+  const auto found = std::ranges::find(team.arrays, name, &ArrayData::name);
+  if (found == team.arrays.end())
+    throw std::out_of_range(
+        unknown_name(fmt::format("array (team \"{}\")", team.spec->name), name, known_names(team.arrays)));
+  return static_cast<std::size_t>(found - team.arrays.begin());
+}
+
+/// Looks up, in one copy of the world, what the columns and actions of a team refer to, and stores it in
+/// `bound`: the addresses of readings and commands, the rows of possible neighbours, and the ids of targets.
+/// Throws if the robots of the team differ.
+void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) {
+  engine::World& world = copy.simulation.world();
+  std::vector<Model> robots;
+  for (const Row row : bound.rows) robots.push_back(copy.simulation.model(world.body(row)));
+  for (const ArrayData& array : team.arrays)
+    for (const Part& part : array.parts) {
+      if (part.spec->of == Of::reading) bind_readings(team, part, robots, bound);
+      if (part.spec->of == Of::nearest) {
+        std::vector<Row>& group = bound.groups.emplace_back();
+        const Swarm swarm = copy.simulation.swarm(part.spec->name);  // throws for an unknown name
+        for (const BodyId id : swarm.ids()) group.push_back(world.row(id));
+      }
+      if (part.spec->of == Of::target) bound.targets.push_back(targets_of(team, *part.spec, robots, world));
+    }
+  bind_commands(team, robots, bound);
+  for (const Row row : bound.rows)
+    if (team.drives && !world.type(row).drive)
+      refuse(
+          fmt::format("robot \"{}\" of team \"{}\" has no drive, but an action of the team commands the "
+                      "drive",
+                      world.spec().name(world.body(row)), team.spec->name));
+  bound.before.resize(team.rewards_of.size() * robots.size());
+  bound.was_terminated.resize(robots.size());
+  bound.was_alive.resize(robots.size());
+}
+
+void BatchEnv::Impl::bind_readings(const TeamData& team, const Part& part, const std::vector<Model>& robots,
+                                   TeamCopy& bound) {
+  for (const Model& robot : robots) {
+    const Model::Reading reading = robot.reading(part.spec->field, part.spec->device);
+    if (reading.field->columns != part.columns || reading.field->element != part.element)
+      refuse(
+          fmt::format("robots of team \"{0}\" differ in field \"{1}\": \"{4}\" has {2} values of type "
+                      "{3}, \"{7}\" has {5} of type {6}; make two teams",
+                      team.spec->name, part.spec->field, part.columns, engine::element_name(part.element),
+                      team.names.front(), reading.field->columns,
+                      engine::element_name(reading.field->element), robot.name()));
+    bound.readings.push_back(reading.bytes.data());
+  }
+}
+
+/// The targets of a part `target`: the model of this name for all robots or, if there is none, the model with
+/// the number of the robot after the name, for each robot.
+std::vector<BodyId> BatchEnv::Impl::targets_of(const TeamData& team, const BatchPart& part,
+                                               const std::vector<Model>& robots, const engine::World& world) {
+  if (const BodyId one = world.find(part.name); one.valid()) return {one};
+  std::vector<BodyId> targets;
+  for (const Model& robot : robots) {
+    const std::string& name = robot.name();
+    const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+    const std::string target = part.name + name.substr(digits);
+    const BodyId own = digits < name.size() ? world.find(target) : BodyId();
+    if (!own.valid())
+      throw std::out_of_range(fmt::format(
+          "team \"{}\": there is no model \"{}\", which would be the target of robot \"{}\"; give the "
+          "name of one model for all robots, or the name without its number, such as \"goal\" if robot "
+          "0 has the target goal0, robot 1 the target goal1, ...",
+          team.spec->name, target, name));
+    targets.push_back(own);
+  }
+  return targets;
+}
+
+void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& robots, TeamCopy& bound) {
+  for (std::size_t a = 0; a < team.actions_plan.size(); ++a) {
+    const BatchAction& action = team.spec->actions[a];
+    if (team.actions_plan[a].command < k_drive) continue;
+    for (Model& robot : robots) {
+      const Model::Asked asked = robot.asked(action.device);
+      const auto field = std::ranges::find(asked.fields, action.command, &engine::StateField::name);
+      if (field == asked.fields.end() || field->element != team.actions_plan[a].element)
+        refuse(
+            fmt::format("robots of team \"{}\" differ: not all have command \"{}\" of device \"{}\" with the "
+                        "same type of number; make two teams",
+                        team.spec->name, action.command, action.device));
+      bound.commands.push_back(asked.bytes.data() + field->offset);
+    }
+  }
+}
+
+}  // namespace troupe

@@ -1,0 +1,63 @@
+#include "engine/world.hpp"
+#include "troupe/batch_impl.hpp"
+
+// Rewards of the robots of a BatchEnv, and the ends of their episodes.
+
+namespace troupe {
+
+/// Computes the rewards of copy c, and which of its robots are finished, from the arrays that observe() has
+/// filled. has_stepped: false at the beginning of an episode; the rewards are then 0 and no end is tested.
+void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
+  Copy& copy = *copies[c];
+  const bool has_stopped = has_stepped && copy.simulation.stopped().has_value();
+  for (std::size_t t = 0; t < teams.size(); ++t) {
+    TeamData& team = teams[t];
+    TeamCopy& bound = copy.teams[t];
+    for (std::size_t i = 0; i < team.robots; ++i) {
+      const std::size_t at = c * team.robots + i;
+      const bool is_alive = team.alive[at] != 0;
+      const bool is_dead = copy.simulation.world().presence(bound.rows[i]) == engine::Presence::dead;
+      const bool was_finished = has_stepped && bound.was_terminated[i] != 0;
+      const double reward = take_reward(team, bound, c, i);
+      const std::optional<double> end =
+          has_stepped && is_alive ? end_reward(team, reward, c, i) : std::nullopt;
+      team.rewards[at] = has_stepped && is_alive && !was_finished ? end.value_or(reward) : 0;
+      team.terminated[at] = has_stopped || is_dead || end || was_finished;
+      bound.was_alive[i] = is_alive;
+    }
+  }
+  truncated[c] = copy.simulation.tick() >= copy.last_tick;
+}
+
+/// The sum of the reward terms of a team for its robot i in copy c. Stores the rewarded numbers, whose
+/// changes the next step may reward.
+double BatchEnv::Impl::take_reward(const TeamData& team, TeamCopy& bound, std::size_t c,
+                                   std::size_t i) const {
+  double reward = 0;
+  for (std::size_t r = 0; r < team.rewards_of.size(); ++r) {
+    const BatchReward& term = team.spec->rewards[r];
+    const double now = value(team, team.rewards_of[r], c, i);
+    double& before = bound.before[r * team.robots + i];
+    const double change = bound.was_alive[i] != 0 ? now - before : 0;
+    reward += term.weight * (term.change ? change : now);
+    before = now;
+  }
+  return reward;
+}
+
+/// If robot i of a team in copy c has reached an end: its reward, increased by those of all ends that it has
+/// reached.
+std::optional<double> BatchEnv::Impl::end_reward(const TeamData& team, double reward, std::size_t c,
+                                                 std::size_t i) const {
+  bool has_ended = false;
+  for (std::size_t e = 0; e < team.ends_of.size(); ++e) {
+    const BatchEnd& end = team.spec->ends[e];
+    const double now = value(team, team.ends_of[e], c, i);
+    if (!(end.is_above ? now > end.below : now < end.below)) continue;
+    has_ended = true;
+    reward += end.reward;
+  }
+  return has_ended ? std::optional(reward) : std::nullopt;
+}
+
+}  // namespace troupe

@@ -1,0 +1,318 @@
+#include "base/diagnostics.hpp"
+#include "engine/world.hpp"
+#include "models/drives/wheels.hpp"
+#include "troupe/model_place.hpp"
+#include "troupe/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace troupe {
+namespace {
+
+/// Returns the first device on the part with this index, not on its subparts, whose kind defines the function
+/// `declared`; null if there is none.
+template <class Capability>
+const engine::BodyType::Device* device_on(const engine::BodyType& type, std::size_t part,
+                                          Capability engine::DeviceKind::*declared) {
+  for (const engine::BodyType::Device& device : type.devices)
+    if (device.part == part && device.kind->*declared) return &device;
+  return nullptr;
+}
+
+/// Whether the names of the fields are those in `names`, which a struct lists with TROUPE_FIELDS, in the same
+/// order.
+bool are_listed(std::span<const engine::StateField> fields, std::string_view names) {
+  for (const engine::StateField& field : fields) {
+    const std::size_t comma = names.find(',');
+    std::string_view name = names.substr(0, comma);
+    while (name.starts_with(' ')) name.remove_prefix(1);
+    if (name != field.name) return false;
+    names.remove_prefix(comma == names.npos ? names.size() : comma + 1);
+  }
+  return names.empty();
+}
+
+/// The robot that Swarm::for_each() visits on this thread; null outside of it.
+thread_local const Model* visited_robot = nullptr;
+
+}  // namespace
+
+Row Model::Place::row() const {
+  world->require_whole();
+  const Row row = world->row(body);
+  if (!row.valid())
+    throw std::logic_error(fmt::format(
+        "\"{}\" is static: it has no drive and no sensor, hence no motion, command or reading", name));
+  return row;
+}
+
+Row Model::Place::whole() const {
+  if (part > 0) throw std::logic_error(fmt::format("\"{}\" is a part of a body: give the body itself", name));
+  const Row row = world->row(body);
+  if (!row.valid())
+    throw std::logic_error(
+        fmt::format("\"{}\" is static: only bodies with a drive, a sensor or a controller can be moved, "
+                    "removed or disabled",
+                    name));
+  return row;
+}
+
+template <class Counted>
+[[noreturn]] void Model::Place::throw_unknown(std::string_view what, std::string_view wanted,
+                                              Counted&& counted) const {
+  std::vector<std::string_view> known;
+  for (const engine::BodyType::Device& device : type().devices)
+    if (owns(device) && counted(device)) known.push_back(device.name);
+  if (known.empty() || wanted.empty()) throw std::out_of_range(fmt::format("\"{}\" has no {}", name, what));
+  throw std::out_of_range(
+      fmt::format("\"{}\" has no {} \"{}\"; it has: {}", name, what, wanted, comma_list(known)));
+}
+
+void Model::Place::check_running(const engine::BodyType::Device& sensor) const {
+  if (!world->senses(row(), sensor))
+    throw std::logic_error(fmt::format(
+        "sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step", sensor.name, name));
+}
+
+const engine::BodyType::Device& Model::Place::ranger(std::string_view wanted) const {
+  const auto is_ranger = [](const engine::BodyType::Device& d) { return d.is_ranger(); };
+  const auto* found = find([&](const engine::BodyType::Device& d) {
+    return is_ranger(d) && (wanted.empty() || d.name == wanted);
+  });
+  if (!found) throw_unknown("ranging sensor", wanted, is_ranger);
+  check_running(*found);
+  return *found;
+}
+
+const engine::BodyType::Device& Model::Place::device(std::string_view wanted) const {
+  const auto* found = find([&](const engine::BodyType::Device& d) { return d.name == wanted; });
+  if (!found) throw_unknown("device", wanted, [](const auto&) { return true; });
+  return *found;
+}
+
+Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
+
+Model::Visit::Visit(const Model& robot) : before_(visited_robot) { visited_robot = &robot; }
+Model::Visit::~Visit() { visited_robot = before_; }
+
+void Model::refuse_in_for_each(const engine::World& world, std::string_view what) {
+  if (visited_robot != nullptr && visited_robot->place_->world == &world)
+    throw std::logic_error(
+        fmt::format("{} is not allowed in for_each(), here for \"{}\": for_each() calls the function for "
+                    "several robots at once, and each call may change only the commands of its own robot; "
+                    "collect other changes and apply them after for_each()",
+                    what, visited_robot->name()));
+}
+
+void Model::refuse_others_in_for_each() const {
+  if (visited_robot != nullptr && visited_robot->place_->body != place_->body)
+    refuse_in_for_each(*place_->world, fmt::format("a command for \"{}\"", name()));
+}
+
+Model Model::of(engine::World& world, BodyId body) {
+  return Model(std::make_shared<Place>(Place{&world, body, 0, world.spec().name(body)}));
+}
+
+const std::string& Model::name() const { return place_->name; }
+
+BodyId Model::id() const { return place_->body; }
+
+Random Model::random(std::string_view name) const {
+  const engine::World& world = *place_->world;
+  return {world.spec().seed, stream_id("program", name), place_->body.value,
+          static_cast<std::uint32_t>(world.tick())};
+}
+
+Pose Model::pose() const {
+  const engine::World& world = *place_->world;
+  world.require_whole();
+  const engine::WorldSpec& spec = world.spec();
+  const auto& part = spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part];
+  if (part.joint != engine::k_rigid)
+    return compose(world.mount(place_->row(), part.joint), part.pose_body_part);
+  return compose(world.pose(place_->body), part.pose_body_part);
+}
+
+Eigen::Vector3d Model::size() const {
+  const engine::WorldSpec& spec = place_->world->spec();
+  return spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part].size;
+}
+
+void Model::command(engine::ControlMode mode, double x, double y, double turn) {
+  refuse_others_in_for_each();
+  if (const auto* wheels = place_->wheels()) {
+    place_->world->asked_of(*wheels).as<engine::Command>(place_->slot()) = {x, y, turn, mode};
+    return;
+  }
+  if (!place_->type().drive) throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
+  if (!is_alive())
+    throw std::logic_error(
+        fmt::format("\"{}\" is not in the world: it is not yet born, or dead", place_->name));
+  place_->world->set_command(place_->row(), {x, y, turn, mode});
+}
+
+void Model::set_speed(double forward, double left, double turn) {
+  command(engine::ControlMode::velocity, forward, left, turn);
+}
+
+void Model::accelerate(double forward, double left, double turn) {
+  command(engine::ControlMode::acceleration, forward, left, turn);
+}
+
+void Model::go_to(double x, double y, double heading) {
+  command(engine::ControlMode::position, x, y, heading);
+}
+
+Model::Speed Model::speed() const {
+  if (const auto* wheels = place_->wheels()) {
+    const auto& state = place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot());
+    return {state.forward, state.left, state.turn};
+  }
+  const engine::Velocity v = place_->world->velocities()[place_->row().index()];
+  return {v.x, v.y, v.turn};
+}
+
+bool Model::is_alive() const {
+  place_->world->require_whole();
+  const Row row = place_->world->row(place_->body);
+  return !row.valid() || place_->world->is_there(row);
+}
+
+bool Model::stalled() const {
+  if (const auto* wheels = place_->wheels())
+    return place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot()).stalled != 0;
+  return place_->world->stalled(place_->row());
+}
+
+Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
+
+void Model::set_estimate(const Pose& pose) {
+  refuse_others_in_for_each();
+  place_->world->set_estimate(place_->row(), pose);
+}
+
+void Model::set_pose(const Pose& pose) {
+  refuse_in_for_each(*place_->world, "set_pose()");
+  const engine::World::Placed placed{place_->whole(), pose};
+  place_->world->set_poses({&placed, 1});
+}
+
+bool Model::is_free(const Pose& pose) const { return place_->world->is_free(place_->whole(), pose); }
+
+std::vector<std::string> Model::sensors() const {
+  std::vector<std::string> names;
+  for (const engine::BodyType::Device& device : place_->type().devices)
+    if (device.kind->is_sensor() && place_->owns(device)) names.push_back(device.name);
+  return names;
+}
+
+std::span<const float> Model::ranges(std::string_view sensor) const {
+  const auto& found = place_->ranger(sensor);
+  return place_->world->percepts(found).cell<float>(place_->world->slot(place_->row()), 0);
+}
+
+std::span<const float> Model::intensities(std::string_view sensor) const {
+  const auto& found = place_->ranger(sensor);
+  const engine::StateTable& table = place_->world->percepts(found);
+  if (table.fields().size() < 2) return {};
+  return table.cell<float>(place_->world->slot(place_->row()), 1);
+}
+
+Model::Reading Model::reading(std::string_view field, std::string_view wanted) const {
+  const engine::World& world = *place_->world;
+  const auto index_in = [&](const engine::BodyType::Device& device) {
+    const std::span<const engine::StateField> fields = world.percepts(device).fields();
+    const auto found = std::ranges::find(fields, field, &engine::StateField::name);
+    return found == fields.end() ? std::optional<std::size_t>()
+                                 : static_cast<std::size_t>(found - fields.begin());
+  };
+  const engine::BodyType::Device* device =
+      wanted.empty()
+          ? place_->find([&](const engine::BodyType::Device& each) { return index_in(each).has_value(); })
+          : &place_->device(wanted);
+  const std::optional<std::size_t> f = device ? index_in(*device) : std::nullopt;
+  if (!f) {
+    std::vector<std::string_view> known;
+    for (const engine::BodyType::Device& each : place_->type().devices)
+      if (place_->owns(each) && (!device || device == &each))
+        for (const engine::StateField& other : world.percepts(each).fields())
+          if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
+    const std::string of = device ? fmt::format("field (device \"{}\" of \"{}\")", device->name, name())
+                                  : fmt::format("field (all devices of \"{}\")", name());
+    throw std::out_of_range(unknown_name(of, field, known));
+  }
+  if (device->kind->is_sensor()) place_->check_running(*device);
+  const engine::StateTable& table = world.percepts(*device);
+  const engine::StateField& found = table.fields()[*f];
+  return {device->name,
+          &found,
+          {table.cell<std::byte>(place_->slot(), *f).data(),
+           found.columns * engine::element_size(found.element)}};
+}
+
+std::span<const std::byte> Model::cell(std::string_view field, std::string_view wanted,
+                                       engine::Element element) const {
+  const Reading found = reading(field, wanted);
+  if (const engine::Element own = found.field->element; own != element)
+    throw std::invalid_argument(fmt::format("field \"{}\" of device \"{}\" of \"{}\" has the type {}, not {}",
+                                            field, found.device, name(), engine::element_name(own),
+                                            engine::element_name(element)));
+  return found.bytes;
+}
+
+std::span<const engine::StateField> Model::fields(std::string_view device) const {
+  return place_->world->percepts(place_->device(device)).fields();
+}
+
+std::byte* Model::asked(std::string_view wanted, std::size_t bytes, std::string_view fields) {
+  refuse_others_in_for_each();
+  const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
+  const auto takes_these = [&](const engine::BodyType::Device& d) {
+    return takes(d) && d.prepared.command_bytes == bytes && are_listed(d.prepared.commands, fields);
+  };
+  const auto* device = place_->find([&](const engine::BodyType::Device& d) {
+    return wanted.empty() ? takes_these(d) : takes(d) && d.name == wanted;
+  });
+  if (!device) place_->throw_unknown("device that takes this command struct", wanted, takes);
+  if (!takes_these(*device)) {
+    std::vector<std::string_view> own;
+    for (const engine::StateField& field : device->prepared.commands) own.push_back(field.name);
+    throw std::invalid_argument(
+        fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
+                    "struct has the fields {} in {} bytes",
+                    device->name, name(), device->kind->name, fmt::join(own, ", "),
+                    device->prepared.command_bytes, fields, bytes));
+  }
+  return place_->world->asked_of(*device).row(place_->slot());
+}
+
+Model::Asked Model::asked(std::string_view wanted) {
+  refuse_others_in_for_each();
+  const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
+  const auto* device =
+      place_->find([&](const engine::BodyType::Device& d) { return takes(d) && d.name == wanted; });
+  if (!device) place_->throw_unknown("device that takes commands", wanted, takes);
+  return {device->prepared.commands,
+          {place_->world->asked_of(*device).row(place_->slot()), device->prepared.command_bytes}};
+}
+
+std::optional<Model::Energy> Model::energy() const {
+  const engine::World& world = *place_->world;
+  const engine::TypeSpec& spec = world.spec().types[world.spec().bodies[place_->body.index()].type.index()];
+  for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
+    if (const auto* pack = device_on(place_->type(), part, &engine::DeviceKind::energy))
+      return pack->kind->energy(world.percepts(*pack), world.slot(place_->row()));
+    if (part == 0) return {};
+  }
+}
+
+std::size_t Model::flag_count() const {
+  const engine::World& world = *place_->world;
+  const auto* holder = device_on(place_->type(), place_->part, &engine::DeviceKind::flags);
+  return holder ? holder->kind->flags(world.percepts(*holder), world.slot(place_->row())).count : 0;
+}
+
+}  // namespace troupe

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "engine/world.hpp"
+#include "troupe/simulation.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace troupe {
+
+/// A body of a world and the index of one of its parts; 0: the body itself.
+struct Model::Place {
+  engine::World* world;
+  BodyId body;
+  std::size_t part;
+  std::string name;
+
+  /// Returns the row of the body in the state tables. Throws std::logic_error for static geometry, which has
+  /// no row, and if the state is incomplete after a failed step.
+  Row row() const;
+  /// Returns the row of the body in the state tables, for functions that do not apply to parts. Throws
+  /// std::logic_error for a part and for static geometry.
+  Row whole() const;
+  const engine::BodyType& type() const {
+    return world->types()[world->spec().bodies[body.index()].type.index()];
+  }
+  std::size_t slot() const { return world->slot(row()); }
+  /// Returns the drive of this part; null if the part has none, and for the body itself, whose drive is not a
+  /// device.
+  const engine::BodyType::Device* wheels() const {
+    for (const engine::BodyType::Device& device : type().devices)
+      if (part > 0 && device.part == part && device.kind->drives) return &device;
+    return nullptr;
+  }
+  /// Whether a device belongs to this model: a body owns the devices of all its parts, a part only its own.
+  bool owns(const engine::BodyType::Device& device) const {
+    const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
+    return part == 0 || device.name == parts[part].name;
+  }
+  /// Returns the first device of this model that satisfies `wanted`; null if there is none.
+  template <class Wanted>
+  const engine::BodyType::Device* find(Wanted&& wanted) const {
+    for (const engine::BodyType::Device& device : type().devices)
+      if (owns(device) && wanted(device)) return &device;
+    return nullptr;
+  }
+  /// Throws std::out_of_range, `"r0" has no sensor "eye"; it has: ...`. The text lists the devices that
+  /// satisfy `counted`.
+  template <class Counted>
+  [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const;
+  /// Throws std::logic_error if a sensor of this model does not run.
+  void check_running(const engine::BodyType::Device& sensor) const;
+  /// The ranging sensor with this name; the first one if `wanted` is empty. Throws std::out_of_range if there
+  /// is none, and std::logic_error if it does not run.
+  const engine::BodyType::Device& ranger(std::string_view wanted) const;
+  /// The device with this name. Throws std::out_of_range if there is none.
+  const engine::BodyType::Device& device(std::string_view wanted) const;
+};
+
+}  // namespace troupe

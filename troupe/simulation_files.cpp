@@ -1,0 +1,343 @@
+#include "base/diagnostics.hpp"
+#include "base/fp_environment.hpp"
+#include "base/hash.hpp"
+#include "partition/simd_target.hpp"
+#include "troupe/build_info.hpp"
+#include "troupe/rank_processes.hpp"
+#include "troupe/rank_team.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/script.hpp"
+#include "troupe/simulation_impl.hpp"
+#include "troupe/world_builder.hpp"
+#include "worldio/json/json_world.hpp"
+#include "worldio/json/spec_check.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+// Simulations are made here, from files, specs and checkpoints, and saved in checkpoints.
+
+namespace troupe {
+namespace {
+
+constexpr const char* k_spare = "spare";          // key in a header
+constexpr const char* k_holds = "holds";          // key in the memories of a checkpoint
+constexpr std::string_view k_plugin = "plugin ";  // prefix of keys in a header: plugin NAME
+
+/// Returns the first part of a line of version_line(), "troupe 0.2.0".
+std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
+
+/// Throws InputError for a checkpoint of another version unless `across_versions`. Returns a warning if
+/// another version, or another build of this version, wrote the checkpoint; else an empty text.
+std::string check_version(const worldio::Checkpoint& checkpoint, bool across_versions) {
+  const std::string made_by = checkpoint.header("version");
+  const std::string here = version_line();
+  if (made_by == here) return {};
+  const bool is_other = version_of(made_by) != version_of(here);
+  if (is_other && !across_versions)
+    throw InputError(
+        fmt::format("{}: error: {} wrote this checkpoint, but this program is {}: results may differ; give "
+                    "--across-versions to resume it anyway",
+                    checkpoint.file().string(), version_of(made_by), version_of(here)));
+  return fmt::format("{}: warning: the checkpoint was written by {}; this program is {}{}",
+                     checkpoint.file().string(), made_by, here,
+                     is_other ? ""
+                              : ": the run continues with the same bits, because results do not depend on "
+                                "compiler or processor (docs/determinism.md)");
+}
+
+/// Loads the plug-ins that a checkpoint was written with. Throws InputError if a plug-in is missing or is
+/// another build. With `across_plugins` another build is accepted, and the result contains a warning for it.
+std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plugins& plugins,
+                                      bool across_plugins) {
+  std::vector<std::string> warnings;
+  for (const auto& [key, contents] : checkpoint.header()) {
+    if (!key.starts_with(k_plugin)) continue;
+    const std::string name = key.substr(k_plugin.size());
+    const Result<const Plugins::Library*> loaded = plugins.load(name);
+    if (!loaded)
+      throw InputError(fmt::format(
+          "{}: error: the run needs plug-in \"{}\": {}; if it is a Python script, give --controller {}.py",
+          checkpoint.file().string(), name, loaded.error().text, name));
+    const Plugins::Library* library = *loaded;
+    if (hex(library->contents) == contents) continue;
+    const std::string text =
+        fmt::format("{} is another build of plug-in \"{}\" than the one that the checkpoint was written with",
+                    library->file.string(), name);
+    if (!across_plugins)
+      throw InputError(
+          fmt::format("{}: error: {} (its hash is {}, the checkpoint has {}): results may differ; "
+                      "give --across-plugins to resume it anyway",
+                      checkpoint.file().string(), text, hex(library->contents), contents));
+    warnings.push_back(fmt::format("{}: warning: {}", checkpoint.file().string(), text));
+  }
+  return warnings;
+}
+
+void append(std::vector<std::string>& lines, const std::vector<std::string>& more) {
+  lines.insert(lines.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+template <class Options>
+void Simulation::Impl::make_world(engine::WorldSpec spec, const Options& options, Diagnostics& diagnostics) {
+  const RankOptions team{options.ranks, options.rank_seed, options.rank_clock};
+  check_ranks(team);
+  const engine::WorldOptions own{threads_per_rank(options.threads, team.ranks), options.tile_size_m};
+  world = std::make_unique<engine::World>(std::move(spec), *registry, own, diagnostics);
+  if (options.processes)
+    ranks = options.processes->add(*world, *registry, *plugins, own, options.rank_seed);
+  else if (team.ranks > 1)
+    ranks = std::make_unique<RankTeam>(*world, *registry, own, team);
+}
+
+void Simulation::Impl::watch_for_the_end(Diagnostics& diagnostics) {
+  const std::vector<engine::StopSpec>& conditions = world->spec().experiment.stop_when;
+  if (conditions.empty()) return;
+  stop = std::make_unique<engine::StopConditions>(*world, *registry, conditions, diagnostics);
+  diagnostics.throw_if_errors();
+}
+
+void Simulation::Impl::start(engine::WorldSpec spec, const SimulationOptions& options,
+                             Diagnostics& diagnostics) {
+  tile_size_m = options.tile_size_m;
+  spec.mortal = spec.mortal || options.mortal;
+  if (options.spare > 0) {
+    engine::add_spare(spec, options.spare);
+    changes.emplace_back(k_spare, fmt::format("{}", options.spare));
+  }
+  spec.ranging = options.ranging.value_or(spec.ranging);
+  make_world(std::move(spec), options, diagnostics);
+  watch_for_the_end(diagnostics);
+  warnings = diagnostics.warnings();
+  append(warnings, plugins->warnings());
+}
+
+void Simulation::Impl::restore(const worldio::Checkpoint& checkpoint, Diagnostics& diagnostics) {
+  checkpoint.restore(*world);
+  resumed_at = checkpoint.tick();
+  memories = checkpoint.memories();
+  watch_for_the_end(diagnostics);
+  if (stop) {
+    if (const auto memory = memories.find(stop->memory_name()); memory != memories.end())
+      stop->remember(memory->second);
+    if (world->tick() > 0) stop->ask();
+  }
+  if (const auto held = memories.find(k_holds);
+      held != memories.end() && !holds.remember(held->second, world->spec().bodies.size()))
+    throw InputError(fmt::format(
+        "{}: error: the list of held robots (docs/live.md) in the checkpoint is invalid: the file is damaged",
+        checkpoint.file().string()));
+}
+
+Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options)
+    : Simulation(file, options, make_registry()) {}
+
+Simulation::Simulation(const std::filesystem::path& file, const SimulationOptions& options,
+                       engine::Registry registry)
+    : Simulation(load(file, options, std::move(registry), {},
+                      [&](const engine::Registry& kinds, const worldio::LoadOptions& how,
+                          Diagnostics& found) { return worldio::load_world(file, kinds, how, found); })) {}
+
+Simulation Simulation::from_text(std::string text, const std::filesystem::path& name,
+                                 const SimulationOptions& options) {
+  return from_text(std::move(text), name, options, make_registry());
+}
+
+Simulation Simulation::from_text(std::string text, const std::filesystem::path& name,
+                                 const SimulationOptions& options, engine::Registry registry) {
+  return load(name, options, std::move(registry), {},
+              [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
+                return worldio::load_world_text(name, std::move(text), kinds, how, found);
+              });
+}
+
+Simulation::Simulation(const WorldBuilder& world, const SimulationOptions& options)
+    : Simulation(world, options, make_registry()) {}
+
+Simulation::Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry)
+    : Simulation(
+          load(world.name(), options, std::move(registry), {},
+               [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
+                 return worldio::load_json_node(world.node(found.files()->add(world.name().string())),
+                                                world.name(), kinds, how, found);
+               })) {}
+
+Simulation::Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
+                       const SimulationOptions& options)
+    : Simulation(world, name, options, make_registry()) {}
+
+Simulation::Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
+                       const SimulationOptions& options, engine::Registry registry)
+    : Simulation(
+          load(name, options, std::move(registry), world.files,
+               [&](const engine::Registry& kinds, const worldio::LoadOptions& how, Diagnostics& found) {
+                 return worldio::load_json_node(worldio::json_world_node(world, name, kinds, found), name,
+                                                kinds, how, found);
+               })) {}
+
+/// Loads a world with `read`, which parses it. file: the name of the world. files: the source files that a
+/// document states, for the file names in errors; null if the world is not loaded from a document.
+Simulation Simulation::load(const std::filesystem::path& file, const SimulationOptions& options,
+                            engine::Registry registry, std::shared_ptr<SourceFiles> files,
+                            const ReadWorld& read) {
+  restore_fp_environment();  // before anything is computed from the file
+  auto impl = std::make_unique<Impl>();
+  for (const auto& [pointer, value] : options.set) impl->changes.emplace_back("set " + pointer, value);
+  impl->file = file;
+  impl->registry = std::make_shared<engine::Registry>(std::move(registry));
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path, options.scripts);
+  Diagnostics diagnostics(std::move(files));
+  worldio::LoadOptions how{options.seed, options.robots, options.set, options.search_path, options.threads};
+  how.place_again = &impl->place_again;
+  engine::WorldSpec spec = read(*impl->registry, how, diagnostics);
+  diagnostics.throw_if_errors();
+  assign_controllers(options.scripts, spec, diagnostics);
+  diagnostics.throw_if_errors();
+  impl->start(std::move(spec), options, diagnostics);
+  return Simulation(std::move(impl));
+}
+
+Simulation::Simulation(engine::WorldSpec world, const SimulationOptions& options)
+    : Simulation(std::move(world), options, make_registry()) {}
+
+Simulation::Simulation(engine::WorldSpec world, const SimulationOptions& options, engine::Registry registry)
+    : Simulation(make(std::move(world), options, std::move(registry))) {}
+
+Simulation Simulation::make(engine::WorldSpec spec, const SimulationOptions& options,
+                            engine::Registry registry) {
+  if (!options.robots.empty() || !options.set.empty() || !options.search_path.empty())
+    throw std::invalid_argument(
+        "SimulationOptions: robots, set and search_path apply to world files only; for a WorldSpec, change "
+        "its members instead");
+  restore_fp_environment();
+  auto impl = std::make_unique<Impl>();
+  impl->file = spec.title.empty() ? "world" : spec.title;
+  impl->registry = std::make_shared<engine::Registry>(std::move(registry));
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path, options.scripts);
+  Diagnostics diagnostics(spec.files);
+  worldio::check_spec(spec, *impl->registry, diagnostics);
+  diagnostics.throw_if_errors();
+  assign_controllers(options.scripts, spec, diagnostics);
+  diagnostics.throw_if_errors();
+  if (options.seed) spec.seed = *options.seed;
+  impl->start(std::move(spec), options, diagnostics);
+  return Simulation(std::move(impl));
+}
+
+Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOptions& options) {
+  return resume(file, options, make_registry());
+}
+
+Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOptions& options,
+                              engine::Registry registry) {
+  restore_fp_environment();
+  const worldio::Checkpoint checkpoint(file);
+  auto impl = std::make_unique<Impl>();
+  if (const std::string warning = check_version(checkpoint, options.across_versions); !warning.empty())
+    impl->warnings.push_back(warning);
+  impl->registry = std::make_shared<engine::Registry>(std::move(registry));
+  impl->plugins = add_plugins(*impl->registry, options.plugin_path, options.scripts);
+  append(impl->warnings, load_plugins(checkpoint, *impl->plugins, options.across_plugins));
+  append(impl->warnings, impl->plugins->warnings());
+  impl->file = checkpoint.header("world");
+  Diagnostics diagnostics;
+  engine::WorldSpec spec = checkpoint.spec(*impl->registry, options.set, diagnostics);
+  diagnostics.throw_if_errors();
+  // Warnings about the world were reported when it was loaded, and are not repeated here.
+  impl->make_world(std::move(spec), options, diagnostics);
+  impl->restore(checkpoint, diagnostics);
+  for (const auto& [key, value] : checkpoint.header())
+    if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
+  for (const auto& [pointer, value] : options.set)
+    impl->changes.emplace_back(fmt::format("set {} at tick {}", pointer, checkpoint.tick()), value);
+  return Simulation(std::move(impl));
+}
+
+/// Returns the bodies of this world with the places that they have with another seed. Throws std::logic_error
+/// for a resumed run. call: name of the calling function, for the error.
+std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, std::string_view call) const {
+  if (impl_->resumed_at)
+    throw std::logic_error(
+        fmt::format("{} needs the rules by which bodies are placed, but this run was resumed from a "
+                    "checkpoint, which does not store these rules",
+                    call));
+  std::vector<engine::BodySpec> bodies = impl_->world->spec().bodies;
+  if (impl_->place_again) impl_->place_again(bodies, seed);
+  return bodies;
+}
+
+Simulation Simulation::another(std::uint64_t seed, unsigned threads) const {
+  std::vector<engine::BodySpec> bodies = bodies_placed_by(seed, "another()");
+  auto impl = std::make_unique<Impl>();
+  impl->registry = impl_->registry;
+  impl->plugins = impl_->plugins;
+  impl->file = impl_->file;
+  impl->tile_size_m = impl_->tile_size_m;
+  impl->place_again = impl_->place_again;
+  impl->changes = impl_->changes;
+  engine::WorldSpec spec = impl_->world->spec();
+  spec.experiment.at.resize(spec.experiment.at.size() - impl_->world->settings_made());
+  spec.bodies = std::move(bodies);
+  spec.seed = seed;
+  Diagnostics diagnostics(spec.files);
+  impl->world = std::make_unique<engine::World>(
+      std::move(spec), *impl->registry, engine::WorldOptions{threads, impl->tile_size_m}, diagnostics);
+  impl->watch_for_the_end(diagnostics);
+  return Simulation(std::move(impl));
+}
+
+std::optional<std::uint64_t> Simulation::resumed_at_tick() const { return impl_->resumed_at; }
+
+void Simulation::save(const std::filesystem::path& checkpoint) const {
+  impl_->world->require_whole();
+  worldio::FileHeader header = effective_options();
+  header.insert(header.begin(), {"version", version_line()});
+  header.emplace_back("title", title());
+  if (impl_->recording) impl_->recording->flush();  // a resumed recording must reach the checkpoint's tick
+  worldio::Memories memories;
+  for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
+  if (impl_->stop) memories[impl_->stop->memory_name()] = impl_->stop->memory();
+  if (!impl_->holds.empty()) memories[k_holds] = impl_->holds.memory();
+  worldio::write_checkpoint(checkpoint, *impl_->world, *impl_->registry, header, memories);
+}
+
+void Simulation::on_save(const std::string& name, std::function<std::vector<std::byte>()> memory) {
+  if (memory)
+    impl_->on_save[name] = std::move(memory);
+  else
+    impl_->on_save.erase(name);
+}
+
+std::optional<std::vector<std::byte>> Simulation::saved_memory(const std::string& name) const {
+  const auto found = impl_->memories.find(name);
+  return found == impl_->memories.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::vector<std::pair<std::string, std::string>> Simulation::effective_options() const {
+  const engine::WorldSpec& spec = impl_->world->spec();
+  std::vector<std::pair<std::string, std::string>> out{
+      {"world", impl_->file.string()},
+      {"seed", fmt::format("{}", spec.seed)},
+      {"tick_s", fmt::format("{}", impl_->world->tick_s())},
+      {"ranging", std::string(engine::ranging_engine_name(spec.ranging))},
+      {"robots", fmt::format("{}", impl_->world->robots_at_start())},
+      {"threads", fmt::format("{}", threads())},
+      {"tile_m", fmt::format("{}", impl_->world->geometry().tile_m())},
+      {"simd", partition::simd_target()},
+  };
+  if (ranks() > 1) out.emplace_back("ranks", fmt::format("{}", ranks()));
+  if (spec.ranging == RangingEngine::grid)
+    out.emplace_back("resolution_m", fmt::format("{}", spec.resolution_m));
+  for (const Plugins::Library& library : impl_->plugins->libraries())
+    out.emplace_back(fmt::format("{}{}", k_plugin, library.name), hex(library.contents));
+  for (const auto& [key, value] : impl_->changes) out.emplace_back(key, value);
+  if (impl_->resumed_at) out.emplace_back("resumed_at_tick", fmt::format("{}", *impl_->resumed_at));
+  return out;
+}
+
+}  // namespace troupe

@@ -1,0 +1,81 @@
+#pragma once
+
+#include "engine/stop_conditions.hpp"
+#include "engine/world.hpp"
+#include "troupe/acts.hpp"
+#include "troupe/model_place.hpp"
+#include "troupe/pictures.hpp"
+#include "troupe/plugins.hpp"
+#include "troupe/rank_group.hpp"
+#include "troupe/recording.hpp"
+#include "troupe/simulation.hpp"
+#include "worldio/load.hpp"
+#include "worldio/results/checkpoint.hpp"
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe {
+
+struct Simulation::Impl {
+  std::shared_ptr<engine::Registry> registry;  ///< shared with simulations from another()
+  std::shared_ptr<Plugins> plugins;            ///< loads plug-ins for `registry`
+  std::unique_ptr<engine::World> world;
+  /// The ranks that compute `world` together with this thread; null if it is computed by one rank.
+  std::unique_ptr<RankGroup> ranks;
+  std::vector<std::string> warnings;
+  std::filesystem::path file;       ///< world file
+  double tile_size_m = 0;           ///< from SimulationOptions
+  worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no place depends on it
+  /// Changes to the world, as pairs of key and value for effective_options(): those of the option `set` (if a
+  /// run was resumed with them, the key contains the tick), and `spare`.
+  std::vector<std::pair<std::string, std::string>> changes;
+  /// Tick of the checkpoint that the run was resumed from.
+  std::optional<std::uint64_t> resumed_at;
+  /// The data that observers stored in the checkpoint that the run was resumed from.
+  worldio::Memories memories;
+  /// The callbacks of on_save(), by name.
+  std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
+  /// Evaluates the stop conditions; null if the world has no `stop_when`.
+  std::unique_ptr<engine::StopConditions> stop;
+  /// The recording that record() started; null if none is running.
+  std::unique_ptr<Recording> recording;
+  std::deque<std::function<void(Simulation&)>> on_tick;
+  bool in_callbacks = false;
+  /// Renderer and options of the last call of snapshot() or picture().
+  std::unique_ptr<Pictures> pictures;
+  PictureOptions picture_options;
+
+  std::function<void(Simulation&)> before_tick;
+  /// Robots held by act().
+  Holds holds;
+
+  /// Throws std::logic_error in a callback of on_tick(). `what`: the call that is not allowed there.
+  void refuse_in_callbacks(std::string_view what) const;
+  /// Throws std::logic_error for a model of another simulation.
+  void require_own(const Model& model) const;
+  /// The renderer with these options.
+  Pictures& pictures_of(const Simulation& simulation, const PictureOptions& options);
+
+  // troupe/simulation_files.cpp
+  /// Makes the world of a valid spec, and collects warnings about it and about plug-ins in `warnings`.
+  void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics);
+  /// Makes `world`, and its replicas on the other ranks. options: SimulationOptions or ResumeOptions.
+  template <class Options>
+  void make_world(engine::WorldSpec spec, const Options& options, Diagnostics& diagnostics);
+  /// Sets up the stop conditions (`stop_when`). `world` must already be set.
+  void watch_for_the_end(Diagnostics& diagnostics);
+  /// Restores the world, the stop conditions and the held robots. `world` must already be made.
+  void restore(const worldio::Checkpoint& checkpoint, Diagnostics& diagnostics);
+};
+
+}  // namespace troupe
