@@ -393,7 +393,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
     else
       fmt::print("; the table is written when all runs are done\n");
   }
-  if (stop_requested()) return k_stopped;
+  if (stop_requested() || (deal.ranks() > 1 && left > 0)) return k_stopped;  // a rank got the signal
   return table.failed.empty() ? k_finished : k_failed;
 }
 
