@@ -1,8 +1,8 @@
 #include "apps/scripts.hpp"
 
 #include "apps/options.hpp"
-#include "apps/ranks/launcher.hpp"
 #include "base/diagnostics.hpp"
+#include "troupe/launcher.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

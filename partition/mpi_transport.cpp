@@ -154,11 +154,14 @@ std::shared_ptr<const Message> MpiTransport::receive(unsigned from) {
   return std::make_shared<const Message>(first, first + bytes);
 }
 
-void MpiTransport::finish() {
+void MpiTransport::complete_sending() {
   impl_->wait(impl_->rank, [&] {
     impl_->progress();
     return impl_->sending.empty();
   });
+}
+
+void MpiTransport::finish() {
   if (impl_->mpi.finish() != 0) throw RankError("MPI: finalising failed");
 }
 

@@ -33,7 +33,9 @@ class MpiTransport : public Transport {
   void set_limit(double seconds);
   /// Sets the names of the hosts of all ranks, indexed by rank, for the texts of errors.
   void set_hosts(std::vector<std::string> hosts);
-  /// Waits until all messages have left and finalises MPI. All ranks must call it; no function may be called
+  /// Waits until all messages have left.
+  void complete_sending();
+  /// Finalises MPI; complete_sending() comes first. All ranks must call it; no function may be called
   /// afterwards.
   void finish();
 

@@ -1,4 +1,3 @@
-#include "apps/ranks/launcher.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "python/bindings.hpp"
@@ -65,20 +64,6 @@ using Seed = std::optional<std::uint64_t>;
 using Text = std::optional<std::string>;
 using Settings = std::optional<py::dict>;
 
-/// Returns `ranks`. Throws py::value_error if it is more than one and a launcher such as mpirun started
-/// several processes of this program: the ranks of a program are threads of one process.
-unsigned ranks_of(unsigned ranks) {
-  if (ranks <= 1) return ranks;
-  if (const std::optional<apps::Launcher> launcher = apps::find_launcher(); launcher && launcher->ranks > 1)
-    throw py::value_error(fmt::format(
-        "{} ranks: the ranks of a program are threads of one process, but {} started {} processes: start the "
-        "program without the launcher, or with ranks=1; only the commands troupe run, resume and check "
-        "divide "
-        "one world among processes",
-        ranks, launcher->name, launcher->ranks));
-  return ranks;
-}
-
 SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed& seed, const Text& ranging,
                              const Settings& set, Paths search_path, Paths plugin_path,
                              const py::list& controllers, double tile_size_m, unsigned ranks) {
@@ -91,7 +76,7 @@ SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed&
           .search_path = std::move(search_path),
           .plugin_path = std::move(plugin_path),
           .scripts = scripts_of(controllers),
-          .ranks = ranks_of(ranks)};
+          .ranks = ranks};
 }
 
 /// Returns the simulation that make() makes. make() runs without the interpreter's lock, because worlds may
@@ -132,7 +117,7 @@ Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set,
                               .plugin_path = std::move(plugin_path),
                               .scripts = scripts_of(controllers),
                               .across_plugins = across_plugins,
-                              .ranks = ranks_of(ranks)};
+                              .ranks = ranks};
   return hold([&] { return Simulation::resume(checkpoint, options); });
 }
 

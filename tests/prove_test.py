@@ -6,17 +6,19 @@ import importlib.machinery
 import importlib.util
 import io
 import json
+import math
 import pathlib
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 spec = importlib.util.spec_from_loader("prove", importlib.machinery.SourceFileLoader("prove", str(ROOT / "scripts" / "prove")))
 prove = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(prove)
 # scripts/prove has put its folder on the path
-from proofs import builds, checks, coverage, random_proof, random_worlds, runs, shrink, variants  # noqa: E402
+from proofs import builds, checks, coverage, random_proof, random_worlds, runs, scenes, shrink, variants  # noqa: E402
 from proofs.kinds import Kinds  # noqa: E402
 
 WORLD = runs.World("crowd.json")
@@ -95,6 +97,44 @@ class Proofs(unittest.TestCase):
                             variant.lines(WORLD, 50, folder)
 
 
+class Ranks(unittest.TestCase):
+    def test_every_shipped_world_is_run(self):
+        ranked = scenes.Scenes().ranked()
+        self.assertEqual(sorted(world.file for world, _, _ in ranked), scenes.shipped())
+        golden = runs.read_golden()
+        for world, robots, ticks in ranked:
+            if world.populations:
+                self.assertEqual(world.file, "campus.json")
+                self.assertEqual(world.arguments[1:3], ["--robots", "a=100"])
+            else:
+                self.assertIn((world.key, robots, ticks), golden)
+        self.assertEqual([world.file for world, _, _ in scenes.Scenes().ranked(["door.json"])], ["door.json"])
+        with self.assertRaisesRegex(runs.Fault, "there is no world dor.json; known: hospital.json, "):
+            scenes.Scenes().ranked(["dor.json"])
+
+    def test_teams_contain_all_pairs(self):
+        for values in ((0, 1), (0, 2), (1, 2)):
+            pairs = {tuple(team[i] for i in values) for team in prove.TEAMS}
+            self.assertEqual(len(pairs), math.prod(len({team[i] for team in prove.TEAMS}) for i in values))
+
+    def test_processes_are_started_with_the_launchers_that_are_installed(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            for file in ("mpirun.mpich", "libtroupe_mpi_mpich.so", "libtroupe_mpi_openmpi.so", "troupe"):
+                (folder / file).touch(mode=0o755)
+            base = runs.Variant("1 thread", folder / "troupe")
+            with unittest.mock.patch.dict("os.environ", {"PATH": name}), contextlib.redirect_stdout(io.StringIO()) as told:
+                proof = variants.processes(base, (1, 4))
+                (folder / "mpirun.mpich").unlink()
+                nothing = variants.processes(base, (1, 4))
+            self.assertIsNone(nothing)
+            self.assertEqual(told.getvalue().count("NOT PROVED: processes of openmpi"), 2)
+            self.assertEqual(told.getvalue().count("NOT PROVED: processes of mpich"), 1)
+            self.assertEqual([variant.label for variant in proof.variants],
+                             ["1 processes of mpich", "4 processes of mpich", "3 processes of mpich, two of them scalar"])
+            self.assertEqual(proof.variants[1].emulator, (f"{name}/mpirun.mpich", "-n", 4))
+
+
 class Planted(unittest.TestCase):
     """The patches of scripts/prove --planted, which insert faults, still apply to the sources."""
 
@@ -102,7 +142,7 @@ class Planted(unittest.TestCase):
         names = [name for name, _ in builds.planted_faults()]
         self.assertEqual(names, ["address_tie", "birth_memory", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read",
                                  "rank_effect_order", "rank_float_sum", "rank_message_early", "rank_message_order", "rank_state_old",
-                                 "rank_undeclared"])
+                                 "rank_undeclared", "rank_world_of_one"])
         for name in names:
             with self.subTest(name=name), tempfile.TemporaryDirectory() as folder:
                 patch = builds.PLANTED / f"{name}.patch"

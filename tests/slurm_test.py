@@ -148,19 +148,30 @@ class OnSlurm(unittest.TestCase):
                               env={**self.environment, **environment})
         return done
 
-    def good(self, *command):
+    def good(self, *command, code=0):
         done = self.call(*command)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
 
-    def test_srun_makes_each_process_a_rank(self):
-        if "pmix" not in self.output("srun", "--mpi=list") + self.call("srun", "--mpi=list").stderr:
-            self.skipTest("NOT TESTED: this Slurm has no --mpi=pmix")
+    def srun_makes_each_process_a_rank(self, interface, mpi):
+        if interface not in self.output("srun", "--mpi=list") + self.call("srun", "--mpi=list").stderr:
+            self.skipTest(f"NOT TESTED: this Slurm has no --mpi={interface}")
+        if not (pathlib.Path(PROGRAM).parent / f"libtroupe_mpi_{mpi}.so").exists():
+            self.skipTest(f"NOT TESTED: the module of {mpi} is missing (scripts/setup --mpi)")
         self.good(PROGRAM, "run", "room.json", "--threads", 1, "--hash-log", "one.log", "--quiet")
-        done = self.good("srun", "--mpi=pmix", "-n", 3, "-c", 1, PROGRAM, "run", "room.json", "--hash-log", "three.log", "--json")
+        done = self.good("srun", f"--mpi={interface}", "-n", 3, "-c", 1, PROGRAM, "run", "room.json", "--hash-log", "three.log",
+                         "--json")
         summary = json.loads(done.stdout)
         self.assertEqual((summary["ranks"], summary["threads"]), (3, 1))  # as -c says
         self.assertEqual(lines_of(self.folder / "three.log"), lines_of(self.folder / "one.log"))
+        for log in ("one.log", "three.log"):
+            (self.folder / log).unlink()
+
+    def test_srun_makes_each_process_a_rank(self):
+        self.srun_makes_each_process_a_rank("pmix", "openmpi")
+
+    def test_srun_makes_each_process_a_rank_of_mpich(self):
+        self.srun_makes_each_process_a_rank("pmi2", "mpich")
 
     def test_srun_without_mpi_is_an_error(self):
         done = self.call("srun", "-n", 2, PROGRAM, "run", "room.json", "--hash-log", "never.log")
@@ -176,9 +187,28 @@ class OnSlurm(unittest.TestCase):
         self.assertEqual((self.folder / "parts" / "table.csv").read_text(), (self.folder / "one" / "table.csv").read_text())
         self.assertEqual([(self.folder / f"part-{part}.out").read_text() for part in (1, 2, 3)], ["", "", ""])
 
+    def test_the_processes_of_srun_share_a_study(self):
+        self.good(PROGRAM, "sweep", "study.json", "-o", "one-again", "--quiet")
+        self.good("srun", "--mpi=pmix", "-n", 3, "-c", 1, PROGRAM, "sweep", "study.json", "-o", "three", "--quiet")
+        self.assertEqual((self.folder / "three" / "table.csv").read_text(), (self.folder / "one-again" / "table.csv").read_text())
+        self.assertEqual(len(list((self.folder / "three").glob("runs-*-of-3.jsonl"))), 3)
+
+    def test_a_job_ends_before_its_time_limit_and_is_resumed(self):
+        self.good(PROGRAM, "run", "room.json", "--threads", 1, "--hash-log", "straight.log", "--for", 1e5, "--wall-limit", 2,
+                  "--checkpoint", "straight.h5", "--quiet", code=3)
+        run = f"srun --mpi=pmix {PROGRAM} run room.json --for 1e5 --checkpoint big.h5 --wall-limit 2 --hash-log big.log --quiet"
+        again = f"srun --mpi=pmix {PROGRAM} resume big.h5 --for 1e5 --checkpoint big.h5 --wall-limit 2 --hash-log big.log --quiet"
+        for job, ranks in ((run, 3), (again, 2)):
+            self.good("sbatch", "--wait", "-n", ranks, "-c", 1, "--output=big.out", "--wrap", job, code=3)
+        lines = min(len(lines_of(self.folder / "big.log")), len(lines_of(self.folder / "straight.log")))
+        self.assertGreater(lines, 2)
+        self.assertEqual(lines_of(self.folder / "big.log")[:lines], lines_of(self.folder / "straight.log")[:lines])
+
     def test_the_signal_of_a_job_saves_the_state(self):
         job = f"srun --mpi=pmix -n 2 -c 1 {PROGRAM} run room.json --for 1e6 --checkpoint job.h5 --hash-log job.log --quiet"
         number = self.good("sbatch", "--parsable", "-n", 2, "-c", 1, "--output=job.out", "--wrap", job).stdout.strip()
+        # The processes of a job outlive the daemons, so wait for their end.
+        self.addCleanup(self.wait_until, "the job does not end", lambda: not self.output("squeue", "--noheader"))
         self.addCleanup(self.call, "scancel", number)
         log, saved = self.folder / "job.log", self.folder / "job.h5"
         self.wait_until("the job does not run", lambda: log.exists() and len(lines_of(log)) > 20)

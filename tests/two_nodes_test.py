@@ -35,6 +35,9 @@ WORLD = {
     "populations": [{"name": "w", "type": "wanderer", "count": 40,
                      "place": {"rule": "uniform", "region_m": [[-3.3, -3.3], [3.3, 3.3]]}}],
 }
+STUDY = {"troupe_study": 1, "world": "room.json", "for_s": 1, "measures": ["stalls"],
+         "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [5, 10]}],
+         "seeds": {"from": 1, "count": 3}}
 AGENT = """#!/bin/sh
 # AGENT [OPTION...] HOST COMMAND...: as ssh
 while [ "${1#-}" != "$1" ]; do shift; done
@@ -158,6 +161,12 @@ class OnTwoNodes:
         self.assertEqual((summary["ranks"], summary["nodes"]), (4, 2))
         self.assertEqual(len(lines_of(self.folder / "one.log")), 31)
         self.assertEqual(lines_of(self.folder / "two.log"), lines_of(self.folder / "one.log"))
+
+    def test_a_study(self):
+        (self.folder / "study.json").write_text(json.dumps(STUDY))
+        self.call([PROGRAM, "sweep", "study.json", "-o", "one", "--quiet"])
+        self.call(self.on_nodes(1, "sweep", "study.json", "-o", "two", "--threads", 1, "--quiet"))
+        self.assertEqual((self.folder / "two" / "table.csv").read_text(), (self.folder / "one" / "table.csv").read_text())
 
     def test_a_cut_link_ends_all_processes(self):
         limit_s = 3

@@ -6,6 +6,7 @@
 #include "partition/job_thread.hpp"
 #include "partition/mailboxes.hpp"
 #include "partition/processors.hpp"
+#include "troupe/launcher.hpp"
 #include "troupe/simulation.hpp"
 
 #include <fmt/format.h>
@@ -31,6 +32,13 @@ void check_ranks(const RankOptions& options) {
   static_assert(k_most_ranks == partition::k_most_ranks);
   if (options.ranks < 1 || options.ranks > k_most_ranks)
     throw std::invalid_argument(fmt::format("{} ranks: must be 1 to {}", options.ranks, k_most_ranks));
+  if (options.ranks == 1) return;
+  if (const std::optional<Launcher> launcher = find_launcher(); launcher && launcher->ranks > 1)
+    throw std::invalid_argument(fmt::format(
+        "{} ranks: the ranks of a program are threads of one process, but {} started {} processes: start the "
+        "program without the launcher, or with one rank; only the commands troupe run, resume and check "
+        "divide one world among processes",
+        options.ranks, launcher->name, launcher->ranks));
 }
 
 unsigned threads_per_rank(unsigned threads, unsigned ranks) {

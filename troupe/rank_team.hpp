@@ -22,7 +22,9 @@ struct RankOptions {
   std::function<double(unsigned rank)> clock;
 };
 
-/// Throws std::invalid_argument, with the allowed numbers, if the number of ranks is not allowed.
+/// Throws std::invalid_argument, with the reason, if the number of ranks is not allowed: because it is not
+/// one of 1 to k_most_ranks, or because it is more than 1 and a launcher such as mpirun started several
+/// processes.
 void check_ranks(const RankOptions& options);
 /// Number of worker threads of each rank. threads: the number that the user wants per rank; 0: the processors
 /// that the process may use, divided by the number of ranks, but at least 1.

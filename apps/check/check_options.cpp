@@ -19,7 +19,8 @@ the value in the first variant.
 With --ranks, the world also runs on each given number of ranks, which are replicas of the world that divide its robots
 among themselves (docs/cluster.md). The ranks are threads of this process. Their messages arrive late and in a shuffled
 order, and in each tick robots move to other ranks, both at random with the seed --rank-seed (default: 1). After each
-tick, the data that every rank computes are compared between the ranks.
+tick, the data that every rank computes are compared between the ranks. Under mpirun, --ranks is not allowed: the world
+also runs on all processes.
 
 --amnesia adds two variants. In one, all data that are not part of the state are overwritten with junk after each tick
 and computed again. In the other, the world is discarded after each tick and rebuilt from its description and its state,
@@ -80,6 +81,7 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
             [&options](const std::string& text) {
               options.ranks.clear();
               split(text, [&](std::string_view item) { options.ranks.push_back(rank_count(item)); });
+              options.simulation.ranks = std::ranges::max(options.ranks);  // refused under a launcher
             });
   add_rank_limit_option(check, options);
   add_rank_seed_option(check, options);

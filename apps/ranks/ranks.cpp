@@ -1,10 +1,11 @@
 #include "apps/ranks/ranks.hpp"
 
 #include "apps/interrupt.hpp"
-#include "apps/ranks/launcher.hpp"
 #include "base/diagnostics.hpp"
+#include "base/hash.hpp"
 #include "partition/mpi_transport.hpp"
 #include "partition/processors.hpp"
+#include "troupe/launcher.hpp"
 #include "troupe/rank_processes.hpp"
 
 #include <fmt/format.h>
@@ -13,13 +14,16 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -34,6 +38,8 @@ using partition::Message;
 using partition::MessageReader;
 using partition::MessageWriter;
 using partition::MpiTransport;
+
+constexpr double k_no_limit = std::numeric_limits<double>::infinity();
 
 std::string module_file(const std::string& mpi) { return "libtroupe_mpi_" + mpi + ".so"; }
 
@@ -83,17 +89,97 @@ std::string arguments() {
   return words;
 }
 
+/// Hash of the file of this program, which differs between two builds of one version.
+std::uint64_t program_contents() {
+  std::ifstream file("/proc/self/exe", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  return hash_text(bytes);
+}
+
 std::string host() {
   std::array<char, 256> name{};
   gethostname(name.data(), name.size() - 1);
   return name.data();
 }
 
-/// Compares the version of the program and its arguments on all ranks. Throws InputError on all ranks if they
+/// Returns the number of different hosts.
+unsigned nodes_of(std::vector<std::string> hosts) {
+  std::ranges::sort(hosts);
+  return static_cast<unsigned>(std::unique(hosts.begin(), hosts.end()) - hosts.begin());
+}
+
+/// Prints an error and ends this process without waiting for threads or other ranks.
+[[noreturn]] void end_at_once(unsigned rank, std::string_view error) {
+  fmt::print(stderr, "troupe: error: rank {} on {}: {}\n", rank, host(), error);
+  std::fflush(nullptr);
+  _exit(k_failed);
+}
+
+/// While an object of this class exists, a thread waits for the end of its life. If that takes longer than a
+/// limit, s, the thread ends the process. Limits above k_longest_s count as none.
+class EndsWithin {
+ public:
+  EndsWithin(double limit_s, unsigned rank) {
+    if (limit_s > k_longest_s) return;
+    thread_ = std::thread([this, limit_s, rank] {
+      std::unique_lock lock(mutex_);
+      if (changed_.wait_for(lock, std::chrono::duration<double>(limit_s), [this] { return is_over_; }))
+        return;
+      end_at_once(rank,
+                  fmt::format("the work is done and all files are written, but MPI_Finalize took longer than "
+                              "{:g} s (--rank-limit)",
+                              limit_s));
+    });
+  }
+  ~EndsWithin() {
+    if (!thread_.joinable()) return;
+    {
+      const std::lock_guard lock(mutex_);
+      is_over_ = true;
+    }
+    changed_.notify_one();
+    thread_.join();
+  }
+  EndsWithin(const EndsWithin&) = delete;
+  EndsWithin& operator=(const EndsWithin&) = delete;
+
+ private:
+  static constexpr double k_longest_s = 1e6;  // the clock of wait_for() counts nanoseconds in 64 bits
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_over_ = false;
+  std::thread thread_;
+};
+
+/// Ends the connection to the other ranks; all ranks call it.
+/// nodes: number of computers; limit_s: how long MPI_Finalize may take.
+///
+/// In MPI_Finalize, MPICH with UCX over TCP flushes the connection to each rank, for which that rank must
+/// call a function of MPI, and then waits in a barrier, where it answers no other rank. So a rank hangs if
+/// its flush begins after that of another rank has been answered (seen with MPICH 4.0.2 and UCX 1.13.1). A
+/// last message cannot prevent this, because it must be flushed itself. So rank 0 tells the others to end.
+/// They call MPI_Finalize after a while without MPI, in which rank 0 completes its sends, and wait there for
+/// the answer of rank 0, which comes last, when all of them have begun.
+void finish(MpiTransport& transport, unsigned nodes, double limit_s) {
+  constexpr std::chrono::milliseconds k_quiet(500);
+  if (transport.rank() == 0)
+    transport.send_to_all(std::make_shared<const Message>());
+  else
+    (void)transport.receive(0);
+  const EndsWithin limit(limit_s, transport.rank());
+  transport.complete_sending();
+  if (nodes > 1 && transport.library().starts_with("MPICH"))
+    std::this_thread::sleep_for(transport.rank() == 0 ? 3 * k_quiet : k_quiet);
+  transport.finish();
+}
+
+/// Compares the program, its version and its arguments on all ranks. Throws InputError on all ranks if they
 /// differ. Returns the host names of the ranks, by rank.
 std::vector<std::string> meet(MpiTransport& transport) {
   std::vector<std::string> hosts{host()};
   const std::string version = version_line();
+  const std::uint64_t contents = program_contents();
   const std::string given = arguments();
   std::string difference;
   if (transport.rank() == 0) {
@@ -103,12 +189,18 @@ std::vector<std::string> meet(MpiTransport& transport) {
       hosts.push_back(message.get_text());
       const std::string version_there = message.get_text();
       const std::string given_there = message.get_text();
+      const auto contents_there = message.is_done() ? 0 : message.get<std::uint64_t>();  // older versions
       if (!difference.empty()) continue;
       if (version_there != version)
         difference = fmt::format(
             "troupe: error: rank {} on {} runs {}, but rank 0 on {} runs {}: start the same program on all "
             "ranks",
             rank, hosts.back(), version_there, hosts.front(), version);
+      else if (contents_there != contents)
+        difference = fmt::format(
+            "troupe: error: rank {} on {} runs another build of {} than rank 0 on {}: start the same file on "
+            "all ranks",
+            rank, hosts.back(), version, hosts.front());
       else if (given_there != given)
         difference = fmt::format(
             "troupe: error: rank {} on {} was started with the arguments{}, but rank 0 with{}: give all "
@@ -125,6 +217,7 @@ std::vector<std::string> meet(MpiTransport& transport) {
     own.put_text(hosts.front());
     own.put_text(version);
     own.put_text(given);
+    own.put(contents);
     transport.send(0, std::move(own));
     const auto letter = transport.receive(0);
     MessageReader verdict(*letter);
@@ -133,16 +226,10 @@ std::vector<std::string> meet(MpiTransport& transport) {
     for (unsigned rank = 0; rank < transport.ranks(); ++rank) hosts.push_back(verdict.get_text());
   }
   if (!difference.empty()) {
-    transport.finish();
+    finish(transport, nodes_of(hosts), k_no_limit);
     throw InputError(difference);
   }
   return hosts;
-}
-
-/// Returns the number of different hosts.
-unsigned nodes_of(std::vector<std::string> hosts) {
-  std::ranges::sort(hosts);
-  return static_cast<unsigned>(std::unique(hosts.begin(), hosts.end()) - hosts.begin());
 }
 
 /// Returns the default number of worker threads of this rank: SLURM_CPUS_PER_TASK if it is set, else the
@@ -169,8 +256,8 @@ void ignore_signals() {
 }
 
 /// Connects this process with the other processes of the launcher. Then calls work() with the transport and
-/// the host names of the ranks, and returns its result.
-ExitCode with_others(const Launcher& launcher,
+/// the host names of the ranks, and returns its result. limit_s: how long the end of the connection may take
+ExitCode with_others(const Launcher& launcher, double limit_s,
                      const std::function<ExitCode(MpiTransport&, const std::vector<std::string>&)>& work) {
   const std::unique_ptr<MpiTransport> transport = connect(launcher);
   const std::vector<std::string> hosts = meet(*transport);
@@ -179,10 +266,10 @@ ExitCode with_others(const Launcher& launcher,
   try {
     code = work(*transport, hosts);
   } catch (const InputError&) {  // thrown on rank 0, which has already ended the other ranks
-    transport->finish();
+    finish(*transport, nodes_of(hosts), limit_s);
     throw;
   }
-  transport->finish();
+  finish(*transport, nodes_of(hosts), limit_s);
   return code;
 }
 
@@ -203,13 +290,6 @@ ExitCode on_processes(MpiTransport& transport, const std::vector<std::string>& h
   return run(simulation);
 }
 
-/// Prints an error and ends this process without waiting for threads or other ranks.
-[[noreturn]] void end_at_once(const Launcher& launcher, std::string_view error) {
-  fmt::print(stderr, "troupe: error: rank {} on {}: {}\n", launcher.rank, host(), error);
-  std::fflush(nullptr);
-  _exit(k_failed);
-}
-
 /// Prints an error that occurs on all ranks. Only rank 0 prints it. The other ranks wait for two seconds,
 /// because a launcher ends all processes, also rank 0, as soon as one of them has ended with an error.
 void print_common_error(unsigned rank, std::string_view text) {
@@ -227,9 +307,9 @@ ExitCode reported(const Launcher& launcher, const std::function<ExitCode()>& wor
     print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const std::exception& error) {
-    end_at_once(launcher, error.what());
+    end_at_once(launcher.rank, error.what());
   } catch (...) {
-    end_at_once(launcher,
+    end_at_once(launcher.rank,
                 "unknown exception (not derived from std::exception); a plug-in may have thrown it");
   }
 }
@@ -246,9 +326,10 @@ ExitCode on_ranks(const WorldOptions& options,
           fmt::format("troupe: error: --ranks is for ranks in one process, but {} started {} "
                       "processes, each of which is a rank: leave out --ranks",
                       launcher->name, launcher->ranks));
-    return with_others(*launcher, [&](MpiTransport& transport, const std::vector<std::string>& hosts) {
-      return on_processes(transport, hosts, options, run);
-    });
+    return with_others(*launcher, options.rank_limit_s,
+                       [&](MpiTransport& transport, const std::vector<std::string>& hosts) {
+                         return on_processes(transport, hosts, options, run);
+                       });
   });
 }
 
@@ -259,7 +340,7 @@ ExitCode on_each_rank(const std::function<ExitCode(RankDeal& deal)>& run) {
     return run(alone);
   }
   return reported(*launcher, [&] {
-    return with_others(*launcher, [&](MpiTransport& transport, const std::vector<std::string>&) {
+    return with_others(*launcher, k_no_limit, [&](MpiTransport& transport, const std::vector<std::string>&) {
       RankDeal deal(&transport);
       return run(deal);
     });

@@ -401,7 +401,8 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   const bool is_complete = table.outcomes.size() + table.failed.size() == study.run_count();
   if (is_complete && !write_tables(table, measures, options.folder)) return k_failed;
   if (!options.quiet) print_result(table, is_complete, options.folder);
-  if (stop_requested()) return k_stopped;
+  // If the ranks of a cluster have left runs undone, another rank got the signal.
+  if (stop_requested() || (deal.ranks() > 1 && !is_complete)) return k_stopped;
   return table.failed.empty() ? k_finished : k_failed;
 }
 

@@ -54,7 +54,15 @@ def with_planted(name):
         shutil.copyfile(ROOT / file, sources / file)
     _run(["patch", "--strip=1", "--quiet", "--fuzz=0", "--no-backup-if-mismatch", "--input", patch], cwd=sources)
     return _build(sources, sources / "build" / "release", ["-DCMAKE_BUILD_TYPE=Release", "-DTROUPE_PERF=OFF"],
-                  ["bin/troupe", "bin/troupe_shuffled"])
+                  ["bin/troupe", "bin/troupe_shuffled", "troupe_mpi"])
+
+
+def accepts_a_world_of_one(program):
+    """Whether tests/mpi_test.py finds that three processes of a launcher, each with a module of another MPI, are not an error."""
+    name = "test_a_world_of_one_under_a_launcher_of_three_is_an_error"
+    test = [ROOT / "tests" / "mpi_test.py", program, f"OpenMpi.{name}", f"Mpich.{name}"]
+    done = subprocess.run([sys.executable, *map(str, test)], capture_output=True, text=True)
+    return done.returncode == 1
 
 
 def patched_files(patch):

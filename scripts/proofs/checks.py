@@ -51,6 +51,12 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
     return checks
 
 
+def plan_of_ranks(seed, index, *_):
+    """As plan(), for worlds that are checked only on all numbers of ranks and threads, with three seeds of delays."""
+    draws = random.Random(f"ranks {seed} {index}")
+    return [{"check": "ranks", "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "seed": draws.randrange(1 << 32)} for _ in range(3)]
+
+
 def difference(expected, got, whole=True):
     """The first difference, (tick, text), or None. Lines have the form "TICK STATE group=... group=..."; `got` may begin later."""
     start = 0

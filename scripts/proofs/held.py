@@ -5,9 +5,10 @@ from .runs import Fault, difference, state_of
 from .table import Progress, print_row
 
 
-def hold(world, proofs, ticks, folder, golden=None):
+def hold(world, proofs, ticks, folder, golden=None, robots=None):
     """Runs the variants of the proofs in one world and prints one row of the table per proof. Yields each proof with a list of
-    the differences, as texts. If `golden` (read_golden()) is given, also compares the last hash of the first run with it."""
+    the differences, as texts. If `golden` (read_golden()) is given, also compares the last hash of the first run with it. robots:
+    number of robots, if not that of the world."""
     progress = Progress(sum(len(proof.variants) for proof in proofs))
     expected = None
     for proof in proofs:
@@ -17,7 +18,7 @@ def hold(world, proofs, ticks, folder, golden=None):
             progress.show(where)
             progress.done += 1
             try:
-                lines = variant.lines(world, ticks, folder)
+                lines = variant.lines(world, ticks, folder, robots)
             except Fault as fault:
                 if expected is None:
                     raise
@@ -26,7 +27,7 @@ def hold(world, proofs, ticks, folder, golden=None):
             if expected is None:
                 expected = lines
                 if golden is not None:
-                    found += compare_golden(world, ticks, state_of(lines[-1]), golden, where)
+                    found += compare_golden(world, ticks, state_of(lines[-1]), golden, where, robots)
             elif text := difference(expected, lines):
                 found.append(f"{where}: {text}")
         progress.clear()
@@ -35,8 +36,8 @@ def hold(world, proofs, ticks, folder, golden=None):
         yield proof, found
 
 
-def compare_golden(world, ticks, state, golden, where):
-    known = golden.get((world.key, None, ticks))
+def compare_golden(world, ticks, state, golden, where, robots=None):
+    known = golden.get((world.key, robots, ticks))
     if known is None:
         return [f"{world.key}: no golden hash of tick {ticks}; scripts/prove --golden writes it"]
     if known != state:

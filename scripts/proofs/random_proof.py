@@ -188,8 +188,9 @@ class RandomProof:
     """Makes and checks worlds up to a number of worlds or a time limit."""
 
     def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print,
-                 kinds=None, sound=None, least=0):
+                 kinds=None, sound=None, least=0, plan=check_plans.plan):
         self.runner, self.seed, self.count, self.seconds, self.first = runner, seed, count, seconds, first
+        self.plan = plan  # what is checked, such as checks.plan()
         self.least = least  # least number of worlds, whatever time they take
         self.controllers, self.kept, self.shrink, self.say = controllers, kept, shrink, say
         # If given, a runner of a program without the planted fault: worlds that fail with it too are not counted.
@@ -209,7 +210,7 @@ class RandomProof:
             index = self.first + self.made
             self.made += 1
             world, ticks, focus = make_world(self.kinds, self.seed, index, pairs)
-            checks = check_plans.plan(self.seed, index, ticks, self.runner.program_only, self.controllers)
+            checks = self.plan(self.seed, index, ticks, self.runner.program_only, self.controllers)
             told = self.runner.run(world, ticks, checks, cover=True)
             if "invalid" in told:
                 self.invalid[told["invalid"].splitlines()[0].split(": ", 1)[-1][:160]] += 1

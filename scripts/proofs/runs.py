@@ -21,6 +21,8 @@ class World:
     weight: float = 1.0
     # Ranging engine, if not the world's own.
     ranging: str = ""
+    # Sizes of populations, NAME=N, if not those of the world.
+    populations: tuple = ()
 
     @property
     def key(self):
@@ -33,7 +35,8 @@ class World:
 
     @property
     def arguments(self):
-        return [ROOT / "worlds" / self.file, *(["--raytracer", self.ranging] if self.ranging else [])]
+        sizes = [word for size in self.populations for word in ("--robots", size)]
+        return [ROOT / "worlds" / self.file, *(["--raytracer", self.ranging] if self.ranging else []), *sizes]
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from .runs import ROOT, Fault, World
 FILE = ROOT / "worlds" / "scenes.json"
 TICKS = 300
 QUICK_TICKS = 50
+SHORT_TICKS = 10
 
 REQUIRED = {"world": str, "moves": str, "for": str}
 OPTIONAL = {"excluded": str, "slow": bool, "prove": list, "golden": list, "tests": dict, "perf": list, "gallery": list, "soak": dict}
@@ -95,6 +96,27 @@ class Scenes:
         """The worlds of scripts/prove; quick: only the small ones."""
         return tuple(World(row["world"], weight=run["weight"], ranging=run.get("ranging", ""))
                      for row in self.rows for run in row.get("prove", []) if run.get("quick") or not quick)
+
+    def ranked(self, names=()):
+        """(world, robots, ticks) of scripts/prove --ranks: one run of each shipped world, or of those with these names. Worlds
+        that are excluded from the proofs have the few robots of perf --quick."""
+        known = [row["world"] for row in self.rows]
+        if unknown := [name for name in names if name not in known]:
+            raise Fault(f"{self.file}: there is no world {', '.join(unknown)}; known: {', '.join(known)}")
+        runs = []
+        for row in self.rows:
+            if names and row["world"] not in names:
+                continue
+            if row.get("excluded"):
+                perf = row["perf"][0]
+                each = perf["quick"][0] // len(perf["populations"])
+                world = World(row["world"], populations=tuple(f"{name}={each}" for name in perf["populations"]))
+                runs.append((world, None, SHORT_TICKS))
+                continue
+            run = (of_path(row, "prove") or of_path(row, "tests/same_bits") or of_path(row, "golden"))[0]
+            runs.append((World(row["world"], ranging=run.get("ranging", "")), run.get("robots"),
+                         run.get("ticks", QUICK_TICKS)))
+        return tuple(runs)
 
     def golden_runs(self):
         """The entries of the golden file, (key, robots, ticks): first the runs of the proofs, then those of the tests, then

@@ -2,6 +2,7 @@
 bit of the state. T0, T1 and T2 in the names of proofs are the tiers of docs/determinism.md: one machine, one program, one source."""
 
 import pathlib
+import shutil
 import subprocess
 from dataclasses import dataclass, replace
 
@@ -37,6 +38,30 @@ def ranks(base, teams):
     variants = tuple(replace(base, label=f"{n} ranks, {threads} threads, seed {seed}", threads=threads,
                              options=("--ranks", n, "--rank-seed", seed)) for n, threads, seed in teams)
     return Proof("T0 ranks", "late, shuffled messages; robots change their ranks", variants)
+
+
+# The launcher of each MPI, and options that let ranks share the processors of a small computer.
+LAUNCHERS = {"openmpi": ("--oversubscribe", "--bind-to", "none"), "mpich": ()}
+# Runs a command with scalar kernels, except on rank 0.
+MIXED = 'if [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" != 0 ]; then export TROUPE_SIMD=scalar; fi; exec "$@"'
+
+
+def processes(base, numbers):
+    """Several processes of mpirun, as many as each of the numbers, and three processes with different instruction sets. Returns
+    None, and prints the reason, if no MPI is installed."""
+    variants = []
+    for mpi, options in LAUNCHERS.items():
+        launcher, module = shutil.which(f"mpirun.{mpi}"), base.program.with_name(f"libtroupe_mpi_{mpi}.so")
+        if launcher is None or not module.exists():
+            print(f"NOT PROVED: processes of {mpi}: mpirun.{mpi} or {module} is missing (scripts/setup --mpi)")
+            continue
+        for n in (*numbers, "mixed"):
+            how = ("-n", 3, "sh", "-c", MIXED, "sh") if n == "mixed" else ("-n", n)
+            label = f"3 processes of {mpi}, two of them scalar" if n == "mixed" else f"{n} processes of {mpi}"
+            variants.append(replace(base, label=label, emulator=(launcher, *options, *how), threads=1 if n == 3 else 2,
+                                    environment={"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}))
+    return Proof("T0 processes", f"mpirun -n {','.join(map(str, numbers)) or 3}; other instruction sets",
+                 tuple(variants)) if variants else None
 
 
 def scheduler(base):

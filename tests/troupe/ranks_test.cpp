@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -432,6 +433,25 @@ TEST_F(RanksOfAProgram, AreOneTo1024) {
       EXPECT_EQ(std::string(error.what()), std::to_string(ranks) + " ranks: must be 1 to 1024");
     }
   }
+}
+
+TEST_F(RanksOfAProgram, AreOneIfALauncherStartedSeveralProcesses) {
+  setenv("OMPI_COMM_WORLD_RANK", "0", 1);
+  setenv("OMPI_COMM_WORLD_SIZE", "3", 1);
+  EXPECT_EQ(load(1).ranks(), 1u);
+  try {
+    load(2);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "2 ranks: the ranks of a program are threads of one process, but mpirun of Open MPI started 3 "
+              "processes: start the program without the launcher, or with one rank; only the commands troupe "
+              "run, resume and check divide one world among processes");
+  }
+  setenv("OMPI_COMM_WORLD_SIZE", "1", 1);
+  EXPECT_EQ(load(2).ranks(), 2u);
+  unsetenv("OMPI_COMM_WORLD_RANK");
+  unsetenv("OMPI_COMM_WORLD_SIZE");
 }
 
 /// A controller that throws for one robot.

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-namespace troupe::apps {
+namespace troupe {
 
 /// A program such as mpirun that started this process as one of several.
 struct Launcher {
@@ -18,4 +18,4 @@ struct Launcher {
 /// cannot connect to each other.
 std::optional<Launcher> find_launcher();
 
-}  // namespace troupe::apps
+}  // namespace troupe

@@ -1,19 +1,25 @@
-#include "apps/ranks/launcher.hpp"
+#include "troupe/launcher.hpp"
 
-#include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
+#include <charconv>
 #include <cstdlib>
+#include <string_view>
 
-namespace troupe::apps {
+namespace troupe {
 namespace {
 
 std::optional<unsigned> number_in(const char* variable) {
   const char* text = std::getenv(variable);
-  return text == nullptr ? std::nullopt : number<unsigned>(text);
+  if (text == nullptr) return {};
+  const std::string_view digits(text);
+  unsigned number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc() || end != digits.data() + digits.size()) return {};
+  return number;
 }
 
 /// A launcher and the environment variables that it sets: `rank` contains the number of the process, `ranks`
@@ -49,4 +55,4 @@ std::optional<Launcher> find_launcher() {
   return {};
 }
 
-}  // namespace troupe::apps
+}  // namespace troupe
