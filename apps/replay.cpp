@@ -31,7 +31,7 @@ larger than --max-mb, it contains only every second frame, or every third, ...; 
 frames it contains.
 
 The page shows poses and all other recorded fields (troupe run --record-fields pose,stall,ranges). --fields selects
-some of the other fields: by component (stall), by field (ranges) or by both (stall/stalled).
+some of the other fields: by component (stall), by field (ranges) or by both (stall.stalled).
 
 Exit codes: 0 written; 1 writing failed; 2 nothing written, because RECORDING is not a recording or has no poses, FILE
 exists, or the usage was wrong.

@@ -169,4 +169,19 @@ std::uint64_t StateTable::hash_dense(std::size_t first, std::size_t last) const 
   return sum;
 }
 
+std::string_view given_name(std::string_view component) {
+  const std::size_t slash = component.find('/');
+  if (slash == component.npos) return component;
+  if (component.starts_with("sensors/") && component.find('/', slash + 1) != component.npos)
+    return component.substr(component.rfind('/') + 1);
+  const std::string_view rest = component.substr(slash + 1);
+  const bool is_number = rest.find_first_not_of("0123456789") == rest.npos;  // of a controller
+  return is_number ? component : rest;
+}
+
+bool selects(std::string_view name, std::string_view component) {
+  return name == component || name == given_name(component) ||
+         name == component.substr(0, component.find('/'));
+}
+
 }  // namespace troupe::engine

@@ -193,4 +193,13 @@ class StateTable {
   std::vector<std::byte> data_;
 };
 
+/// Returns the name that the world file gives the device of a component: `ir` for `ranger/ir`, `lamp/command`
+/// for `led/lamp/command`, and `eye` for `sensors/minibot/eye`, which is a component of a recording. Returns
+/// the whole name of a component that does not belong to a device, such as `pose`, or `wander/0` of a
+/// controller.
+std::string_view given_name(std::string_view component);
+/// Whether `name` selects this component: it is the name of the component, its given_name(), or its kind,
+/// which is the part before the first slash.
+bool selects(std::string_view name, std::string_view component);
+
 }  // namespace troupe::engine

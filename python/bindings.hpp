@@ -6,10 +6,13 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 /// The Python module `troupe._core`, which makes the C++ API available in Python. Functions that need no C++
@@ -88,6 +91,16 @@ class Held {
   bool stepping_ = false;  // read and written only with the interpreter's lock
 };
 using Holder = std::shared_ptr<Held>;
+
+/// Two numbers, or None.
+using Two = std::optional<std::array<double, 2>>;
+/// Returns the options of a picture from the arguments of Simulation.picture(). Throws std::invalid_argument
+/// for a width or height below 1.
+PictureOptions picture_options(int width, int height, const std::string& camera, const std::string& layers,
+                               const Two& center_m, const Two& angle_rad,
+                               const std::optional<double>& across_m, const std::string& color_by,
+                               const Two& color_range, const std::string& background);
+
 using SimulationClass = py::class_<Held, Holder>;
 
 /// A model owned by Python, which keeps its simulation alive.

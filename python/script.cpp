@@ -1,12 +1,14 @@
 #include "troupe/script.hpp"
 
 #include "apps/command_line.hpp"
+#include "apps/observers/filming.hpp"
 #include "apps/outputs.hpp"
 #include "apps/pictures/film.hpp"
 #include "apps/replay.hpp"
 #include "apps/scripts.hpp"
 #include "base/hash.hpp"
 #include "engine/measures.hpp"
+#include "troupe/simulation_source.hpp"
 #include "worldio/files.hpp"
 #include "python/bindings.hpp"
 #include "python/columns.hpp"
@@ -101,9 +103,10 @@ struct PreparedController {
   std::vector<UsedDevice> devices;
 };
 
-/// A film that ffmpeg is encoding; `ffmpeg` is null after the `with` block.
+/// A film of a simulation; `filming` is null after the `with` block.
 struct Film {
-  std::unique_ptr<apps::Ffmpeg> ffmpeg;
+  Holder held;
+  std::unique_ptr<apps::Filming> filming;
 };
 
 /// The robots of a call of decide(). The object can be used only during this call.
@@ -113,7 +116,8 @@ class RobotBatch {
       : prepared_(prepared), batch_(&batch) {
     const auto row = static_cast<std::size_t>(prepared.controller->memory.itemsize());
     if (batch.memories.first == nullptr) return;
-    memory_ = py::array(prepared.controller->memory, std::vector<py::ssize_t>{size()});
+    const py::object type = py::module_::import("troupe._script").attr("Memory");
+    memory_ = py::array(prepared.controller->memory, std::vector<py::ssize_t>{size()}).attr("view")(type);
     for (std::size_t i = 0; i < batch.size(); ++i)
       std::memcpy(static_cast<std::byte*>(memory_.mutable_data()) + i * row, batch.memory(i), row);
   }
@@ -368,7 +372,9 @@ class MeasureInPython : public engine::Measure {
     double value = 0;
     call_script(measure_.file, [&] {
       const py::object swarm = py::cast(HeldSwarm{nullptr, Swarm::of(world, robots_)});
-      value = call(measure_.function, swarm).cast<double>();
+      const py::object result = call(measure_.function, swarm);
+      value =
+          py::module_::import("troupe._script").attr("number_of")(measure_.function, result).cast<double>();
     });
     return value;
   }
@@ -552,27 +558,39 @@ void bind_script(py::module_& module) {
 
   py::class_<Film>(
       module, "_Film",
-      "A film that ffmpeg encodes, for a `with` block: the file is written only if the block raises no "
+      "A film of a simulation, for a `with` block: the file is written only if the block raises no "
       "exception.")
-      .def(py::init([](const std::filesystem::path& file, int width, int height, double fps) {
-             return Film{std::make_unique<apps::Ffmpeg>(file, width, height, fps)};
+      .def(py::init([](const Holder& held, const std::filesystem::path& file, double speed, double fps,
+                       int width, int height, const std::string& camera, const std::string& layers,
+                       const Two& center_m, const Two& angle_rad, const std::optional<double>& across_m,
+                       const std::string& color_by, const Two& color_range, const std::string& background) {
+             const apps::PictureFiles files{
+                 .film = file,
+                 .fps = fps,
+                 .film_speed = speed,
+                 .look = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                         color_by, color_range, background)};
+             Film film{held, std::make_unique<apps::Filming>(files, SimulationSource(held->use()))};
+             apps::check_film(files);
+             film.filming->open();
+             return film;
            }),
-           py::arg("file"), py::arg("width"), py::arg("height"), py::arg("fps"))
+           py::arg("simulation"), py::arg("file"), py::arg("speed"), py::arg("fps"), py::arg("width"),
+           py::arg("height"), py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "",
+           py::arg("center_m") = py::none(), py::arg("angle_rad") = py::none(),
+           py::arg("across_m") = py::none(), py::arg("color_by") = "", py::arg("color_range") = py::none(),
+           py::arg("background") = "paper")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__",
            [](Film& film, const py::object& type, const py::args&) {
-             const std::unique_ptr<apps::Ffmpeg> ended = std::move(film.ffmpeg);
+             std::unique_ptr<apps::Filming> ended = std::move(film.filming);
              const Unlocked unlocked;
              if (type.is_none()) ended->finish();
+             ended.reset();
            })
-      .def(
-          "write",
-          [](Film& film, const py::array_t<std::uint8_t, py::array::c_style>& rgba) {
-            const std::span<const std::uint8_t> bytes(rgba.data(), static_cast<std::size_t>(rgba.size()));
-            const Unlocked unlocked;
-            film.ffmpeg->write(bytes);
-          },
-          py::arg("rgba"));
+      .def("observe", [](Film& film) {
+        film.held->work([&](Simulation& simulation) { film.filming->observe(simulation); });
+      });
 
   module.def(
       "_check_output", [](const std::filesystem::path& file) { apps::check_outputs({}, {file}); },

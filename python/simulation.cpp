@@ -17,6 +17,16 @@
 #include <vector>
 
 namespace troupe::python {
+PictureOptions picture_options(int width, int height, const std::string& camera, const std::string& layers,
+                               const Two& center_m, const Two& angle_rad,
+                               const std::optional<double>& across_m, const std::string& color_by,
+                               const Two& color_range, const std::string& background) {
+  if (width < 1 || height < 1)
+    throw std::invalid_argument(
+        fmt::format("picture of {} x {} pixels: width and height must be 1 or more", width, height));
+  return {width, height, camera, center_m, angle_rad, across_m, layers, color_by, color_range, background};
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -238,18 +248,6 @@ py::dict statistics_of(const Holder& held) {
                   "stalled"_a = s.stalled, "held_at_bounds"_a = s.held_at_bounds,
                   "mean_displacement_m"_a = s.mean_displacement_m, "conflict_rounds"_a = s.conflict_rounds,
                   "state_bytes"_a = s.state_bytes);
-}
-
-using Two = std::optional<std::array<double, 2>>;
-
-PictureOptions picture_options(int width, int height, const std::string& camera, const std::string& layers,
-                               const Two& center_m, const Two& angle_rad,
-                               const std::optional<double>& across_m, const std::string& color_by,
-                               const Two& color_range, const std::string& background) {
-  if (width < 1 || height < 1)
-    throw std::invalid_argument(
-        fmt::format("picture of {} x {} pixels: width and height must be 1 or more", width, height));
-  return {width, height, camera, center_m, angle_rad, across_m, layers, color_by, color_range, background};
 }
 
 void snapshot(const Holder& held, const fs::path& file, int width, int height, const std::string& camera,

@@ -58,7 +58,8 @@ YARD = {
                                "max_speed": 0.5, "color": [0.8, 0.1, 0.1],
                                "blocks": [{"points_m": [[0, -0.2], [2, -0.2], [2, 0.2], [0, 0.2]], "z_m": [0, 0.2]}]}],
                   "sensors": [{"name": "eye", "kind": "ranger", "on": "arm", "pose": {"x_m": 2, "z_m": 0.1},
-                               "transducers": [{"range_max_m": 2, "samples": 5, "fov_deg": 60}]}],
+                               "transducers": [{"range_max_m": 2, "samples": 5, "fov_deg": 60}]},
+                              {"name": "sonar", "kind": "ranger", "active": False, "transducers": [{"range_max_m": 2}]}],
                   "controller": {"kind": "operate", "orders": [{"at_s": 1, "device": "arm", "order": "go_to", "value": 1.5708}]}},
         "door": {"size_m": [0.3, 0.3, 0.3], "color": "gold",
                  "devices": [{"name": "out", "kind": "spawner", "population": "walker", "every_s": 2, "pose": {"x_m": 0.5}}]},
@@ -255,7 +256,7 @@ class APage(Used):
 
     def test_colour_by_field(self):
         self.assertEqual(self.page.run("troupe.colors()"),
-                         ["own colours", "speed", "minimum of looker, eye: ranges", "stall: stalled"])
+                         ["own colours", "speed", "minimum of eye.ranges (looker)", "stall.stalled"])
         at = self.spot("red")
         self.page.run("troupe.color('speed')")
         self.shown()
@@ -263,7 +264,7 @@ class APage(Used):
         self.assertEqual(self.pixel(self.spot("blue")), (68, 1, 84), "none is slower")
         self.assertIn("speed, m/s", self.text("#legend"))
         self.assertIn("0.50", self.text("#legend"))
-        self.page.run("troupe.color('minimum of looker, eye: ranges')")
+        self.page.run("troupe.color('minimum of eye.ranges (looker)')")
         self.page.wait("troupe.state().coloured")
         self.shown()
         self.assertEqual(self.pixel(at), (176, 170, 158), "it has no such sensor")
@@ -372,6 +373,7 @@ class PartsThatMove(Used):
         before = self.pixel(beam)
         self.page.run("troupe.select('crane')")
         self.wait_for_text("#panel", r"ranges")
+        self.wait_for_text("#panel", r"sonar\s+ranges\s+no reading")  # because it does not run
         self.shown()
         self.page.wait("troupe.state().scanned")
         self.shown()

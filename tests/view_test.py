@@ -800,7 +800,7 @@ class InABrowser(unittest.TestCase):
         self.press_button("#ungroup")
         page.wait("troupe.group().length === 0")
 
-        page.run("troupe.color('pose: x')")
+        page.run("troupe.color('pose.x')")
         page.wait("troupe.legend()[1] > troupe.legend()[0]")  # the two robots are in different places
         self.keep("coloured")
         page.run("troupe.color('own colours')")

@@ -34,12 +34,8 @@ std::vector<std::uint32_t> places_of(const World& world, const Frame& frame) {
   return places;
 }
 
-/// Returns the kind in the name of a component: `ranger` for `ranger/ir`.
-std::string_view kind_of(std::string_view component) { return component.substr(0, component.find('/')); }
-
-/// Whether `name` is the name of the component that a table stores, or of its kind.
 bool has_name(const StateTable& table, std::string_view name) {
-  return table.component() == name || kind_of(table.component()) == name;
+  return engine::selects(name, table.component());
 }
 
 const StateField* field_of(const StateTable& table, std::string_view name) {
@@ -65,7 +61,7 @@ std::vector<std::string> value_names(const World& world) {
   std::vector<std::string> names;
   for (const StateTable& table : world.tables()) {
     for (const StateField& field : table.fields()) {
-      std::string name = fmt::format("{}.{}", table.component(), field.name);
+      std::string name = fmt::format("{}.{}", engine::given_name(table.component()), field.name);
       if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
     }
   }

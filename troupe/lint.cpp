@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
+#include <utility>
 
 namespace troupe {
 namespace {
@@ -91,8 +93,9 @@ bool stays_inside(const sensors::RangerBeams& ranger, const partition::ObstacleS
 
 class Lint {
  public:
-  Lint(const engine::World& world, Diagnostics& diagnostics)
-      : world_(world), spec_(world.spec()), diagnostics_(diagnostics) {
+  /// base_types: names of the types that other types extend.
+  Lint(const engine::World& world, std::vector<std::string> base_types, Diagnostics& diagnostics)
+      : world_(world), spec_(world.spec()), base_types_(std::move(base_types)), diagnostics_(diagnostics) {
     levels_.resize(spec_.types.size());
     for (const engine::BodySpec& body : spec_.bodies) ++levels_[body.type.index()][body.pose_world_body.z];
   }
@@ -115,13 +118,21 @@ class Lint {
 
   const engine::World& world_;
   const engine::WorldSpec& spec_;
+  std::vector<std::string> base_types_;
   Diagnostics& diagnostics_;
   std::vector<std::map<double, std::size_t>> levels_;  // per type: z of bodies -> number of bodies
 };
 
 void Lint::check_types() {
-  for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
-    if (levels_[t].empty())
+  const auto is_used = [&](std::size_t t) {
+    return !levels_[t].empty() || std::ranges::count(base_types_, spec_.types[t].name) > 0;
+  };
+  const auto file_of = [&](std::size_t t) { return spec_.types[t].parts.front().where.file; };
+  std::set<std::uint32_t> used_files;
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    if (is_used(t) && file_of(t) != 0) used_files.insert(file_of(t));
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    if (!is_used(t) && !used_files.contains(file_of(t)))  // a world rarely uses all types of an included file
       diagnostics_.warning(spec_.types[t].parts.front().where,
                            fmt::format("type \"{}\" is never used", spec_.types[t].name));
 }
@@ -321,12 +332,17 @@ std::vector<std::string> lint(const std::filesystem::path& file, const Simulatio
   Diagnostics diagnostics(true);
   engine::Registry registry = make_registry();
   const std::shared_ptr<const Plugins> plugins = add_plugins(registry, options.plugin_path);
-  const worldio::LoadOptions load{options.seed, options.robots, options.set, options.search_path,
-                                  options.threads};
+  std::vector<std::string> base_types;
+  const worldio::LoadOptions load{.seed = options.seed,
+                                  .robots = options.robots,
+                                  .set = options.set,
+                                  .search_path = options.search_path,
+                                  .threads = options.threads,
+                                  .base_types = &base_types};
   engine::WorldSpec spec = worldio::load_world(file, registry, load, diagnostics);
   diagnostics.throw_if_errors();
   const engine::World world(std::move(spec), registry, {options.threads, options.tile_size_m}, diagnostics);
-  Lint(world, diagnostics).check();
+  Lint(world, std::move(base_types), diagnostics).check();
 
   std::vector<Finding> findings(diagnostics.findings().begin(), diagnostics.findings().end());
   std::ranges::stable_sort(findings, {},

@@ -60,7 +60,7 @@ void convert(Element element, std::span<const std::byte> bytes, std::span<double
 /// components of sensors differently: `ranger/eye` of the type minibot is `sensors/minibot/eye`.
 bool has_name(const Array& array, std::string_view name) {
   const std::string_view component = array.component;
-  if (component == name || component.substr(0, component.find('/')) == name) return true;
+  if (engine::selects(name, component)) return true;
   if (!component.starts_with("sensors/")) return false;
   const auto slash = name.rfind('/');
   return slash != name.npos && component.substr(component.rfind('/') + 1) == name.substr(slash + 1);
@@ -415,7 +415,7 @@ Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
   }
   std::vector<std::string> known;
   for (const Array& array : impl_->reader.arrays())
-    known.push_back(fmt::format("{}.{}", array.component, array.field.name));
+    known.push_back(fmt::format("{}.{}", engine::given_name(array.component), array.field.name));
   return Error{fmt::format("{}; troupe run --record-fields selects the fields that are recorded",
                            unknown_name("value", name, {known.begin(), known.end()}))};
 }

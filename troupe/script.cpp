@@ -5,14 +5,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace troupe {
 namespace {
 
 using engine::TypeSpec;
 using engine::WorldSpec;
+
+constexpr std::size_t k_most_listed = 100;  // names in an error
 
 /// Whether a body is the robot `robots` or belongs to the population `robots`.
 bool is_of(std::string_view name, std::string_view robots) {
@@ -44,10 +48,19 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
     types.push_back(t);
   }
   if (!types.empty()) return types;
-  std::vector<std::string_view> known;
+  std::vector<std::string> names;
   for (const TypeSpec& type : world.types)
-    if (engine::is_mobile(type)) known.push_back(type.name);
-  return Error{unknown_name("type, population or robot", robots, std::move(known))};
+    if (engine::is_mobile(type)) names.push_back(type.name);
+  for (std::size_t b = 1; b < world.bodies.size(); ++b) {
+    if (!engine::is_mobile(world.types[world.bodies[b].type.index()])) continue;
+    std::string name(world.name(BodyId(b)));
+    const std::size_t end = name.find_last_not_of("0123456789");  // the robots of a population are numbered
+    if (end != name.npos) name.resize(end + 1);
+    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+    if (names.size() >= k_most_listed) break;
+  }
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  return Error{unknown_name("type, population or robot", robots, known)};
 }
 
 }  // namespace

@@ -42,6 +42,9 @@ struct LoadOptions {
   /// If not null, the loader stores the function that places the populations of this world again in the
   /// object to which this points. The object stays empty if the world has no populations.
   PlaceAgain* place_again = nullptr;
+  /// If not null, the loader adds the names of the types that other types of a JSON world extend to this
+  /// list.
+  std::vector<std::string>* base_types = nullptr;
 };
 
 /// Reads a world file. It must have Stage's syntax if its name ends in `.world`, and be Troupe's JSON if its

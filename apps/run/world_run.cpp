@@ -1,5 +1,6 @@
 #include "apps/run/world_run.hpp"
 
+#include "apps/numbers.hpp"
 #include "apps/observers/clock.hpp"
 #include "apps/observers/pacer.hpp"
 #include "base/diagnostics.hpp"
@@ -14,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace troupe::apps {
 namespace {
@@ -55,6 +57,46 @@ double end_of_run(const RunOptions& options, const Simulation& simulation, const
   if (!options.for_s && session && session->end_tick())
     return static_cast<double>(*session->end_tick()) * simulation.tick_s();
   return end_of(options, simulation);
+}
+
+/// Returns warnings about robots that are still at their start after a run. Usually their type lacks a
+/// controller.
+std::vector<std::string> standstill_warnings(const Simulation& simulation, const std::string& name) {
+  const engine::World& world = simulation.world();
+  const engine::WorldSpec& spec = world.spec();
+  struct Robots {
+    std::size_t all = 0, still = 0;
+  };
+  std::vector<Robots> of_type(spec.types.size());
+  for (std::size_t r = 0; r < world.rows(); ++r) {
+    const Row row(r);
+    if (!world.type(row).drive || !world.is_there(row)) continue;
+    Robots& robots = of_type[spec.bodies[world.body(row).index()].type.index()];
+    ++robots.all;
+    if (world.transform(row).position == world.origin(row)) ++robots.still;
+  }
+  std::vector<std::string> warnings;
+  std::size_t all = 0, still = 0;
+  for (std::size_t t = 0; t < of_type.size(); ++t) {
+    all += of_type[t].all;
+    still += of_type[t].still;
+    if (of_type[t].still == 0 || !spec.types[t].controllers.empty()) continue;
+    Diagnostics place(spec.files);
+    const std::size_t count = of_type[t].still;
+    place.warning(
+        spec.types[t].parts.front().where,
+        fmt::format("{} of type \"{}\" did not move, because the type has no controller that commands "
+                    "{}: give the type a controller, or a script with --controller",
+                    count == 1 ? "1 robot" : fmt::format("{} robots", grouped(count)), spec.types[t].name,
+                    count == 1 ? "it" : "them"));
+    warnings.push_back(place.warnings().front());
+  }
+  if (warnings.empty() && all > 0 && still == all)
+    warnings.push_back(fmt::format(
+        "{}: warning: no robot moved: the mean displacement is 0 m, and {} of {} "
+        "robot{} stalled",
+        name, grouped(simulation.statistics().stalled), grouped(all), all == 1 ? " is" : "s are"));
+  return warnings;
 }
 
 /// Returns the limit of the speed, in multiples of real time; 0: no limit.
@@ -133,7 +175,8 @@ void WorldRun::open_view(const std::function<bool()>& is_over) {
 
 void WorldRun::print_options() const {
   fmt::print("running\n");
-  for (const auto& [key, value] : report_.options) fmt::print("  {:<18} {}\n", key, value);
+  for (const auto& [key, value] : report_.options)
+    fmt::print("  {:<18} {}\n", key, key == "tile_m" ? four_digits(std::stod(value)) : value);
   if (report_.rate > 0) fmt::print("  {:<18} {:.10g} x real time\n", "rate", report_.rate);
   fmt::print("  {:<18} {:.10g}\n", "until_s", report_.end_s);
   std::fflush(stdout);
@@ -201,6 +244,9 @@ void WorldRun::save_at_least() const {
 void WorldRun::print_summary(bool is_one_of_several) const {
   for (const auto& observer : observers_)
     if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
+      fmt::print(stderr, "{}\n", warning);
+  if (!options_.quiet && report_.ticks_here() > 0)
+    for (const std::string& warning : standstill_warnings(simulation_, report_.world))
       fmt::print(stderr, "{}\n", warning);
   if (session_ && session_->left() > 0 && !options_.quiet)
     fmt::print(stderr, "{}: warning: the run ended before the last {} actions of the session were applied\n",

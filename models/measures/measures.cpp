@@ -212,8 +212,8 @@ class OfState : public OfRobots {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::component>("component", required,
-                                   "name of a component (a table) of the state, such as \"pose\", or "
-                                   "\"wander/0\": the memory of the first controller, of kind `wander`");
+                                   "name of a component of the state: \"pose\", the name of a device, or "
+                                   "\"wander/0\", the memory of the first controller, of kind `wander`");
       d.member<&Params::field>("field", required, "name of a field of that component");
       d.member<&Params::column>("column", within(0, 1e6),
                                 "index of the element, from 0, if the field is an array");
@@ -245,11 +245,13 @@ class OfState : public OfRobots {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
     std::vector<std::string_view> known;
+    const bool is_whole = std::ranges::any_of(
+        world.tables(), [&](const StateTable& table) { return table.component() == component; });
     bool has_component = false;
     for (std::size_t t = 0; t < world.tables().size(); ++t) {
       const StateTable& table = world.tables()[t];
-      known.push_back(table.component());
-      if (table.component() != component) continue;
+      known.push_back(engine::given_name(table.component()));
+      if ((is_whole ? table.component() : known.back()) != component) continue;
       has_component = true;
       const std::size_t field = field_of(table, params);
       for (std::size_t row = 0; row < table.rows(); ++row) cells[table.ids()[row].index()] = {t, field, row};

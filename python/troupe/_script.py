@@ -81,6 +81,8 @@ def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackTyp
     if isinstance(error, SyntaxError) and error.filename and os.path.abspath(error.filename) == path:
         return error.lineno or 0, f"{type(error).__name__}: {error.msg}"
     lines = [frame.lineno for frame in traceback.extract_tb(trace) if os.path.abspath(frame.filename) == path]
+    if not lines and isinstance(error, ResultError):
+        return error.lineno, str(error)
     return (lines[-1] or 0) if lines else 0, f"{type(error).__name__}: {error}"
 
 
@@ -132,6 +134,52 @@ def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int,
     return fields, row, bytes(bytes_)
 
 
+class Memory(np.ndarray):  # type: ignore[type-arg]
+    """The memories of robots: a structured array. Assigning values that do not fit the type of a field is an error."""
+
+    def __getitem__(self, key: Any) -> Any:
+        value = super().__getitem__(key)
+        return value.view(np.ndarray) if isinstance(value, Memory) and value.dtype.names is None else value
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        if isinstance(key, str) and key in (self.dtype.names or ()):
+            field, given = self.dtype[key].base, np.asarray(value).dtype
+            both_whole = field.kind in "iu" and given.kind in "iu"
+            if not both_whole and not np.can_cast(given, field, "same_kind"):
+                raise TypeError(f"memory[{key!r}] has the type {field}, which cannot store values of the type {given} "
+                                f"without loss: convert them, as in x.astype({field.name!r})")
+        super().__setitem__(key, value)  # type: ignore[no-untyped-call]
+
+
+def _check_decide(cls: Any, instance: Any, file: str, line: int) -> None:
+    if cls.decide is Controller.decide:
+        _fail(file, line, f"{cls.__name__} has no function decide(self, robots)")
+    try:
+        inspect.signature(instance.decide).bind(None)
+    except TypeError:
+        _fail(file, inspect.getsourcelines(cls.decide)[1],
+              f"{cls.__name__}.decide{inspect.signature(cls.decide)}: expected decide(self, robots)")
+
+
+class ResultError(TypeError):
+    """Raised if a function of a script returns a wrong result. lineno: the line of the function, or 0."""
+
+    lineno = 0
+
+
+def number_of(function: Any, value: Any) -> float:
+    """Returns the result of a measure as a number."""
+    try:
+        if isinstance(value, (str, bytes)) or np.ndim(value) > 0:
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError):
+        found = f"an array of shape {np.shape(value)}" if np.ndim(value) > 0 else repr(value)
+        error = ResultError(f"the measure {getattr(function, '__name__', function)} returned {found}, expected a number")
+        error.lineno = getattr(getattr(function, "__code__", None), "co_firstlineno", 0)
+        raise error from None
+
+
 def _controller(cls: Any, file: str) -> Dict[str, Any]:
     try:
         line = inspect.getsourcelines(cls)[1]
@@ -147,6 +195,7 @@ def _controller(cls: Any, file: str) -> Dict[str, Any]:
         instance = cls()
     except Exception as error:
         _fail(file, *_line_and_text(file, error, error.__traceback__))
+    _check_decide(cls, instance, file, line)
     return {
         "name": cls.name or cls.__name__, "text": ((inspect.getdoc(cls) if cls.__doc__ else None) or "").split("\n")[0],
         "robots": cls.robots, "line": line, "uses": None if uses is None else list(uses), "fields": fields,

@@ -10,8 +10,6 @@ import pathlib
 import tempfile
 from typing import Any, Sequence, Union
 
-import numpy as np
-
 from ._core import Simulation, _check_output, _Film, _write_replay_page
 
 _File = Union[str, "os.PathLike[str]"]
@@ -30,26 +28,18 @@ def film(
     """Steps the simulation by `seconds` of world time and writes a film of it (.mp4; needs ffmpeg).
 
     width, height: size of the film, pixels. A second of the film shows `speed` seconds of world time in `fps` pictures.
-    look: the keyword arguments of picture(). An existing file is replaced when the film is complete. If a stop
-    condition ends the run, the film ends at that time.
+    look: the keyword arguments of picture(). Poses between two ticks are interpolated. An existing file is replaced when
+    the film is complete. If a stop condition ends the run, the film ends at that time.
     """
     _check_finite("film()", seconds=seconds, speed=speed, fps=fps)
     if os.path.splitext(os.fspath(file))[1] != ".mp4":
         raise ValueError(f"film(): the name of a film must end in .mp4, found {os.fspath(file)!r}")
-    begin, count = self.time_s, 0
-    rgba = None
-    with _Film(os.fspath(file), width, height, fps) as frames:
-        while True:
-            while begin + count * speed / fps <= self.time_s + self.tick_s / 2:
-                picture = self.picture(width, height, **look)
-                if rgba is None:
-                    rgba = np.full((height, width, 4), 255, np.uint8)
-                rgba[:, :, :3] = picture
-                frames.write(rgba)
-                count += 1
-            if self.time_s - begin >= seconds - self.tick_s / 2 or self.stopped:
-                break
+    begin = self.time_s
+    with _Film(self, os.fspath(file), speed, fps, width, height, **look) as frames:
+        frames.observe()
+        while self.time_s - begin < seconds - self.tick_s / 2 and not self.stopped:
             self.step()
+            frames.observe()
 
 
 def replay(
@@ -62,6 +52,10 @@ def replay(
     replaced. If it is False and the file exists, raises FileExistsError before the first step.
     """
     _check_finite("replay()", seconds=seconds)
+    if not 0 <= every_s < math.inf:
+        raise ValueError(f"replay(): every_s must be a finite number of 0 or more, found {every_s}")
+    if isinstance(fields, str):
+        raise TypeError(f"replay(): fields must be a list of names, as in [{fields!r}], found {fields!r}")
     if not replace and os.path.exists(file):
         raise FileExistsError(f"{os.fspath(file)}: the file exists; replace=True replaces it")
     _check_output(file)

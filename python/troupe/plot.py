@@ -47,6 +47,17 @@ def _known(what: str, name: str, known: Sequence[str]) -> str:
     return name
 
 
+def _column_of(measure: str, columns: Sequence[str]) -> str:
+    """Returns the column of a measure: its name, to which the column may append a unit, as in displacement_m:leaders."""
+    name, _, of = measure.partition(":")
+    with_unit = [column for column in columns
+                 if column.startswith(f"{name}_") and "_" not in column[len(name) + 1:].split(":")[0]
+                 and column.partition(":")[2] == of]
+    # A measure of a script has a colon in its own name: my:reach has the column my:reach_m.
+    with_unit += [column for column in columns if of and column.startswith(f"{measure}_") and "_" not in column[len(measure) + 1:]]
+    return with_unit[0] if measure not in columns and len(with_unit) == 1 else _known("measure", measure, columns)
+
+
 def _number(text: str) -> Optional[float]:
     try:
         return float(text)
@@ -82,7 +93,7 @@ def series_by(folder: _File, measure: Optional[str] = None,
         raise PlotError(f"{series_file}: error: this is not the series of a sweep: it must begin with run,time_s")
     if "run" not in table_head or "seed" not in table_head:
         raise PlotError(f"{os.path.join(folder, 'table.csv')}: error: this is not the table of a sweep: it has no column run or seed")
-    measure = _known("measure", measure, head[2:]) if measure else head[2]
+    measure = _column_of(measure, head[2:]) if measure else head[2]
     parameters = table_head[1:table_head.index("seed")]
     values = {row[0]: dict(zip(table_head, row)) for row in table}
     if by is None:

@@ -201,6 +201,14 @@ TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
     "crate": {"size_m": [1, 1, 1]} },
   "models": [ {"name": "r0", "type": "bot"} ] })"),
               ElementsAre("w.json:3: warning: type \"crate\" is never used", "w.json: 1 finding"));
+  write("types.json", R"({"types": {"base": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}},
+    "other": {"size_m": [1, 1, 1]}}})");
+  write("unused.json", R"({"types": {"third": {"size_m": [1, 1, 1]}}})");
+  EXPECT_THAT(findings("w.json", R"({ "troupe": 1, "include": ["types.json", "unused.json"], "types": {
+    "middle": {"extends": "base"}, "bot": {"extends": "middle"}, "crate": {"size_m": [1, 1, 1]} },
+  "models": [ {"name": "r0", "type": "bot"} ] })"),
+              ElementsAre("w.json:2: warning: type \"crate\" is never used",
+                          "unused.json:1: warning: type \"third\" is never used", "w.json: 2 findings"));
 
   write("parts.inc", "define wheel model( size [0.1 0.1 0.1] )\ndefine hub model( size [0.1 0.1 0.1] )\n");
   write("more.inc", "define nut model( size [0.1 0.1 0.1] )\ndefine bolt model( size [0.1 0.1 0.1] )\n");

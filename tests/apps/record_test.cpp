@@ -244,10 +244,9 @@ TEST_F(Record, AsTheWorldSays) {
   EXPECT_THAT(files(), Not(::testing::Contains("run.h5")));
 
   world(R"({"file": "x.h5", "fields": ["velocity", "speed"]})");
-  EXPECT_THAT(
-      error_of({"run", "w.json", "--for", "2"}),
-      StartsWith(
-          "w.json:3: error: /record/fields: unknown field \"speed\"; known: all, command, pose, ranger"));
+  EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}),
+              StartsWith("w.json:3: error: /record/fields: unknown field \"speed\"; known: all, command, "
+                         "eye, pose, ranger"));
   world(R"({"file": 3, "every_s": 0, "fields": [], "field": 1})");
   EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}),
               AllOf(HasSubstr("w.json:3: error: /record/file: expected the name of a file"),

@@ -87,8 +87,8 @@ TEST_F(ReplayPage, WrongInputIsRefusedBeforeAnythingIsWritten) {
             "precious.html: error: the file exists; --force replaces it\n");
   EXPECT_EQ(read("precious.html"), "precious");
   EXPECT_THAT(error_of({"run.h5", "--fields", "stal"}),
-              HasSubstr("run.h5: error: unknown field \"stal\"; known: pose/heading, pose/x, pose/y, pose/z, "
-                        "stall/stalled;"));
+              HasSubstr("run.h5: error: unknown field \"stal\"; known: pose.heading, pose.x, pose.y, pose.z, "
+                        "stall.stalled;"));
   EXPECT_THAT(error_of({"run.h5", "--fields", "pose,,stall"}), HasSubstr("is not a list of names"));
   EXPECT_THAT(error_of({"run.h5", "--max-mb", "0"}), HasSubstr("is not a size in megabytes"));
   EXPECT_THAT(error_of({"run.h5", "--max-mb", "0.01"}), HasSubstr("not even two frames of 12 bodies fit"));

@@ -47,6 +47,7 @@ TEST_F(Run, SummaryNamesEverythingInAlignedLines) {
   EXPECT_THAT(outcome.out, StartsWith("running\n"));
   EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  until_s +1")));
   EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  seed +7")));
+  EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  tile_m +[0-9.]{1,5}")));
   for (const char* line : {"robots +12", "ticks +10 of 0.1 s", "simulated +1 s",
                            "wall +[-0-9.e]+ s, after [-0-9.e]+ s of loading", "times real time +[0-9.,]+",
                            "cost +[0-9.,]+ ns per robot and tick", "beams +108 per tick",
@@ -313,6 +314,34 @@ TEST_F(Run, WarningsGoToStandardErrorALineEachUnlessQuiet) {
   EXPECT_THAT(lines_of(outcome.err), Contains(StartsWith("warned.world:1: warning: ")));
   EXPECT_EQ(lines_of(outcome.out).size(), 1u);
   EXPECT_THAT(troupe({"run", "warned.world", "--for", "0.1", "--quiet"}).err, IsEmpty());
+}
+
+TEST_F(Run, RobotsThatNothingMovedAreWarnings) {
+  const auto world = [&](const std::string& robots) {
+    write("still.json", R"({"troupe": 1, "arena": {"size_m": [4, 4]}, "types": {
+"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}},
+"mover": {"extends": "bot", "controller": {"kind": "script", "law": "line"}}},
+"models": [)" + robots + "]}");
+    return lines_of(troupe({"run", "still.json", "--for", "1", "--json"}).err);
+  };
+  const std::string a = R"({"name": "a", "type": "bot", "pose": {"x_m": -1}})";
+  const std::string b = R"({"name": "b", "type": "bot", "pose": {"y_m": 1}})";
+  const std::string c = R"({"name": "c", "type": "mover"})";
+  EXPECT_THAT(world(c), IsEmpty());
+  EXPECT_THAT(
+      world(a + "," + c),
+      ElementsAre("still.json:2: warning: 1 robot of type \"bot\" did not move, because the type has no "
+                  "controller that commands it: give the type a controller, or a script with "
+                  "--controller"));
+  EXPECT_THAT(
+      world(a + "," + b),
+      ElementsAre(StartsWith("still.json:2: warning: 2 robots of type \"bot\" did not move, because")));
+  EXPECT_THAT(
+      world(R"({"name": "d", "type": "mover", "pose": {"x_m": 1.88}})"),
+      ElementsAre("still.json: warning: no robot moved: the mean displacement is 0 m, and 1 of 1 robot is "
+                  "stalled"));
+  EXPECT_THAT(lines_of(troupe({"run", "still.json", "--for", "1", "--quiet"}).err), IsEmpty());
+  EXPECT_THAT(lines_of(troupe({"run", "still.json", "--for", "0", "--json"}).err), IsEmpty());
 }
 
 TEST_F(Run, TheSnapshotIsAPngOfTheSizeThatWasAskedFor) {

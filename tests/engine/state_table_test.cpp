@@ -253,5 +253,17 @@ TEST(Element, NamesAreThoseOfNumpy) {
   EXPECT_EQ(element_size(element_of<bool>()), sizeof(bool));
 }
 
+TEST(StateTable, ComponentsOfDevicesHaveTheNamesThatTheWorldGives) {
+  EXPECT_EQ(given_name("pose"), "pose");
+  EXPECT_EQ(given_name("ranger/eye"), "eye");
+  EXPECT_EQ(given_name("led/lamp/command"), "lamp/command");
+  EXPECT_EQ(given_name("sensors/minibot/eye"), "eye");
+  EXPECT_EQ(given_name("wander/0"), "wander/0");
+  for (const char* name : {"ranger/eye", "ranger", "eye"}) EXPECT_TRUE(selects(name, "ranger/eye")) << name;
+  for (const char* name : {"ranger/ey", "eyes", "", "ranger/"})
+    EXPECT_FALSE(selects(name, "ranger/eye")) << name;
+  EXPECT_FALSE(selects("0", "wander/0"));
+}
+
 }  // namespace
 }  // namespace troupe::engine

@@ -505,6 +505,9 @@ TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
   EXPECT_DOUBLE_EQ(value(world, ranges(0)), (5 + 5 + 2) / 3.0) << "two tables of one component";
   EXPECT_DOUBLE_EQ(value(world, ranges(8, "w")), 5);
   EXPECT_TRUE(std::isnan(value(world, ranges(0, "b")))) << "it has none";
+  EXPECT_DOUBLE_EQ(value(world, spec("state_mean", "", {{"component", "eye"}, {"field", "ranges"}})),
+                   (5 + 5 + 2) / 3.0)
+      << "the name of the device";
   const auto error = [&](const MeasureSpec& one) {
     Diagnostics diagnostics;
     const MeasureSet set(world, test::registry(), {&one, 1}, diagnostics);
@@ -513,7 +516,7 @@ TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
   EXPECT_THAT(error(ranges(9)),
               HasSubstr("state_mean: there is no column 9: the last column of the field \"ranges\" is 8"));
   EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/ear"}, {"field", "ranges"}})),
-              HasSubstr("state_mean: unknown component \"ranger/ear\"; known: command, pose, ranger/eye, "));
+              HasSubstr("state_mean: unknown component \"ranger/ear\"; known: command, eye, pose, "));
   EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/eye"}, {"field", "range"}})),
               HasSubstr("state_mean: unknown field \"range\"; known: ranges"));
 }

@@ -1,5 +1,6 @@
 """Tests of controllers and measures in Python: run, check, sweep, checkpoints, and errors."""
 
+import json
 import os
 import pathlib
 import re
@@ -167,6 +168,13 @@ class Controllers(InAFolder):
         self.assertEqual(measures.values()[1:], [np.abs(world.swarm().poses()[:, :2]).max(), 30])
         self.assertEqual(measures["<lambda>"], 30)
 
+    def test_a_measure_that_returns_no_number_is_an_error_with_its_line(self):
+        for result, found in (("'x'", "'x'"), ("None", "None"), ("robots.poses()", "an array of shape (30, 4)")):
+            self.write("my.py", ROAM.replace("np.abs(robots.poses()[:, :2]).max()", result))
+            made = self.troupe("run", "w.json", "--controller", "my.py", "--measures", "m.csv", "--measure", "my:reach", code=1)
+            line = ROAM.splitlines().index('@troupe.measure(unit="m")') + 1
+            self.assertIn(f"my.py:{line}: the measure reach returned {found}, expected a number", made.stderr)
+
     def test_a_sweep_uses_both(self):
         self.write("study.json", '{"troupe_study": 1, "world": "w.json", "seeds": {"from": 1, "count": 3}, "measures": ["roam:reach"]}')
         self.troupe("sweep", "study.json", "-o", "out", "--controller", "roam.py", "--threads", "2")
@@ -202,7 +210,7 @@ class Controllers(InAFolder):
             (("import troupe\n", "import troupe\nfor\n"), 2, "my.py:3: error: SyntaxError: "),
             (("import troupe\n", "import troupe\nnope\n"), 2, "my.py:3: error: NameError: name 'nope' is not defined"),
             (('robots = "r"', 'robots = "s"'), 2,
-             f'my.py:{class_line}: error: controller roam: unknown type, population or robot "s"; known: bot'),
+             f'my.py:{class_line}: error: controller roam: unknown type, population or robot "s"; known: bot, r'),
             (('"u4"', '"u8x"'), 2, f"my.py:{class_line}: error: roam.memory['steps'] is 'u8x': expected a NumPy"),
             (('"u4"', '"c16"'), 2, "has the type complex128 and the shape (): expected a number of one of the types"),
             (('np.zeros(5, "f4")', "np.zeros((5, 2))"), 2, "has the type float64 and the shape (5, 2)"),
@@ -214,6 +222,12 @@ class Controllers(InAFolder):
              "my.py:15: ValueError: "),
             (('memory["steps"] += 1', "self.count = 1"), 1,
              'my.py:14: AttributeError: a controller cannot have the attribute "count": declare it in `memory`'),
+            (("    def decide(self, robots):", "    def decied(self, robots):"), 2,
+             f"my.py:{class_line}: error: roam has no function decide(self, robots)"),
+            (("    def decide(self, robots):", "    def decide(robots):"), 2,
+             f"my.py:{class_line + 6}: error: roam.decide(robots): expected decide(self, robots)"),
+            (('memory["steps"] += 1', 'memory["steps"] = memory["steps"] + 0.5'), 1,
+             "my.py:14: TypeError: memory['steps'] has the type uint32, which cannot store values of the type float64"),
             (("class roam(troupe.Controller)", "class roam"), 2, "has the script a controller?"),
         ):
             if text.startswith("has the script"):
@@ -231,6 +245,20 @@ class Controllers(InAFolder):
         self.assertIn("--controller works only in one process, but mpirun of Open MPI started 4", found)
         found = self.troupe("run", "w.json", "--controller", "roam.py", code=2, TROUPE_PYTHON="/no/python").stderr
         self.assertIn('"/no/python" cannot be executed', found)
+
+    def test_a_command_between_two_ticks_replaces_that_of_the_controller_for_one_tick(self):
+        world = json.loads(WORLD)
+        world["types"]["bot"]["controller"] = {"kind": "script", "law": "line"}  # 0.5 m/s
+        simulation = troupe.Simulation(world)
+        swarm = simulation.swarm()
+        simulation.step(2)
+        for _ in range(3):
+            self.assertEqual(set(swarm.speeds()[:, 0]), {0.5})
+            for _ in range(2):
+                swarm.set_speeds(0.125, 0)
+                simulation.step()
+                self.assertEqual(set(swarm.speeds()[:, 0]), {0.125})
+            simulation.step()
 
     def test_the_robots_of_a_call_end_with_it(self):
         kept = []

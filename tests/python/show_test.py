@@ -48,6 +48,17 @@ class Film(InAFolder):
             self.assertLess(2 * difference(frame, right)[moved].mean(), difference(frame, wrong)[moved].mean())
         self.assertEqual(os.listdir(), ["f.mp4"])
 
+    def test_poses_between_ticks_are_interpolated_and_layers_remember(self):
+        simulation, other = moving(), moving()
+        simulation.film("f.mp4", 0.4, *SIZE, fps=20, camera="top", layers="trails")
+        frames = self.frames("f.mp4").astype(int)
+        self.assertEqual(len(frames), 9)  # four per tick of 0.2 s
+        for before, after in zip(frames, frames[1:]):
+            self.assertGreater(np.abs(after - before).max(), 30)  # more than the noise of the codec
+        other.run_for(0.4)
+        without = other.picture(*SIZE, camera="top", layers="trails")  # one picture has no history
+        self.assertGreater((np.abs(frames[-1] - without).max(axis=2) > 60).sum(), 5)
+
     def test_of_less_than_a_frame_is_one_picture_a_tick(self):
         simulation = moving()
         simulation.film("f.mp4", 0.2, *SIZE, speed=1, fps=1)
@@ -130,6 +141,10 @@ class Replay(InAFolder):
             simulation.replay("none/a.html", 1)
         with self.assertRaisesRegex(ValueError, "seconds must be a finite number above 0, found -1"):
             simulation.replay("a.html", -1)
+        with self.assertRaisesRegex(ValueError, "every_s must be a finite number of 0 or more, found -1"):
+            simulation.replay("a.html", 1, every_s=-1)
+        with self.assertRaisesRegex(TypeError, r"fields must be a list of names, as in \['pose'\], found 'pose'"):
+            simulation.replay("a.html", 1, fields="pose")
         with self.assertRaisesRegex(ValueError, "nonsense"):
             simulation.replay("a.html", 1, fields=["nonsense"])
         self.assertEqual((simulation.tick, os.listdir()), (0, []))

@@ -92,6 +92,17 @@ class Plot(unittest.TestCase):
         self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # runs without values at a time are not counted
         self.assertEqual(troupe.plot.series_by(self.folder, "order", "robots")[2], lines)
 
+    def test_the_name_of_a_measure_needs_no_unit(self):
+        columns = ["displacement_m", "displacement_m:leaders", "stalls:leaders", "my:reach_m", "path_length_m"]
+        (self.folder / "series.csv").write_text(",".join(["run,time_s", *columns]) + "\n0,0,1,2,3,4,5\n")
+        for name, column in (("displacement", 0), ("displacement:leaders", 1), ("stalls:leaders", 2), ("my:reach", 3),
+                             ("path_length", 4), ("path_length_m", 4)):
+            measure, _, lines = troupe.plot.series_by(self.folder, name)
+            self.assertEqual(measure, columns[column])
+            self.assertEqual(next(iter(lines.values()))[0][1], column + 1)
+        with self.assertRaisesRegex(troupe.plot.PlotError, 'unknown measure "path"'):
+            troupe.plot.series_by(self.folder, "path")
+
     def test_what_is_wrong_is_one_message(self):
         def message(*arguments, **named):
             with self.assertRaises(troupe.plot.PlotError) as raised:

@@ -125,7 +125,7 @@ TEST_F(PicturesTest, AnyNumberOfTheStateMayBeTheColour) {
   Simulation simulation(world_);
   simulation.step();
   for (const char* value : {"velocity.x", "pose.heading", "stall.stalled", "ranger/eye.ranges.4",
-                            "ranger.ranges.0", "command.mode"}) {
+                            "eye.ranges.4", "ranger.ranges.0", "command.mode"}) {
     Pictures pictures(simulation, {.width = 64, .height = 48, .color_by = value});
     EXPECT_EQ(pictures.draw(pictures.take(simulation)).size(), 64U * 48 * 4) << value;
   }

@@ -153,6 +153,49 @@ TEST_F(RecordingTest, RefusesWhatIsThereAndWhatTheWorldDoesNotHave) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new.h5"));
 }
 
+TEST_F(RecordingTest, DevicesHaveTheNamesThatTheWorldGivesThem) {
+  Simulation simulation(world_);
+  const auto recorded = [&](const std::string& name) {
+    Recording(folder_ / "run.h5", simulation, {.fields = {name}, .replace = true}).close();
+    const RecordingReader recording(folder_ / "run.h5");
+    std::string all;
+    for (const RecordingReader::Array& array : recording.arrays())
+      all += array.component + "." + array.field.name + " ";
+    return all;
+  };
+  for (const char* name : {"eye", "eye.ranges", "ranger/eye", "ranger", "ranger.ranges", "ranges"})
+    EXPECT_EQ(recorded(name), "sensors/bot/eye.ranges ") << name;
+  EXPECT_EQ(recorded("velocity.turn"), "velocity.turn ");
+  EXPECT_THAT(error_of<InputError>([&] { recorded("eye.rangs"); }), HasSubstr("unknown field \"eye.rangs\""));
+  EXPECT_THAT(error_of<InputError>([&] { recorded("eyee"); }), HasSubstr("(did you mean \"eye\"?)"));
+}
+
+TEST_F(RecordingTest, ReadingsOfSensorsThatDoNotRunAreNoNumbers) {
+  write("resting.json", R"({"troupe": 1, "arena": {"size_m": [4, 4]},
+    "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
+      {"name": "sonar", "kind": "ranger", "active": false, "transducers": [{"range_max_m": 5}]},
+      {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 5}]}]}},
+    "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "bot", "pose": {"y_m": 1}}]})");
+  Simulation simulation(folder_ / "resting.json");
+  simulation.subscribe("b");
+  {
+    Recording recording(folder_ / "run.h5", simulation, {.fields = {"ranges"}});
+    step(simulation, recording, 2);
+  }
+  const worldio::Hdf5File file = worldio::Hdf5File::open(folder_ / "run.h5");
+  const auto ranges = [&](const char* sensor) {
+    return file.group("sensors").group("bot").group(sensor).dataset("ranges").read<float>();
+  };
+  const std::vector<float> resting = ranges("sonar");
+  const std::vector<float> running = ranges("eye");
+  ASSERT_EQ(resting.size(), 3u * 2);
+  for (std::size_t frame = 0; frame < 3; ++frame) {
+    EXPECT_TRUE(std::isnan(resting[2 * frame])) << frame;
+    EXPECT_EQ(resting[2 * frame + 1], frame > 0 ? 2 : 0) << frame;
+    EXPECT_EQ(running[2 * frame], frame > 0 ? 2 : 0) << frame;
+  }
+}
+
 TEST_F(RecordingTest, WhatABodyLacksIsNoNumber) {
   engine::Registry registry = make_registry();
   registry.controllers.push_back(engine::make_controller_kind<test::Honest>("honest", "for this test"));

@@ -87,14 +87,15 @@ std::vector<Style> styles() {
        {"demo.world:10: warning: properties without effect (docs/stage-worlds.md says why): threads",
         "demo.world:7: warning: properties without effect on the run, because only Stage's window uses them: "
         "paused, "
-        "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, trail_length"}},
+        "show_flags of a window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor, "
+        "trail_length"}},
       {"follow.world",
        2,
        1,
        2,
        true,
-       {"follow.world:8: warning: properties without effect on the run, because only Stage's window uses "
-        "them: window, "
+       {"inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
+        "them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"blocks.world",
        3,
@@ -146,19 +147,17 @@ std::vector<Style> styles() {
        1,
        3,
        false,
-       {"layers.world:10: warning: \"late_base\" is already defined, at line 4; the first definition is used",
-        "layers.world:16: warning: properties without effect on the run, because only Stage's window uses "
-        "them: "
-        "window"}},
+       {"layers.world:10: warning: \"late_base\" is already defined, at line 4; the first definition is "
+        "used"}},
       {"everything.world",
        11,
        7,
        5,
        true,
        {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
-        "everything.world:10: warning: properties without effect on the run, because only Stage's window "
+        "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window "
         "uses them: "
-        "window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
+        "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
       {"odometry.world",
        4,
        3,

@@ -293,6 +293,18 @@ TEST_F(JsonWorldOfPictures, MapsOfRosSayTheirSizeAndPlaceThemselves) {
   EXPECT_THAT(
       sized.found,
       ElementsAre(testing::HasSubstr("unknown key \"size_m\"; known: bitmap, blob_return, boundary")));
+
+  write("explored.yaml", "image: lab.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n");
+  write("grey.pgm", "P5 2 1 255\n" + std::string("\xcd\x00", 2));
+  write("partly.yaml", "image: grey.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n");
+  const Loaded solid(R"({"troupe": 1, "floorplans": [
+    {"name": "a", "bitmap": "explored.yaml",
+     "unknown": "solid"},
+    {"name": "b", "bitmap": "partly.yaml", "unknown": "solid"}]})",
+                     {}, file);
+  EXPECT_THAT(solid.found, ElementsAre(testing::EndsWith(
+                               ":3: warning: /floorplans/0/unknown: \"solid\" has no effect, because "
+                               "the ROS map \"explored.yaml\" has no unknown cell")));
 }
 
 TEST(JsonWorld, ItSaysHowItIsToBeWatched) {

@@ -157,7 +157,8 @@ TEST_F(StageWorld, RefusesWrongWindows) {
 
 TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
   load(
-      "resolution 0.02\nthreads 7\npaused 1\nspeedup 4\ninterval_real 100\nwindow( size [1 2] wibble 3 )\n"
+      "resolution 0.02\nthreads 7\npaused 1\nspeedup 4\ninterval_real 100\nwindow( size [1 2] wibble 3 "
+      "show_status 1 )\n"
       "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 )\n");
   EXPECT_THAT(
       messages(),
@@ -166,7 +167,7 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
           "w.world:2: warning: properties without effect (docs/stage-worlds.md says why): "
           "threads, friction",
           "w.world:3: warning: properties without effect on the run, because only Stage's window uses them: "
-          "paused, window, gui_nose",
+          "paused, show_status of a window, gui_nose",
           "w.world:5: warning: obsolete properties, ignored as in Stage: interval_real, polygons, "
           "polygon[k].points"));
 }
@@ -398,7 +399,7 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
       "unit_length \"cm\"\ndefine plan model( bitmap \"maps/lab.yaml\" )\n"
       "plan()\nplan( size [1 1 30] pose [0 0 0 90] )\nplan( bitmap_unknown 1 )\n"
       "plan( block( points 3 point[1] [1 0] point[2] [1 1] z [0 1] ) )\n");
-  EXPECT_THAT(messages(),
+  EXPECT_THAT(messages(),  // one cell is unknown
               ElementsAre("w.world:4: warning: only the height (third value) of \"size\" is used: the ROS "
                           "map has a size of its own, 2 m x 1 m",
                           "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks, "
@@ -411,6 +412,15 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
   EXPECT_EQ(type_of(spec, 2).parts[0].solids[0].z, (ZInterval{0, 0.3}));
   EXPECT_EQ(spec.bodies[2].pose_world_body.heading, k_pi / 2);                  // of the map's frame
   expect_box(bounds_of(type_of(spec, 3).parts[0].solids), 10.5, 11.5, 20, 21);  // the unknown cell too
+}
+
+TEST_F(StageWorld, SolidUnknownCellsOfAMapWithoutSuchCellsAreAWarning) {
+  write("lab.pgm", "P5 2 1 255\n" + std::string("\xfe\x00", 2));
+  write("lab.yaml", "image: lab.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n");
+  load("model( bitmap \"lab.yaml\" )\nmodel( bitmap \"lab.yaml\" bitmap_unknown 1 )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: warning: \"bitmap_unknown\" has no effect: the ROS map lab.yaml has no "
+                          "unknown cell"));
 }
 
 TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
@@ -982,7 +992,7 @@ TEST_F(StageOwnWorld, Simple) {
       ElementsAre(
           "simple.world:12: warning: properties without effect on the run, because only Stage's window uses "
           "them: "
-          "paused, window, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
+          "paused, gui_nose, gui_grid, gui_move, gui_outline, trail_length, color_rgba of a sensor"));
   EXPECT_EQ(spec.quit_time_s, 3600);
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
   EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type);
@@ -1017,7 +1027,7 @@ TEST_F(StageOwnWorld, PioneerWalle) {
       messages(),
       ElementsAre("pioneer_walle.world:10: warning: properties without effect on the run, because only "
                   "Stage's window uses "
-                  "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+                  "them: paused, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
                   "walle.inc:14: warning: obsolete properties, ignored as in Stage: laser_return, "
                   "blobfinder_return"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
@@ -1035,7 +1045,7 @@ TEST_F(StageOwnWorld, Roomba) {
       ElementsAre(
           "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
           "roomba.world:11: warning: properties without effect on the run, because only Stage's window uses "
-          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
+          "them: paused, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
   EXPECT_THAT(part_names(type_of(spec, 2)), ElementsAre("", "bumper:0"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids[0].contours[0], SizeIs(16));
@@ -1045,9 +1055,9 @@ TEST_F(StageOwnWorld, Roomba) {
 TEST_F(StageOwnWorld, SensorNoiseDemo) {
   const auto spec = open("sensor_noise_demo.world");
   EXPECT_THAT(messages(),
-              ElementsAre("sensor_noise_demo.world:9: warning: properties without effect on the run, because "
+              ElementsAre("map.inc:13: warning: properties without effect on the run, because "
                           "only Stage's window uses "
-                          "them: window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+                          "them: gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "position:0"));
   const engine::TypeSpec& robot = type_of(spec, 2);
   EXPECT_FALSE(robot.devices[0].active);
@@ -1066,7 +1076,8 @@ TEST_F(StageOwnWorld, Cave) {
           "threads",
           "benchmark/cave.world:13: warning: properties without effect on the run, because only Stage's "
           "window uses "
-          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+          "them: paused, interval of a window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a "
+          "sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(102));
   ASSERT_THAT(spec.types, SizeIs(3));  // 100 robots in ten colours share one
   EXPECT_EQ(spec.types[2].name, "rob");
@@ -1091,7 +1102,8 @@ TEST_F(StageOwnWorld, Hospital) {
           "threads",
           "benchmark/hospital.world:13: warning: properties without effect on the run, because only Stage's "
           "window uses "
-          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
+          "them: paused, interval of a window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a "
+          "sensor"));
   ASSERT_THAT(spec.bodies, SizeIs(1002));
   EXPECT_THAT(spec.types, SizeIs(3));
   EXPECT_EQ(name_of(spec, 1), "model:1");
@@ -1117,7 +1129,7 @@ TEST_F(StageOwnWorld, LspTest) {
       ElementsAre("lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
                   "lsp_test.world:11: warning: properties without effect on the run, because only Stage's "
                   "window uses "
-                  "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
+                  "them: paused, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
                   "lsp_test.world:9: warning: obsolete properties, ignored as in Stage: "
                   "interval_real, channel_count of a "
                   "blobfinder, channels of a blobfinder"));
@@ -1145,7 +1157,7 @@ TEST_F(StageOwnWorld, PioneerFlocking) {
           "threads",
           "pioneer_flocking.world:10: warning: properties without effect on the run, because only Stage's "
           "window uses "
-          "them: paused, window, gui_nose, gui_grid, gui_move, gui_outline"));
+          "them: paused, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(spec.bodies, SizeIs(102));
   EXPECT_THAT(spec.types, SizeIs(3));
   EXPECT_EQ(spec.types[2].name, "flocker");

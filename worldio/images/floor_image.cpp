@@ -3,6 +3,8 @@
 #include "worldio/images/bitmap.hpp"
 #include "worldio/images/ros_map.hpp"
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -13,12 +15,21 @@ std::optional<FloorImage> read_map(const std::filesystem::path& file, bool unkno
                                    Diagnostics& diagnostics) {
   const std::optional<RosMap> map = read_ros_map(file, where, diagnostics);
   if (!map) return {};
-  const auto bitmap =
-      read_bitmap(map->image, map->where_image, diagnostics, solid_cells(*map, unknown_is_solid));
+  PixelRule is_solid = solid_cells(*map, unknown_is_solid);
+  bool has_unknown = false;
+  if (unknown_is_solid)
+    is_solid = [&has_unknown, with_unknown = is_solid,
+                occupied = solid_cells(*map, false)](std::span<const std::uint8_t> channels) {
+      const bool solid = with_unknown(channels);
+      if (solid && !has_unknown) has_unknown = !occupied(channels);
+      return solid;
+    };
+  const auto bitmap = read_bitmap(map->image, map->where_image, diagnostics, is_solid);
   if (!bitmap) return {};
   FloorImage image{bitmap->width, bitmap->height, bitmap_contours(*bitmap), {}};
   const Eigen::Vector2d size = map->resolution_m * Eigen::Vector2d(bitmap->width, bitmap->height);
-  image.place = {size, compose(map->pose_map_corner, {size.x() / 2, size.y() / 2, 0, 0})};
+  image.place = {size, compose(map->pose_map_corner, {size.x() / 2, size.y() / 2, 0, 0}),
+                 unknown_is_solid && !has_unknown};
   return image;
 }
 

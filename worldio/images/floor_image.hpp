@@ -27,6 +27,8 @@ struct FloorImage {
   struct Place {
     Eigen::Vector2d size_m;  ///< size of the whole image in x and y
     Pose pose_map_center;    ///< pose of the image's centre in the frame of the map
+    /// The map was read with `unknown_is_solid`, but none of its cells is unknown.
+    bool lacks_unknown = false;
   };
   std::optional<Place> place;  ///< set if the image is a ROS map
 

@@ -542,7 +542,7 @@ void change_json_world(JsonNode& document, const std::filesystem::path& file, co
   resolve_includes(document, file, diagnostics);
   for (const auto& [pointer, value] : options.set) set_json_value(document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(document, name, count, diagnostics);
-  resolve_extends(document, diagnostics);
+  resolve_extends(document, diagnostics, options.base_types);
 }
 
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,

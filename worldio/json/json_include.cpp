@@ -242,7 +242,9 @@ void merge(JsonNode& own, const JsonNode& base) {
 /// Resolves `extends` of all types, each type after the one that it extends.
 class TypeMerger {
  public:
-  TypeMerger(Members& types, Diagnostics& diagnostics) : types_(types), diagnostics_(diagnostics) {}
+  /// bases: if not null, the list to which the names of base types are added.
+  TypeMerger(Members& types, Diagnostics& diagnostics, std::vector<std::string>* bases)
+      : types_(types), diagnostics_(diagnostics), bases_(bases) {}
 
   void merge_all() {
     for (JsonMember& type : types_) resolve(type);
@@ -256,6 +258,7 @@ class TypeMerger {
 
   Members& types_;
   Diagnostics& diagnostics_;
+  std::vector<std::string>* bases_;
   std::vector<const JsonMember*> open_;  // types that are being resolved, each extends the next one
 };
 
@@ -282,6 +285,7 @@ void TypeMerger::resolve(JsonMember& type) {
                : fmt::format("expected the name of a type, found {}", value.describe()));
     return remove_key(*members_of(&type.node), "extends");
   }
+  if (bases_) bases_->push_back(base->key);
   open_.push_back(&type);
   resolve(*base);
   open_.pop_back();
@@ -309,8 +313,8 @@ void resolve_includes(JsonNode& world, const fs::path& file, Diagnostics& diagno
   *own = includer.take_types();
 }
 
-void resolve_extends(JsonNode& world, Diagnostics& diagnostics) {
-  if (Members* types = members_of(world.find("types"))) TypeMerger(*types, diagnostics).merge_all();
+void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases) {
+  if (Members* types = members_of(world.find("types"))) TypeMerger(*types, diagnostics, bases).merge_all();
 }
 
 }  // namespace troupe::worldio

@@ -4,6 +4,8 @@
 #include "worldio/json/json_node.hpp"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace troupe::worldio {
 
@@ -25,6 +27,7 @@ void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagno
 /// - A quantity in one unit replaces the same quantity in another unit. `controller` replaces `controllers`,
 ///   and the reverse; `name` is not inherited.
 /// Each node keeps its file and line. Reports unknown types, and types that extend each other in a circle.
-void resolve_extends(JsonNode& world, Diagnostics& diagnostics);
+/// bases: if not null, the list to which the names of all base types are added.
+void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
 
 }  // namespace troupe::worldio

@@ -240,6 +240,13 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
                                     document.bitmap));
     return std::nullopt;
   }
+  if (is_map && made.image->place->lacks_unknown) {
+    const DocumentPath unknown(at, "unknown", object.where_of("unknown"));
+    unknown.diagnostics().warning(
+        unknown.where(),
+        fmt::format("{}: \"solid\" has no effect, because the ROS map \"{}\" has no unknown cell",
+                    unknown.pointer(), document.bitmap));
+  }
   if (is_map)
     made.size << made.image->place->size_m, document.height.value_or(k_map_height_m);
   else

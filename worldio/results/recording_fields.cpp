@@ -19,13 +19,21 @@ using engine::HashGroup;
 using engine::StateTable;
 using engine::World;
 
-/// Whether a name of --record-fields chooses all fields of a table. It does if it is "all", the component of
-/// the table, or the part of the component before its "/". The name "pose" also chooses the poses of moving
-/// parts, without which a body cannot be drawn. chosen_fields() handles the names of single fields.
+/// Whether a name of --record-fields chooses all fields of a table. It does if it is "all", or selects the
+/// component of the table (engine::selects()). The name "pose" also chooses the poses of moving parts,
+/// without which a body cannot be drawn. chosen_fields() handles the names of single fields.
 bool chooses(const std::string& name, const StateTable& table) {
   const std::string_view component = table.component();
-  return name == "all" || name == component || name == component.substr(0, component.find('/')) ||
+  return name == "all" || engine::selects(name, component) ||
          (name == "pose" && component.starts_with("joint/"));
+}
+
+/// Whether a name of --record-fields chooses one field of a table: it is `COMPONENT.FIELD`, as in
+/// `lamp.shows`.
+bool chooses_field(std::string_view name, const StateTable& table, std::string_view field) {
+  const std::size_t dot = name.rfind('.');
+  return dot != name.npos && name.substr(dot + 1) == field &&
+         engine::selects(name.substr(0, dot), table.component());
 }
 
 /// Returns the frame of the values of a table: RecordedComponent::frame.
@@ -47,8 +55,9 @@ std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const 
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
     const bool chosen = std::ranges::any_of(names, [&](const std::string& name) {
       const engine::StateField& field = table.fields()[f];
-      return chooses(name, table) || (table.group() == HashGroup::sensor &&
-                                      (name == field.name || (name == "pose" && field.appearance)));
+      return chooses(name, table) || chooses_field(name, table, field.name) ||
+             (table.group() == HashGroup::sensor &&
+              (name == field.name || (name == "pose" && field.appearance)));
     });
     if (chosen) fields.push_back(f);
   }
@@ -116,17 +125,20 @@ void add_sensors(const World& world, std::span<const std::string> names,
       std::ranges::sort(bodies);
       components.push_back(
           component_of(table, {"sensors", type_names[t], name}, std::move(fields), table.rows()));
-      components.back().sources.push_back({sensor.table, places(table, bodies)});
+      components.back().sources.push_back(
+          {sensor.table, places(table, bodies), sensor.kind->is_sensor() ? &sensor : nullptr});
     }
   }
 }
 
-/// Overwrites the values of bodies that are not in the world with absent().
+/// Overwrites the values of bodies that are not in the world, and the readings of sensors that never run
+/// (World::senses()), with absent().
 void leave_out_absent(const World& world, const RecordedComponent& component,
                       const RecordedComponent::Source& source, std::span<const std::span<std::byte>> fields) {
   const StateTable& table = world.tables()[source.table];
   for (std::size_t r = 0; r < table.rows(); ++r) {
-    if (world.is_there(world.row(table.ids()[r]))) continue;
+    const Row row = world.row(table.ids()[r]);
+    if (world.is_there(row) && (!source.sensor || world.senses(row, *source.sensor))) continue;
     for (std::size_t f = 0; f < component.fields.size(); ++f) {
       const engine::StateField& field = component.fields[f];
       const std::size_t width = engine::element_size(field.element) * field.columns;
@@ -168,7 +180,7 @@ std::vector<std::string> recordable_names(const World& world) {
       add(std::string_view(table.component()).substr(0, table.component().find('/')));
   for (const StateTable& table : world.tables()) {
     add(std::string_view(table.component()).substr(0, table.component().find('/')));
-    add(table.component());
+    add(engine::given_name(table.component()));
   }
   return names;
 }
@@ -176,7 +188,10 @@ std::vector<std::string> recordable_names(const World& world) {
 std::vector<RecordedComponent> recorded_components(const World& world, std::span<const std::string> names) {
   const std::vector<std::string> known = recordable_names(world);
   for (const std::string& name : names)
-    if (std::ranges::find(known, name) == known.end())
+    if (std::ranges::find(known, name) == known.end() &&
+        std::ranges::none_of(world.tables(), [&](const StateTable& table) {
+          return !chosen_fields(table, std::span(&name, 1)).empty();
+        }))
       throw std::invalid_argument(unknown_name("field", name, {known.begin(), known.end()}));
 
   const std::vector<BodyId> bodies = recorded_bodies(world);
@@ -229,7 +244,9 @@ void gather(const World& world, const RecordedComponent& component,
         }
       }
     }
-    if (world.absent_count() > 0 && component.name != "life")  // `life` itself says which bodies are absent
+    const bool may_rest = source.sensor && !source.sensor->active;
+    if ((world.absent_count() > 0 || may_rest) &&
+        component.name != "life")  // `life` itself lists absent bodies
       leave_out_absent(world, component, source, fields);
   }
 }

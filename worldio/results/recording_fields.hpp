@@ -27,6 +27,8 @@ struct RecordedComponent {
   struct Source {
     std::size_t table;                    ///< index into World::tables()
     std::vector<std::uint32_t> recorded;  ///< for each row of the table, its row in the recording
+    /// The sensor whose readings the table stores; null for other tables.
+    const engine::BodyType::Device* sensor = nullptr;
   };
   std::vector<Source> sources;
 

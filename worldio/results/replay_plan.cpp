@@ -41,7 +41,9 @@ const Array* find_pose(const RecordingReader& recording, std::string_view field)
   return nullptr;
 }
 
-std::string name_of(const Array& array) { return fmt::format("{}/{}", array.component, array.field.name); }
+std::string name_of(const Array& array) {
+  return fmt::format("{}.{}", engine::given_name(array.component), array.field.name);
+}
 
 /// Whether an array has the poses of a part that moves, which a page needs to draw the body.
 bool is_joint(const Array& array) { return array.component.starts_with("joint/"); }
@@ -53,9 +55,10 @@ bool is_appearance(const Array& array) {
 
 /// Whether a name of --fields chooses an array.
 bool chooses(std::string_view name, const Array& array) {
-  const std::string_view component = array.component;
-  return name == "all" || name == component || name == array.field.name || name == name_of(array) ||
-         name == component.substr(0, component.find('/'));
+  if (name == "all" || name == array.field.name || engine::selects(name, array.component)) return true;
+  const std::size_t end = name.find_last_of("./");  // COMPONENT.FIELD, or COMPONENT/FIELD of earlier versions
+  return end != name.npos && name.substr(end + 1) == array.field.name &&
+         engine::selects(name.substr(0, end), array.component);
 }
 
 /// Returns the arrays that --fields chooses, and those that are needed to draw the bodies. Throws InputError

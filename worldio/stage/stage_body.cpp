@@ -107,6 +107,10 @@ const FloorImage* StageBodies::read_image(const StageProperty& property, engine:
   }
   spec.file = path.string();
   const FloorImage* image = images_.read(path, spec.unknown_is_solid, values_.where(property));
+  if (image && image->place && image->place->lacks_unknown)
+    values_.warning_once(
+        values_.where(property),
+        fmt::format("\"bitmap_unknown\" has no effect: the ROS map {} has no unknown cell", path.string()));
   if (!image || !image->contours.empty()) return image;
   values_.error(
       values_.where(property),

@@ -45,7 +45,6 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   if (depth > k_deepest) return;
   const auto model = macros_.resolve(entity);
   if (!model) return;
-  if (model->type == "window") add(window_only_, model->where, "window");
   if (macros_.is_only_a_body(model->type))
     values_.warning_once(
         model->where,
@@ -76,11 +75,10 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
   }
   switch (row->support) {
     case StageSupport::honoured:
-    case StageSupport::fixed: break;
+    case StageSupport::fixed:
+    case StageSupport::window_camera: break;
     case StageSupport::no_effect: add(no_effect_, where, called(*row)); break;
-    case StageSupport::window_only:
-      if (type != "window") add(window_only_, where, called(*row));
-      break;
+    case StageSupport::window_only: add(window_only_, where, called(*row)); break;
     case StageSupport::obsolete: add(obsolete_, where, called(*row)); break;
   }
 }

@@ -10,10 +10,11 @@ namespace troupe::worldio {
 /// How Troupe treats a property of Stage's world files.
 enum class StageSupport {
   honoured,
-  fixed,        ///< honoured, but not exactly as in Stage 4.3: the note says how it differs
-  no_effect,    ///< accepted and ignored: the note says why
-  window_only,  ///< accepted; it only affects Stage's window
-  obsolete,     ///< accepted and ignored, as by Stage 4.3
+  fixed,          ///< honoured, but not exactly as in Stage 4.3: the note says how it differs
+  no_effect,      ///< accepted and ignored: the note says why
+  window_camera,  ///< accepted; it only affects Stage's window and pictures with `--camera window`
+  window_only,    ///< accepted; it only affects Stage's window
+  obsolete,       ///< accepted and ignored, as by Stage 4.3
 };
 
 /// A property that entities of one type can have, and how Troupe treats it.

@@ -17,6 +17,17 @@ export function componentText(component) {
   return steps[0] === "sensors" ? steps.slice(1).join(", ") : steps.filter((step) => step !== "0").join(" ");
 }
 
+/** The name of a value, as --color-by accepts it: "stall.stalled", "wander.turn", "lamp.shown_color.2"; for a sensor of a
+ *  recording also its type: "eye.ranges (minibot)". column: undefined for a field with one column. */
+export function valueText(component, field, column) {
+  const steps = component.split("/").map(plain);
+  const isSensor = steps[0] === "sensors" && steps.length > 2;
+  const rest = steps.slice(isSensor ? 2 : 1).join("/");
+  const name = rest === "" || rest === "0" ? steps[0] : /^\d+$/.test(rest) ? steps.join("/") : rest;
+  const text = `${name}.${plain(field)}${column === undefined ? "" : `.${column}`}`;
+  return isSensor ? `${text} (${steps[1]})` : text;
+}
+
 /** A number with as many decimals as the rounding step justifies. */
 export function numberText(value, step) {
   if (!Number.isFinite(value)) return "–";
@@ -32,12 +43,12 @@ export function coloringsOf(header) {
   ];
   header.fields.forEach((field, index) => {
     if (field.hidden) return;
-    const text = `${componentText(field.component)}: ${plain(field.name)}`;
+    const text = (column) => valueText(field.component, field.name, column);
     const common = { unit: field.unit, field: index };
-    if (field.columns === 1) all.push({ ...common, text, column: 0 });
+    if (field.columns === 1) all.push({ ...common, text: text(), column: 0 });
     else if (field.columns <= 4)
-      for (let c = 0; c < field.columns; c++) all.push({ ...common, text: `${text}[${c}]`, column: c });
-    else all.push({ ...common, text: `minimum of ${text}`, column: -1 });
+      for (let c = 0; c < field.columns; c++) all.push({ ...common, text: text(c), column: c });
+    else all.push({ ...common, text: `minimum of ${text()}`, column: -1 });
   });
   return all;
 }

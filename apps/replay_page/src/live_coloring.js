@@ -1,14 +1,13 @@
 // Colours robots of a running world by any value of its state, which the program sends on request.
 
-import { Coloring, componentText } from "./coloring.js";
+import { Coloring, valueText } from "./coloring.js";
 
 /** The choices for the values that the program offers; column -1: the minimum of all columns. */
 function choicesOf({ component, field, unit, columns }) {
-  const text = `${componentText(component)}: ${field}`;
   const choice = (name, column) => ({ text: name, unit, value: { component, field }, field, column });
-  if (columns === 0) return [choice(`minimum of ${text}`, -1)];
-  if (columns === 1) return [choice(text, 0)];
-  return Array.from({ length: columns }, (_, column) => choice(`${text}[${column}]`, column));
+  if (columns === 0) return [choice(`minimum of ${valueText(component, field)}`, -1)];
+  if (columns === 1) return [choice(valueText(component, field), 0)];
+  return Array.from({ length: columns }, (_, column) => choice(valueText(component, field, column), column));
 }
 
 export class LiveColoring extends Coloring {

@@ -101,13 +101,11 @@ export class Panel {
           if (number === null) return; // not unpacked yet
           numbers.push(number);
         }
-        if (drawn) {
-          const known = numbers.filter(Number.isFinite);
-          made.value.textContent = known.length > 0 ? `${text(Math.min(...known))} to ${text(Math.max(...known))}${unitText(field.unit)}` : "–";
-          bars(drawn, numbers, Math.min(0, field.min), field.max);
-        } else {
-          made.value.textContent = `${numbers.map(text).join(", ")}${unitText(field.unit)}`;
-        }
+        const known = numbers.filter(Number.isFinite);
+        if (known.length === 0) made.value.textContent = field.component.startsWith("sensors/") ? "no reading" : "–";
+        else if (drawn) made.value.textContent = `${text(Math.min(...known))} to ${text(Math.max(...known))}${unitText(field.unit)}`;
+        else made.value.textContent = `${numbers.map(text).join(", ")}${unitText(field.unit)}`;
+        if (drawn) bars(drawn, numbers, Math.min(0, field.min), field.max);
       },
     });
   }
