@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 __version__: str
+needs_numpy_1: bool
 
 _File = Union[str, "PathLike[str]"]
 _Numbers = Union[float, npt.ArrayLike]
