@@ -1,11 +1,18 @@
+#include "live/view.hpp"
 #include "python/bindings.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +52,33 @@ class HeldBatch {
   bool is_busy_ = false;  // read and written only with the interpreter's lock
 };
 using BatchHolder = std::shared_ptr<HeldBatch>;
+
+/// A view of a copy of a batch that Python owns; it keeps the batch alive.
+class HeldBatchView {
+ public:
+  HeldBatchView(BatchHolder held, std::size_t copy, live::View::Options options) : held_(std::move(held)) {
+    BatchEnv& batch = held_->use();
+    if (copy >= batch.copies())
+      throw py::index_error(
+          fmt::format("copy {} does not exist: give a number from 0 to {}", copy, batch.copies() - 1));
+    options.is_over = is_interrupted;
+    options.report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); };
+    view_ = std::make_unique<live::View>(batch.simulation(copy), options);
+  }
+
+  const live::View& open() const {
+    if (!view_) throw std::logic_error("the view is closed");
+    return *view_;
+  }
+  void close() {
+    held_->use();  // throws while another thread steps the batch
+    view_.reset();
+  }
+
+ private:
+  BatchHolder held_;
+  std::unique_ptr<live::View> view_;
+};
 
 /// Reads the members of a dict into variables. A variable keeps its value if the dict lacks its member.
 /// finish() throws if the dict has members that were not read.
@@ -209,6 +243,15 @@ std::vector<std::uint8_t> marks_of(const std::optional<py::array>& given, const 
 void bind_batch(py::module_& module) {
   using Marks = std::optional<py::array>;
   using Seeds = std::vector<std::optional<std::uint64_t>>;
+  py::class_<HeldBatchView>(module, "BatchView",
+                            "A copy of a BatchEnv in a browser (docs/live.md), made by BatchEnv.view().")
+      .def_property_readonly(
+          "address", [](const HeldBatchView& v) { return v.open().address(); },
+          "Address of the page for full control.")
+      .def_property_readonly(
+          "read_only_address", [](const HeldBatchView& v) { return v.open().look_address(); },
+          "Address of the page for read-only access.")
+      .def("close", &HeldBatchView::close, "Disconnects all users.");
   py::class_<HeldBatch, BatchHolder>(
       module, "BatchEnv",
       "Many copies of one world that step together, each with its own seed: a vectorised environment for "
@@ -218,6 +261,26 @@ void bind_batch(py::module_& module) {
       .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
            "world: a Simulation, which is copied and not changed. spec: a dict that docs/learning.md "
            "describes.")
+      .def(
+          "view",
+          [](const BatchHolder& b, std::size_t copy, std::uint16_t port, double rate,
+             const std::filesystem::path& out) {
+            return std::make_unique<HeldBatchView>(b, copy,
+                                                   live::View::Options{.port = port,
+                                                                       .bind = {},
+                                                                       .hosts = {},
+                                                                       .rate = rate,
+                                                                       .folder = out,
+                                                                       .is_over = {},
+                                                                       .report = {}});
+          },
+          py::arg("copy") = 0, py::kw_only(), py::arg("port") = 0, py::arg("rate") = 1.0,
+          py::arg("out") = std::filesystem::path(),
+          "Shows a copy in a browser and returns a BatchView with the address of the page. From then on, "
+          "steps of the batch wait\nwhile a user has paused the copy. `rate` limits the speed to a multiple "
+          "of "
+          "real time; 0 is no limit. Each episode\nwrites a session file into the folder `out`. port: TCP "
+          "port; 0: any free port (docs/live.md).")
       .def_property_readonly(
           "copies", [](const BatchHolder& b) { return b->use().copies(); }, "Number of copies of the world.")
       .def_property_readonly(

@@ -45,7 +45,7 @@ def tag():
 
 def metadata():
     return (f"Metadata-Version: 2.1\nName: troupe\nVersion: {version()}\nSummary: {SUMMARY}\nLicense: Apache-2.0\n"
-            "Requires-Python: >=3.9\nRequires-Dist: numpy\nDescription-Content-Type: text/markdown\n\n"
+            "Requires-Python: >=3.9\nRequires-Dist: numpy<2\nDescription-Content-Type: text/markdown\n\n"
             + (ROOT / "README.md").read_text())
 
 

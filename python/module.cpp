@@ -46,6 +46,21 @@ void obey_simd_variable() {
   }
 }
 
+/// Before version 2.12, pybind11 reads the size of elements from a place that NumPy 2 has moved. All elements
+/// of an array would then show the first one, without an error.
+constexpr bool k_needs_numpy_1 = PYBIND11_VERSION_HEX < 0x020C0000;
+
+/// Throws ImportError for a NumPy that pybind11 cannot read.
+void check_numpy() {
+  if (!k_needs_numpy_1) return;
+  const std::string version = py::str(py::module_::import("numpy").attr("__version__"));
+  if (version.starts_with("0.") || version.starts_with("1.")) return;
+  throw py::import_error(
+      fmt::format("troupe was built with pybind11 {}.{}, which needs NumPy 1, but NumPy {} is installed: pip "
+                  "install \"numpy<2\"",
+                  PYBIND11_VERSION_MAJOR, PYBIND11_VERSION_MINOR, version));
+}
+
 // State of Unlocked and of the exit of the interpreter.
 std::atomic<int> at_work = 0;  // threads that have released the lock and not taken it back
 std::atomic<bool> is_ending = false;
@@ -211,8 +226,10 @@ void bind_errors(py::module_& module) {
 PYBIND11_MODULE(_core, module) {
   using namespace troupe::python;
   obey_simd_variable();
+  check_numpy();
   module.doc() = "The C++ part of the package troupe.";
   module.attr("__version__") = troupe::k_version;
+  module.attr("needs_numpy_1") = k_needs_numpy_1;
   module.def("version_line", &troupe::version_line,
              "Version, compiler, flags, instruction set and assertion state, on one line.");
   bind_exit();

@@ -248,6 +248,7 @@ std::size_t BatchEnv::copies() const { return impl_->copies.size(); }
 std::size_t BatchEnv::robots(std::size_t team) const { return impl_->teams.at(team).robots; }
 std::vector<std::string> BatchEnv::names(std::size_t team) const { return impl_->teams.at(team).names; }
 const Simulation& BatchEnv::simulation(std::size_t copy) const { return impl_->copies.at(copy)->simulation; }
+Simulation& BatchEnv::simulation(std::size_t copy) { return impl_->copies.at(copy)->simulation; }
 unsigned BatchEnv::threads() const { return impl_->parallel.threads(); }
 
 BatchEnv::Array BatchEnv::array(std::size_t team, std::string_view name) const {

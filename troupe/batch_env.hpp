@@ -167,7 +167,9 @@ class BatchEnv {
   std::size_t robots(std::size_t team) const;              ///< robots of a team per copy, in the world or not
   std::vector<std::string> names(std::size_t team) const;  ///< names of a team's robots, in order of ids
   const Simulation& simulation(std::size_t copy) const;    ///< the simulation of a copy, read-only
-  unsigned threads() const;                                ///< number of threads that step the copies
+  /// The simulation of a copy, for observers such as live::View. Only the batch may step and reset it.
+  Simulation& simulation(std::size_t copy);
+  unsigned threads() const;  ///< number of threads that step the copies
 
   /// The elements of one array of a team, for all copies of the world.
   struct Array {

@@ -21,6 +21,7 @@ except ModuleNotFoundError as missing:
 from . import _show, math
 from ._core import (
     BatchEnv,
+    BatchView,
     Event,
     Events,
     Field,
@@ -46,6 +47,7 @@ from ._sweep import sweep
 
 __all__ = [
     "BatchEnv",
+    "BatchView",
     "Controller",
     "Event",
     "Events",

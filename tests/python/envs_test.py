@@ -1,6 +1,10 @@
 """Tests the environments of troupe.envs with the packages whose interfaces they implement (Gymnasium, PettingZoo): with the
 checkers of these packages, and by comparing their vector environment with that of troupe.envs, bit for bit."""
 
+import contextlib
+import io
+import sys
+import time
 import unittest
 import warnings
 
@@ -16,8 +20,11 @@ import troupe
 import troupe.envs
 from gymnasium.utils.env_checker import check_env, data_equivalence
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from support import ROOM
+from support import ROOM, ROOT
 from troupe.envs.tasks import lidar, room, robot_type, spread
+
+sys.path.insert(0, str(ROOT))
+from tests.support.websocket import Socket  # noqa: E402
 
 TASKS = sorted(troupe.envs.TASKS)
 
@@ -206,7 +213,7 @@ class Vector(unittest.TestCase):
         for wrong, text in (
             (lambda: troupe.envs.VectorEnv(Short(2), 3), "2 robots learn in each copy: give a multiple of 2"),
             (lambda: troupe.envs.VectorEnv(Walkers(), 2), "needs a task with one team, but Walkers has 2"),
-            (lambda: troupe.envs.VectorEnv(Short(2), 2, render_mode="human"), 'unknown render_mode "human"'),
+            (lambda: troupe.envs.VectorEnv(Short(2), 2, render_mode="ansi"), 'unknown render_mode "ansi"; known: human, rgb_array'),
             (lambda: troupe.envs.Env(Short(2), robot="robot"), "names 2 robots: give the name of one"),
         ):
             with self.assertRaisesRegex(ValueError, text):
@@ -225,6 +232,83 @@ class Vector(unittest.TestCase):
             task = Short(2)
             task.teams[0].rewards = [{"array": "goal", "wieght": 1}]
             troupe.envs.Env(task)
+
+
+class Human(unittest.TestCase):
+    def shown(self, env, reset, step, batch):
+        """Steps an environment in the mode human while a user looks at its page. Returns the state hashes of the steps, the
+        state that the page got last, the first text to the page in each episode, and the wall time of a step, s."""
+        told = io.StringIO()
+        with contextlib.redirect_stderr(told):
+            reset(5)
+        self.assertEqual(told.getvalue(), f"troupe: the world is shown at {env.renderer.address}\n")
+        port, token = env.renderer.address.removeprefix("http://127.0.0.1:").split("/#")
+        hashes, texts = [], []
+        with Socket(int(port)) as user:
+            user.send(token)
+            texts.append(user.receive())
+            self.assertEqual(user.ask(do="pause")["reason"], "this address is read-only")
+            began = time.perf_counter()
+            for _ in range(8):
+                step()
+                hashes.append(batch().core.state_hash(0))
+            wall_s = (time.perf_counter() - began) / 8
+            reset(6)
+            step()
+            step()
+            hashes.append(batch().core.state_hash(0))
+            state = {}
+            while state.get("run") != 2:
+                message = user.receive()
+                if isinstance(message, bytes):
+                    user.send('{"do": "drawn"}')
+                elif message["type"] == "hello":
+                    texts.append(message)
+                else:
+                    state = message
+        self.assertIsNone(env.render())
+        env.close()
+        with self.assertRaises(OSError):
+            Socket(int(port))
+        return hashes, state, texts, wall_s
+
+    def test_a_page_shows_the_first_copy_in_real_time_and_changes_nothing(self):
+        def single(mode):
+            env = troupe.envs.Env(Short(2), render_mode=mode)
+            return env, lambda seed: env.reset(seed=seed), lambda: env.step(np.array([1.0, 0.5])), lambda: env.batch
+
+        def vector(mode):
+            env = troupe.envs.VectorEnv(Short(2), 6, render_mode=mode)
+            return env, lambda seed: env.reset(seed=seed), lambda: env.step(np.full((6, 2), 0.5)), lambda: env.batch
+
+        def parallel(mode):
+            env = troupe.envs.ParallelEnv(Short(2), render_mode=mode)
+            step = lambda: env.step({name: np.array([1.0, 0.5]) for name in env.agents})  # noqa: E731
+            return env, lambda seed: env.reset(seed=seed), step, lambda: env.batch
+
+        for make in (single, vector, parallel):
+            with self.subTest(make.__name__):
+                hashes, state, texts, wall_s = self.shown(*make("human"))
+                self.assertEqual([text["type"] for text in texts], ["hello", "hello"])
+                self.assertFalse(texts[0]["may_steer"])
+                self.assertNotEqual(texts[0]["header"], texts[1]["header"], "the seeds place the robots differently")
+                self.assertLessEqual(state["tick"], 3)
+                self.assertGreater(wall_s, 0.08)  # a tick is 0.1 s
+                env, reset, step, batch = make(None)
+                reset(5)
+                alone = []
+                for _ in range(8):
+                    step()
+                    alone.append(batch().core.state_hash(0))
+                reset(6)
+                step()
+                step()
+                self.assertEqual(hashes, [*alone, batch().core.state_hash(0)])
+
+    def test_says_which_copies_there_are(self):
+        batch = troupe.envs.VectorEnv(Short(2), 4).batch.core
+        with self.assertRaisesRegex(IndexError, "copy 2 does not exist: give a number from 0 to 1"):
+            batch.view(2)
 
 
 class Tasks(unittest.TestCase):

@@ -1,6 +1,7 @@
 """Installs packages of the Python Package Index for tests that need them: in a virtual environment in the build folder, which
 is made at the first use and also has the packages of the interpreter."""
 
+import fcntl
 import os
 import pathlib
 import subprocess
@@ -9,7 +10,7 @@ import sys
 import troupe
 
 #: The versions that the documentation names.
-PACKAGES = ("gymnasium==1.4.0", "pettingzoo==1.27.0")
+PACKAGES = ("gymnasium==1.4.0", "pettingzoo==1.27.0", "cma==4.5.0")
 
 
 def run_with_packages():
@@ -20,14 +21,16 @@ def run_with_packages():
     if pathlib.Path(sys.prefix) == folder:
         return
     made = folder / "made"
-    if not (made.exists() and made.read_text() == " ".join(PACKAGES)):
-        try:
-            subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", folder], check=True, capture_output=True)
-            pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--retries", "1", *PACKAGES]
-            subprocess.run(pip, check=True, capture_output=True, text=True, timeout=600)
-        except (subprocess.CalledProcessError, subprocess.TimeoutExpired, OSError) as error:
-            last = (getattr(error, "stderr", None) or str(error)).strip().splitlines()[-1:]
-            print(f"SKIPPED: {' and '.join(PACKAGES)} could not be installed: {' '.join(map(str, last))}")
-            sys.exit(77)
-        made.write_text(" ".join(PACKAGES))
+    with open(folder.parent / f"{folder.name}.lock", "w") as lock:  # ctest runs several tests that need the packages at the same time
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (made.exists() and made.read_text() == " ".join(PACKAGES)):
+            try:
+                subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", folder], check=True, capture_output=True)
+                pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--retries", "1", *PACKAGES]
+                subprocess.run(pip, check=True, capture_output=True, text=True, timeout=600)
+            except (subprocess.CalledProcessError, subprocess.TimeoutExpired, OSError) as error:
+                last = (getattr(error, "stderr", None) or str(error)).strip().splitlines()[-1:]
+                print(f"SKIPPED: {', '.join(PACKAGES)} could not be installed: {' '.join(map(str, last))}")
+                sys.exit(77)
+            made.write_text(" ".join(PACKAGES))
     os.execv(python, [str(python), *sys.argv])

@@ -10,7 +10,8 @@ import numpy.typing as npt
 from pettingzoo import ParallelEnv as _ParallelEnv
 
 from .batch import Batch
-from .single import RENDER_SIZE, check_render_mode, first_of
+from .render import RENDER_MODES, RENDER_SIZE, Renderer
+from .single import first_of
 from .task import Task
 
 _PerAgent = Dict[str, Any]
@@ -20,6 +21,8 @@ class ParallelEnv(_ParallelEnv):
     """An environment in which each robot of each team of a task is an agent. The name of an agent is the name of its
     robot. Agents of different teams may have different observation and action spaces.
 
+    render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
+                 that the first reset() prints
     render_size  width and height of pictures, pixels
     options      options of troupe.Simulation
     episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished or
@@ -28,7 +31,7 @@ class ParallelEnv(_ParallelEnv):
                  seed is derived from s. If no seed was ever given, the first seed is that of the world
     """
 
-    metadata = {"name": "troupe_v0", "render_modes": ["rgb_array"], "render_fps": 10, "is_parallelizable": True}
+    metadata = {"name": "troupe_v0", "render_modes": RENDER_MODES, "render_fps": 10, "is_parallelizable": True}
 
     def __init__(
         self,
@@ -38,10 +41,9 @@ class ParallelEnv(_ParallelEnv):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
-        check_render_mode(render_mode)
         self.task = task
         self.render_mode = render_mode
-        self._render_size = render_size
+        self.renderer = Renderer(render_mode, render_size)
         self._batch: Optional[Batch] = Batch(task, 1, threads=1, **options)
         self._places: Dict[str, Tuple[int, int]] = {}  # team and row of each agent
         for team, names in enumerate(self._batch.names):
@@ -71,6 +73,7 @@ class ParallelEnv(_ParallelEnv):
     def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[_PerAgent, _PerAgent]:
         """Begins an episode and returns (observations, infos) of its agents. `options` is ignored."""
         self.batch.reset(seeds=[] if seed is None else [seed])
+        self.renderer.begin(self.batch)
         self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
         self._met = {agent: False for agent in self.agents}
         return self._observations(self.agents), {agent: {} for agent in self.agents}
@@ -128,9 +131,10 @@ class ParallelEnv(_ParallelEnv):
     def render(self) -> Optional[npt.NDArray[np.uint8]]:
         """Returns a picture of the world from above: height x width x 3, uint8, RGB. None unless the render mode is
         rgb_array."""
-        return None if self.render_mode is None else self.batch.core.picture(0, *self._render_size)
+        return self.renderer.picture(self.batch)
 
     def close(self) -> None:
+        self.renderer.close()
         self._batch = None
         self.agents = []
 

@@ -9,14 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .batch import Batch
+from .render import RENDER_MODES, RENDER_SIZE, Renderer
 from .task import Task
-
-RENDER_SIZE = (480, 480)
-
-
-def check_render_mode(render_mode: Optional[str]) -> None:
-    if render_mode not in (None, "rgb_array"):
-        raise ValueError(f'unknown render_mode "{render_mode}"; known: rgb_array')
 
 
 def first_of(observations: Any, *index: int) -> Any:
@@ -30,13 +24,15 @@ class Env(gymnasium.Env[Any, Any]):
     """An environment in which one robot of a task learns. The other robots run the controllers of the world file.
 
     robot        name of the robot that learns; None: the first robot of the team
+    render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
+                 that the first reset() prints
     render_size  width and height of pictures, pixels
     options      options of troupe.Simulation
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is that of the world
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 10}
 
     def __init__(
         self,
@@ -47,10 +43,9 @@ class Env(gymnasium.Env[Any, Any]):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
-        check_render_mode(render_mode)
         self.task = task
         self.render_mode = render_mode
-        self._render_size = render_size
+        self.renderer = Renderer(render_mode, render_size)
         if robot is None:
             robot = Batch(task, 1, threads=1, **options).names[0][0]
         self._batch: Optional[Batch] = Batch(task, 1, threads=1, robot=robot, **options)
@@ -70,6 +65,7 @@ class Env(gymnasium.Env[Any, Any]):
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
         super().reset(seed=seed)
         self.batch.reset(seeds=[] if seed is None else [seed])
+        self.renderer.begin(self.batch)
         return first_of(self.batch.observations(), 0, 0), {}
 
     def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
@@ -86,7 +82,8 @@ class Env(gymnasium.Env[Any, Any]):
     def render(self) -> Optional[npt.NDArray[np.uint8]]:
         """Returns a picture of the world from above: height x width x 3, uint8, RGB. None unless the render mode is
         rgb_array."""
-        return None if self.render_mode is None else self.batch.core.picture(0, *self._render_size)
+        return self.renderer.picture(self.batch)
 
     def close(self) -> None:
+        self.renderer.close()
         self._batch = None

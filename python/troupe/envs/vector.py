@@ -11,7 +11,7 @@ from gymnasium.vector import VectorEnv as _VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from .batch import Batch, Flags
-from .single import RENDER_SIZE, check_render_mode
+from .render import RENDER_MODES, RENDER_SIZE, Renderer
 from .task import Task
 
 
@@ -23,6 +23,8 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
                     file, and num_envs is the number of copies. None: all robots of the team learn
     autoreset_mode  when a copy whose episode has ended begins the next one: an AutoresetMode of Gymnasium
     threads         number of threads; 0: one per processor that the process may use. The number changes no result
+    render_mode     rgb_array: render() returns pictures. human: the first copy runs in real time in a browser, at the
+                    address that the first reset() prints
     render_size     width and height of pictures, pixels
     options         options of troupe.Simulation
     episodes        the episodes of all robots of a copy end together, when all robots are finished or task.seconds have
@@ -44,7 +46,6 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
-        check_render_mode(render_mode)
         if len(task.teams) != 1:
             raise ValueError(
                 f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
@@ -63,10 +64,10 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         self.copies = num_envs // robots
         self.robots = robots
         self.render_mode = render_mode
-        self._render_size = render_size
+        self.renderer = Renderer(render_mode, render_size)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {
-            "render_modes": ["rgb_array"],
+            "render_modes": RENDER_MODES,
             "render_fps": 10,
             "autoreset_mode": self.autoreset_mode,
         }
@@ -96,6 +97,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
             super().reset(seed=None if seed is None else int(seed))
         which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
         self.batch.reset(which, self._seeds_of(seed))
+        self.renderer.begin(self.batch)
         self._is_over[slice(None) if which is None else which] = False
         return self._rows(self.batch.observations()), {}
 
@@ -176,9 +178,10 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
         """Returns one picture per copy, from above: height x width x 3, uint8, RGB. None unless the render mode is
         rgb_array."""
-        if self.render_mode is None:
+        if self.render_mode != "rgb_array":
             return None
-        return tuple(self.batch.core.picture(copy, *self._render_size) for copy in range(self.copies))
+        return tuple(self.batch.core.picture(copy, *self.renderer.size) for copy in range(self.copies))
 
     def close_extras(self, **kwargs: Any) -> None:
+        self.renderer.close()
         self._batch = None

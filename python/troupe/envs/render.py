@@ -1,0 +1,61 @@
+"""The render modes of the environments: rgb_array (pictures) and human (the running world in a browser)."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from typing import Optional, Tuple
+
+import numpy as np
+import numpy.typing as npt
+
+from .._core import BatchView
+from .batch import Batch
+
+RENDER_MODES = ["human", "rgb_array"]
+RENDER_SIZE = (480, 480)
+
+
+class Renderer:
+    """Renders the copies of the world of a batch.
+
+    mode  rgb_array: picture() returns pictures. human: from the first episode on, the first copy is shown in a browser
+          and runs in real time. None: nothing is rendered
+    size  width and height of pictures, pixels
+    """
+
+    def __init__(self, mode: Optional[str], size: Tuple[int, int]) -> None:
+        if mode is not None and mode not in RENDER_MODES:
+            raise ValueError(f'unknown render_mode "{mode}"; known: {", ".join(RENDER_MODES)}')
+        self.mode = mode
+        self.size = size
+        self._view: Optional[BatchView] = None
+        self._sessions: Optional[tempfile.TemporaryDirectory[str]] = None  # folder of the session files of the view
+
+    @property
+    def address(self) -> Optional[str]:
+        """Address of the page of the mode human; None before the first episode and in other modes."""
+        return None if self._view is None else self._view.read_only_address
+
+    def begin(self, batch: Batch) -> None:
+        """Shows the first copy if the mode is human and no page shows it yet. Called after an episode has begun, because
+        the page gets the placement of the bodies from the seed of the episode. The page is read-only, because users must
+        not change the world that a policy learns in."""
+        if self.mode != "human" or self._view is not None:
+            return
+        self._sessions = tempfile.TemporaryDirectory(prefix="troupe-")
+        self._view = batch.core.view(out=self._sessions.name)
+        print(f"troupe: the world is shown at {self.address}", file=sys.stderr, flush=True)
+
+    def picture(self, batch: Batch) -> Optional[npt.NDArray[np.uint8]]:
+        """Returns a picture of the first copy from above, height x width x 3, uint8, RGB, or None if the mode is not
+        rgb_array."""
+        return batch.core.picture(0, *self.size) if self.mode == "rgb_array" else None
+
+    def close(self) -> None:
+        if self._view is not None:
+            self._view.close()
+            self._view = None
+        if self._sessions is not None:
+            self._sessions.cleanup()
+            self._sessions = None
