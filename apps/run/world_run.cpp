@@ -245,7 +245,7 @@ void WorldRun::print_summary(bool is_one_of_several) const {
   for (const auto& observer : observers_)
     if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
       fmt::print(stderr, "{}\n", warning);
-  if (!options_.quiet && report_.ticks_here() > 0)
+  if (!options_.quiet && report_.ticks_here() > 1)  // the first commands take effect in the second tick
     for (const std::string& warning : standstill_warnings(simulation_, report_.world))
       fmt::print(stderr, "{}\n", warning);
   if (session_ && session_->left() > 0 && !options_.quiet)

@@ -18,9 +18,9 @@ using ::testing::Not;
 
 class Watch : public ProgramTest {
  protected:
-  /// A world with one robot that stands, and this at its top level.
+  /// A world with one body that is no robot, and this at its top level.
   void write_world(const std::string& name, const std::string& top_level) {
-    write(name, "name \"arena\"\n" + top_level + "\nposition( size [0.2 0.2 0.2] )\n");
+    write(name, "name \"arena\"\n" + top_level + "\nmodel( size [0.2 0.2 0.2] )\n");
   }
   /// Wall time of a run that must end well, and what it took.
   std::pair<double, nlohmann::json> timed(std::vector<std::string> options) const {
