@@ -16,10 +16,10 @@ class CsvFile {
   /// Creates or overwrites the file and writes `header`, the line of column names. Throws OutputError if that
   /// fails.
   CsvFile(const std::filesystem::path& file, std::string_view header);
-  /// Continues the table of an earlier run: keeps the lines up to the first one whose tick is at least
-  /// `keep_before`, and removes that line, all later lines and an incomplete last line. Creates the file if
-  /// it does not exist. Throws OutputError, and does not change the file, if its first line is not `header`
-  /// or a line to keep does not begin with a tick.
+  /// Continues the table of an earlier run. Keeps the lines before the first line whose tick is at least
+  /// `keep_before`. Removes all other lines and an incomplete last line. Creates the file if it does not
+  /// exist. Throws OutputError, and does not change the file, if its first line is not `header` or a line to
+  /// keep does not begin with a tick.
   CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
 
   /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back

@@ -189,12 +189,12 @@ std::string state_text(const engine::DeviceKind& kind) {
 std::string others_text(const engine::DeviceKind& kind) {
   std::string text;
   if (!kind.reads.empty())
-    text += fmt::format("  reads of other bodies, in addition to their poses and shapes: {}\n",
+    text += fmt::format("  reads, in addition to the poses and shapes of other bodies: {}\n",
                         fmt::join(kind.reads, ", "));
   if (kind.apply != nullptr) {
     constexpr std::array<std::string_view, 3> k_scopes{
-        "its own body, a target within its reach, and the bodies that these carry or are carried by",
-        "its own body, a target anywhere in the world, and the bodies that these carry or are carried by",
+        "its own body, a target within its reach, and the bodies that carry them or that they carry",
+        "its own body, a target anywhere in the world, and the bodies that carry them or that they carry",
         "any body"};
     text += fmt::format("  changes: {}\n", k_scopes[static_cast<std::size_t>(kind.scope)]);
   }

@@ -11,8 +11,8 @@ namespace troupe::apps {
 void stop_on_signals();
 /// Whether Ctrl-C or SIGTERM has arrived.
 bool stop_requested();
-/// From now on counts the signal SIGUSR1, with which users request a checkpoint. Without this call, the
-/// signal ends the program.
+/// Starts to count the signal SIGUSR1, by which users request a checkpoint. Without this call, the signal
+/// ends the program.
 void count_save_requests();
 /// How often SIGUSR1 has arrived since count_save_requests().
 std::uint32_t save_requests();

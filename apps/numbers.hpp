@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <string>
 
-/// Formatting of numbers in summaries for users. Files contain all digits instead.
+/// Functions that format numbers for the summaries that users read. Output files contain all digits of
+/// numbers.
 namespace troupe::apps {
 
 /// Returns an integer as text, in groups of three digits: `12,345,678`.

@@ -31,9 +31,10 @@ struct Input {
   std::filesystem::path file;
   std::string_view what;  ///< what the file is, for messages: "the world"
 };
-/// Throws OutputError unless each of `outputs` can be written: its folder exists, the file itself or (if it
-/// does not exist yet) the folder is writable, and the path names neither a folder, nor one of `inputs`, nor
-/// another output. Skips empty paths. Creates nothing, so that an invalid world leaves no files.
+/// Checks that each of `outputs` can be written, and throws OutputError if one cannot. The folder of an
+/// output must exist. If the file exists, the file must be writable, else the folder. The path must name
+/// neither a folder, nor one of `inputs`, nor another output. Empty paths are skipped. The function creates
+/// nothing, so that an invalid world leaves no files.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
 /// Checks that files can be written into a folder. If the folder does not exist yet, checks that it can be
 /// created. Ignores an empty path. Creates nothing. Throws OutputError.

@@ -104,8 +104,8 @@ class Unlike {
             const char* reason) {
     if (a == b) return;
     if (!text_.empty()) text_ += '\n';
-    text_ += fmt::format("{}: error: {} is \"{}\", but in {} \"{}\": {} compares the files anyway",
-                         place(key), what, b, first_.file.string(), a, reason);
+    text_ += fmt::format("{}: error: {} is \"{}\", but \"{}\" in {}: {} compares the files anyway",
+                         place(key), what, b, a, first_.file.string(), reason);
   }
 
   const RunHeader& first_;

@@ -71,15 +71,15 @@ class Diagnostics {
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error. The k_most_errors-th call throws InputError, as throw_if_errors() does, because reading
+  /// Adds an error. Call number k_most_errors throws InputError, as throw_if_errors() does, because reading
   /// more of the input would only cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< limit per load, see error()
   /// Adds a warning.
   void warning(Where where, std::string message);
-  /// Adds a warning that is listed only for the first place where it occurs. Later calls with the same
-  /// message are only counted, and warnings() appends that count, as in ` (and 99 more)`. If thorough(), the
-  /// warning is listed once for each place.
+  /// Adds a warning. If the same message occurs at several places, only the first place is listed. Later
+  /// calls with the message are counted, and warnings() appends that count, as in ` (and 99 more)`. If
+  /// thorough(), the warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
   bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw
@@ -109,8 +109,8 @@ class Diagnostics {
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// The message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean "diff"?)`.
 /// what: what the name stands for, here `drive`. known: the allowed names, of which the first 50 in
-/// alphabetical order are listed. The message has no suggestion if `known` has more than 2000 names. If it is
-/// empty, the message is `unknown drive "dif"; no drive exists`.
+/// alphabetical order are listed. The message has no suggestion if `known` has more than 2000 names. If
+/// `known` is empty, the message is `unknown drive "dif"; no drive exists`.
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
 /// The names joined as `a, b, c`.
 std::string comma_list(std::span<const std::string_view> names);

@@ -7,8 +7,8 @@
 namespace troupe {
 
 /// A sum of doubles without rounding errors. The result is the double nearest to the mathematical sum of all
-/// terms, ties to even, so it depends neither on the order of the terms nor on how they are divided among
-/// several sums that are added in the end. The result equals that of `math.fsum` in Python.
+/// terms, ties to even, and equals that of `math.fsum` in Python. It therefore depends neither on the order
+/// of the terms nor on how the terms are divided among several ExactSum objects that are added in the end.
 ///
 /// source  The sum is kept as an integer, in units of the smallest double: Neal, Fast exact summation using
 ///         small and large superaccumulators, arXiv:1505.05571, 2015.

@@ -5,8 +5,9 @@
 namespace troupe {
 
 /// Checks that the calling thread rounds to nearest and keeps denormal numbers, as IEEE 754 requires. If
-/// it does not, the error names each violation, such as "denormal results are flushed to zero". A usual cause
-/// is a library that gcc linked with -ffast-math: a thread that loads this library flushes denormals to zero.
+/// it does not, the error names each violation, such as "denormal results are flushed to zero". The usual
+/// cause is a library that gcc has linked with -ffast-math: from then on, a thread that loads such a library
+/// flushes denormals to zero.
 Result<> check_fp_environment();
 
 /// Restores the default floating-point environment of the calling thread: round to nearest, denormals kept,

@@ -23,7 +23,8 @@ std::uint64_t hash_text(std::string_view text);
 std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std::size_t stride,
                         std::size_t bytes, std::uint64_t seed);
 
-/// The hash of bytes that arrive in pieces: equal to hash_bytes() of all of them with seed 0.
+/// Computes the hash of bytes that arrive in pieces. The result equals hash_bytes() of all bytes together,
+/// with seed 0.
 class HashStream {
  public:
   HashStream();  ///< starts with no bytes

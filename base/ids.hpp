@@ -30,8 +30,8 @@ struct Id {
 using BodyId = Id<struct BodyIdKind>;
 /// Identifies a body type, which holds the data that identical bodies share.
 using TypeId = Id<struct TypeIdKind>;
-/// Identifies a row of the state tables. Every body that can move, sense or decide has a row, which holds its
-/// data. During a run a row may pass from one body to another.
+/// Identifies a row of the state tables. Every body that can move, sense, decide, be gripped or be pushed has
+/// a row, which holds its data. The row of a body does not change while its world exists.
 using Row = Id<struct RowKind>;
 
 }  // namespace troupe

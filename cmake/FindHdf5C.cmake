@@ -11,4 +11,7 @@ if(Hdf5C_FOUND AND NOT TARGET Hdf5C::Hdf5C)
   add_library(Hdf5C::Hdf5C UNKNOWN IMPORTED)
   set_target_properties(Hdf5C::Hdf5C PROPERTIES IMPORTED_LOCATION ${HDF5C_LIBRARY}
                         INTERFACE_INCLUDE_DIRECTORIES ${HDF5C_INCLUDE_DIR})
+  if(HDF5C_LIBRARY MATCHES "\\.a$")  # scripts/wheel links a static one
+    set_target_properties(Hdf5C::Hdf5C PROPERTIES INTERFACE_LINK_LIBRARIES "ZLIB::ZLIB;Threads::Threads;${CMAKE_DL_LIBS}")
+  endif()
 endif()

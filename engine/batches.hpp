@@ -15,8 +15,8 @@
 namespace troupe::engine {
 
 // Rows per task. Crowded tiles are split and sparse ones merged so that every task is worth waking a thread.
-inline constexpr std::size_t k_near_batch = 64;  ///< for work that reads neighbours
-inline constexpr std::size_t k_row_block = 256;  ///< for work that does not read neighbours
+inline constexpr std::size_t k_near_batch = 64;  ///< rows per task, for work that reads neighbours
+inline constexpr std::size_t k_row_block = 256;  ///< rows per task, for work that does not
 
 /// Sorts `rows`, at most k_row_block rows, by body type, and calls work(rows, type) once for each type.
 template <class Work>
@@ -47,8 +47,8 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
 }
 
 /// Calls work(rows, type) in parallel for batches of rows. The rows of a batch are of one type and near one
-/// another in the world. For work that reads the neighbours of a row, which are then likely to be in the CPU
-/// cache. order: the rows, in an order in which neighbours in the world follow one another
+/// another in the world. This loop is for work that reads the neighbours of a row: their data are then likely
+/// to be in the CPU cache. order: the rows, in an order in which neighbours in the world follow one another
 /// (BodyIndex::order())
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
@@ -65,8 +65,8 @@ void for_neighbours(const WorldState& state, partition::Parallel& parallel,
 }
 
 /// Calls work(rows, type) in parallel for batches of rows. The rows of a batch are of one type and from one
-/// block of consecutive rows, so that memory is read sequentially. For work that does not read the neighbours
-/// of a row. Rows whose bodies are not in the world are left out.
+/// block of consecutive rows, so that memory is read sequentially. This loop is for work that does not read
+/// the neighbours of a row. Rows whose bodies are not in the world are left out.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange range, Work&& work) {
   const std::size_t row_count = range.end - range.first;
@@ -105,8 +105,9 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
   }
 }
 
-/// Calls work(rows) for those of `rows` whose device is due in this tick and runs(): it is active or
-/// subscribed to, switched on, works and has power. There is one call for each run of consecutive such rows.
+/// Calls work(rows) for those of `rows` whose device runs in this tick, once for each run of consecutive such
+/// rows. The device runs if it is due in this tick, is active or subscribed to, is switched on, works, and
+/// has power (CommittedView::runs()).
 template <class Work>
 void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
                  Work&& work) {
@@ -122,8 +123,8 @@ void for_running(const WorldState& state, std::span<const Row> rows, const BodyT
   });
 }
 
-/// Calls work(rows) once, for those of `rows` whose bodies are neither disabled nor dropped out, in the same
-/// order. `rows` has at most k_row_block rows.
+/// Calls work(rows) once, for those of `rows` whose bodies are neither disabled nor stopped by a fault, in
+/// the same order. `rows` has at most k_row_block rows.
 template <class Work>
 void for_enabled(const WorldState& state, std::span<const Row> rows, Work&& work) {
   if (state.now.impaired == 0) return work(rows);

@@ -147,7 +147,7 @@ void Blinkers::end_effect(const BodyType::Device& device, const Effect& effect) 
       if (state_.tables[t].hash_row(at) == before_[t].hash_row(at)) return;
       throw StepError(
           fmt::format("tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", but "
-                      "this body is outside the scope that the device's kind declares (DeviceKind::scope)",
+                      "that body is outside the scope that the device's kind declares (DeviceKind::scope)",
                       state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
                       state_.tables[t].component(), state_.spec.name(state_.bodies[r])));
     });

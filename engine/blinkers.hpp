@@ -11,16 +11,16 @@
 
 namespace troupe::engine {
 
-/// Implements the test mode World::hide_beyond_reach(). It hides from a device all data that the kind of the
-/// device does not declare to read, and detects effects that change bodies which the kind does not declare to
-/// change.
+/// Implements the test mode World::hide_beyond_reach(). While a device runs, it hides all data that the kind
+/// of the device does not declare to read. It also detects effects that change bodies that the kind does not
+/// declare to change.
 class Blinkers {
  public:
   /// The state must outlive the object.
   explicit Blinkers(WorldState& state);
 
-  /// Hides data from a device of the row's body: all bodies beyond `reach` (m) of this body, and, in the
-  /// state of the remaining bodies, the components that the kind of the device does not declare to read
+  /// Hides data from a device of the row's body: all data of bodies farther than `reach` (m) from this body,
+  /// and those components of nearer bodies that the kind of the device does not declare to read
   /// (DeviceKind::reads).
   void hide_from(Row row, const DeviceKind& kind, double reach);
   /// Undoes the last call of hide_from(), which must have had the same row and kind.

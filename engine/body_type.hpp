@@ -35,7 +35,7 @@ struct BodyType {
   std::vector<std::int32_t> obstacle_joints;
   partition::ObstacleShape grip;       ///< shape that grippers detect; empty if they cannot grip the body
   std::vector<Vec2> outline_vertices;  ///< vertices of all outlines, body frame, m
-  std::vector<RayOutline> outlines;    ///< outlines that rangers see; first in outline_vertices
+  std::vector<RayOutline> outlines;    ///< outlines that rangers see; their vertices come first
   std::vector<RayOutline> hidden_outlines;  ///< outlines that only sensors other than rangers see
   /// Radius of the circle about the body's origin that encloses every outline, obstacle and fiducial target
   /// with every joint at rest, m.
@@ -108,10 +108,11 @@ struct BodyType {
   /// Estimated memory that each body takes, bytes: for its outlines, joints, readings, device commands and
   /// controller memories.
   double row_bytes() const;
-  /// Whether bodies of the type have a row in the state tables: they can move, sense, decide, be gripped or
-  /// be pushed.
+  /// Whether bodies of the type have a row in the state tables. They have one if they can move, sense,
+  /// decide, be gripped or be pushed.
   bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty() || pushable; }
-  /// Whether the obstacle shape of a body can change: it has joints or can carry other bodies.
+  /// Whether the obstacle shape of a body can change. It can if the body has joints or can carry other
+  /// bodies.
   bool is_composite() const { return !joints.empty() || carries; }
 };
 
@@ -126,9 +127,9 @@ double samples_asked_for(const FieldTable& table, const Record& params);
 Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
                                             const WorldSpec& world, const TypeSpec& spec);
 
-/// Compiles a controller of a type whose devices are already compiled: `spec` and `type` are that type. The
-/// controller chooses among the devices of its part and of the parts mounted on that part, except drives. It
-/// sets claimed[d] for each device d of the type that it reserves for itself. The error says what the
+/// Compiles a controller of a type. `spec` is the type, and `type` is the same type with compiled devices.
+/// The controller chooses among the devices of its part and of the parts mounted on that part, except drives.
+/// It sets claimed[d] for each device d of the type that it reserves for itself. The error says what the
 /// controller lacks, or which exception its kind threw.
 Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const ControllerSpec& controller, const WorldSpec& world,

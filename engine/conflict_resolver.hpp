@@ -37,8 +37,8 @@ std::atomic_ref<T> atomic(T& value) {
   return std::atomic_ref(value);
 }
 
-/// Raises `most`, which holds the bits of a double, to `value` if `value` is larger. All values are
-/// non-negative, so their bit patterns have the order of the values.
+/// Atomically sets `most`, which holds the bits of a double, to the maximum of itself and `value`. All values
+/// are non-negative, so their bit patterns have the order of the values.
 inline void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
@@ -318,19 +318,21 @@ class Conflicts::Resolver {
 
   bool scene_blocks(Mover& mover) const {
     if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
-    // A body in a floor plan crosses many edges of one solid. `known` is the last solid that the mover was
-    // found to overlap at its old pose, so that this test is not repeated for each edge of the solid.
-    std::uint32_t known = ~0u;
-    const auto already_in = [&](std::uint32_t solid) {
-      if (solid == known) return true;
-      if (!scene_.overlaps_solid(solid, mover.here())) return false;
-      known = solid;
-      return true;
+    const auto is_blocked = [&](const PlacedShape& there) {
+      // A body in a floor plan crosses many edges of one solid. `passed` is the last solid that was found not
+      // to block the mover, so that this test is not repeated for each edge of the solid.
+      std::uint32_t passed = ~0u;
+      return scene_.crossed(there, [&](std::uint32_t solid) {
+        if (solid == passed) return true;
+        if (scene_.blocks(solid, mover.here(), there)) return false;
+        passed = solid;
+        return true;
+      }) >= 0;
     };
     const std::size_t n = mover.samples();
     for (std::size_t k = 1; k < n; ++k)
-      if (scene_.crossed(PlacedShape(mover.shape, mover.between(k)), already_in) >= 0) return true;
-    return scene_.crossed(mover.there(), already_in) >= 0;
+      if (is_blocked(PlacedShape(mover.shape, mover.between(k)))) return true;
+    return is_blocked(mover.there());
   }
 
   /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, and possibly for
@@ -380,9 +382,9 @@ class Conflicts::Resolver {
     return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
   }
 
-  /// Whether another body blocks the mover. Some bodies of higher priority propose a motion and would block
-  /// the mover at only one of their two poses. For each of them, depends(row, blocks_at_new_pose) is called,
-  /// which must return true if that body is known to block the mover.
+  /// Whether another body blocks the mover. A body of higher priority that proposes a motion may block the
+  /// mover at only one of its two poses. For each such body, depends(row, blocks_at_new_pose) is called; it
+  /// must return true if that body is known to block the mover.
   template <class Depends>
   bool blocked_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);

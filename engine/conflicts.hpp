@@ -33,8 +33,8 @@ struct FreeCircle {
 /// The largest number of bodies that a body may push at once.
 inline constexpr std::size_t k_most_pushed = 16;
 
-/// Which rows can be pushed, and how many bodies each row can push at once. One entry per row in both spans;
-/// both are empty if the world has no pushable bodies.
+/// Which rows can be pushed, and how many bodies each row can push at once. Both spans have one entry per
+/// row; they are empty if the world has no pushable bodies.
 struct Pushables {
   std::span<const std::uint8_t> is_pushable;  ///< 1 if the row can be pushed, otherwise 0
   std::span<const std::uint8_t> limits;       ///< bodies that the row can push, 0 to k_most_pushed
@@ -54,13 +54,14 @@ struct Pushables {
 ///         hash, mix(seed, tick, id): the body with the lowest hash has the first turn, and ties are broken
 ///         by id. Bodies that only touch do not block each other. A body that overlaps the mover at the
 ///         mover's old pose never blocks a motion that increases the distance between their origins. A static
-///         solid that the mover already overlaps never blocks it.
+///         solid that the mover already overlaps does not block the motion, unless that overlap may be due to
+///         rounding (StaticScene::blocks()).
 /// samples A motion is tested at n = ceil(displacement / (width of the mover's thinnest part / 4)) equally
-///         spaced poses, but not at more than a million. The last pose is Motion::to. The displacement, which
-///         no vertex exceeds, is |translation| + radius * |turn|. Between two consecutive poses a body moves
-///         less than the thickness of its parts, so no other body, however thin, passes through it
-///         completely. A thin body may pass through a corner of a part, at a depth of less than a quarter of
-///         the part's width.
+///         spaced poses, but not at more than a million. The last pose is Motion::to. The displacement is an
+///         upper bound on the motion of any vertex: |translation| + radius * |turn|. Between two consecutive
+///         poses a body moves less than the thickness of its parts, so no other body, however thin, passes
+///         through it completely. A thin body may pass through a corner of a part, at a depth of less than a
+///         quarter of the part's width.
 /// pushing A pushable body does not block a body that can push (the pusher), unless the two overlap at the
 ///         pusher's old pose. Either the pushable body gives way, or the whole motion is blocked and no body
 ///         moves. The pusher goes through n = ceil(displacement / (width of the thinnest part of the pusher
@@ -127,8 +128,8 @@ class Conflicts {
   void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
                partition::Parallel& parallel);
 
-  /// Overwrites with junk all data that the next resolution must not read. Tests call this to show that no
-  /// outcome depends on these data.
+  /// Overwrites with junk all data of earlier ticks, which the next resolution must not read. Tests call this
+  /// to show that no outcome depends on these data.
   void forget();
 
   /// Outcome of a row in the last resolution.

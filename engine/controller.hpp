@@ -12,10 +12,10 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists the members of a controller's Memory, or of another struct that is state. It is the short form of
-/// `describe` (engine/description.hpp), without units and texts. The state is hashed, compared, saved and
-/// recorded field by field, as listed here. It is a compile error if a member is not listed, or is not a
-/// number, a bool or an array of these.
+/// Lists the members of a controller's Memory, or of another struct that belongs to the state of a world. The
+/// macro is the short form of `describe` (engine/description.hpp), without units and texts. The state is
+/// hashed, compared, saved and recorded field by field, as listed here. It is a compile error if a member is
+/// not listed, or is not a number, a bool or an array of these.
 #define TROUPE_FIELDS(...)                                         \
   constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }

@@ -18,12 +18,12 @@ namespace troupe::engine {
 struct ControllerFinding {
   /// The repetition that found the difference.
   enum class Repeat : std::uint8_t {
-    start,   ///< a second call of ControllerKind::start, in storage with other bytes
+    start,   ///< a second call of ControllerKind::start, on memory with other initial bytes
     again,   ///< a second decision of the same controller
     afresh,  ///< a decision of a newly made controller with the same parameters
   };
-  /// Kind of the controller and its index among the controllers of its type, as in the name of the component
-  /// of its memory: "wander/0".
+  /// The controller, by the name of the component of its memory: its kind, and its index among the
+  /// controllers of its type, such as "wander/0".
   std::string controller;
   std::string field;              ///< name of the field, such as "memory turn_left_s" or "command x"
   Repeat repeat = Repeat::again;  ///< the repetition that found it
@@ -70,7 +70,7 @@ class ControllerCheck {
   ControllerCheck& operator=(const ControllerCheck&) = delete;
 
   /// Calls ControllerKind::start twice for each controller of each type. Returns one finding for each field
-  /// of the memory that it leaves unset, or sets to different values in the two calls.
+  /// of the memory that the function leaves unset, or sets to different values in the two calls.
   std::vector<Finding> start_twice() const;
   /// Repeats each decision of the last step twice. Call this before the next step. Returns one finding for
   /// each field of each controller that differs. If a controller throws an exception, throws a StepError.
@@ -91,8 +91,8 @@ class ControllerCheck {
     std::vector<std::vector<std::byte>> written_before, written_after;  // one per entry of `written`
     std::vector<std::vector<std::byte>> percepts;                       // one per chosen device
   };
-  /// A table to which a controller writes, in addition to the commands of its robots: that of its memories,
-  /// or that of the commands to a device.
+  /// A table to which a controller writes, in addition to the drive commands of its robots: its memories, or
+  /// the commands to a device.
   struct Written {
     std::string what;  ///< "memory", or the name of the component that holds a device's commands
     std::vector<StateField> fields;

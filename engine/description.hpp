@@ -157,7 +157,7 @@ struct MemberType {
   double min = -std::numeric_limits<double>::infinity();  ///< smallest value of the type
   double max = std::numeric_limits<double>::infinity();   ///< largest value of the type
   bool optional = false;                                  ///< whether the member is a std::optional
-  bool is_unsigned = false;  ///< whether it is an unsigned 64-bit integer; a Value keeps its bits
+  bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
   std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
   const FieldTable& (*table)() = nullptr;          ///< for records: returns described<T>()
   /// Returns the value of a member. Null for records.
@@ -475,8 +475,8 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
                const void* member, std::initializer_list<Fact> facts);
 /// Appends a field for a member that has no generic access (Description::apart()): Field::member is null.
 void add_apart(FieldTable& table, std::string_view name);
-/// Appends the fields of a member that is itself a described struct, from its table `part`. Their offsets
-/// become offsets in `object`, and their defaults, if they have any, are the values in `member`.
+/// Appends the fields of a member that is itself a described struct with the table `part`. The offsets of the
+/// new fields are those in `object`. Fields that have a default get the value in `member` as their default.
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail

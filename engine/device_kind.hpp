@@ -32,8 +32,8 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 
 }  // namespace detail
 
-/// Makes the kind of a sensor, or of another device, from a class C. The hooks of the kind call members of C,
-/// and their argument `data` contains a C. C may have
+/// Makes the kind of a sensor, or of another device, from a class C. The hooks of the kind call the members
+/// of C with the same names; their argument `data` contains a C. C may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
 ///     struct State { ...; describe };             // its state (percepts), one struct per row

@@ -33,13 +33,13 @@ struct Birth {
 };
 
 /// An action of one body on another in a tick, such as gripping, charging or releasing it. A device must not
-/// write to the rows of other bodies. It therefore only emits a record of the action, the effect. Devices
-/// emit effects in the phase `actuate`, in any order and on any thread. After all bodies have moved, the
-/// effects are applied one by one, in an order that does not depend on the threads.
+/// write to the rows of other bodies. Instead, the device emits an effect, which is a record of the action.
+/// Devices emit effects in the phase `actuate`, in any order and on any thread. After all bodies have moved,
+/// the effects are applied one by one, in an order that does not depend on the threads.
 struct Effect {
   BodyId source;                    ///< the acting body
   std::uint32_t device = 0;         ///< the acting device: index within the source's type
-  std::uint32_t sequence = 0;       ///< order among the effects of one device of one body in one tick
+  std::uint32_t sequence = 0;       ///< orders the effects that one device of one body emits in a tick
   std::uint32_t verb = 0;           ///< the action; defined by the device's kind
   BodyId target;                    ///< the affected body; not valid() if there is none
   std::array<double, 4> payload{};  ///< arguments of the verb, in SI units; positions in the world frame

@@ -5,8 +5,8 @@ namespace troupe::engine {
 inline constexpr double k_most_watts = 1e9;    ///< largest power that a world file may give
 inline constexpr double k_most_mass_kg = 1e6;  ///< largest mass that a world file may give
 
-/// The energy account of a device that stores energy. All energies are in J. Dissipated, received and given
-/// energy are sums since tick 0.
+/// The energy account of a device that stores energy. All energies are in J. `dissipated_j`, `received_j` and
+/// `given_j` are sums since tick 0.
 struct Energy {
   double stored_j = 0;      ///< energy stored now
   double capacity_j = 0;    ///< largest energy that it can store

@@ -308,8 +308,8 @@ void World::build_conditions() {
               {"dead", Element::u32, 1, "",
                "devices that do not work: bit d for device d of the type, from 0", offsetof(Condition, dead)},
               {"out", Element::u8, 1, "",
-               "why devices, controllers and drive of the body are stopped; bit 0: disabled, bit 1: "
-               "dropped out; 0: they run",
+               "reasons why the devices, controllers and drive of the body are stopped; bit 0: disabled, "
+               "bit 1: dropped out; 0: they run",
                offsetof(Condition, out)}}),
       state_.bodies, sizeof(Condition));
 }

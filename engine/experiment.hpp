@@ -14,9 +14,9 @@
 namespace troupe::engine {
 
 /// The compiled interventions and faults of a world, and which of them are applied next. These data are not
-/// state, because they follow from the spec and the tick.
+/// part of the state, because they follow from the spec and the tick.
 struct Experiment {
-  /// A tick that never comes.
+  /// The value of `due` if no intervention or fault event follows: larger than the number of any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
   /// A compiled InterventionSpec.

@@ -51,7 +51,7 @@ struct GroupSpec {
   By by = By::population;             ///< what `name` refers to
   std::string name;                   ///< name of the population, type or body
   std::optional<std::int64_t> count;  ///< number of bodies to select; all if there are fewer
-  std::optional<double> share;  ///< fraction of the bodies to select, 0 to 1; the number of bodies is rounded
+  std::optional<double> share;  ///< fraction of bodies to select, 0 to 1; their number is rounded to nearest
 };
 
 /// New values for some parameters of the drive, of a device or of a controller of a type.
@@ -116,8 +116,8 @@ struct ExperimentSpec {
   std::vector<InterventionSpec> at;  ///< interventions, in any order of time
   std::vector<FaultSpec> faults;     ///< faults of bodies that are present at tick 0
 
-  /// Whether there are no stop conditions, interventions and faults. A run of the world then ends only at its
-  /// end time, or when the program ends it.
+  /// Whether the experiment has neither stop conditions nor interventions nor faults. A run of the world then
+  /// ends only at its end time, or when the program ends it.
   bool empty() const { return stop_when.empty() && at.empty() && faults.empty(); }
 };
 

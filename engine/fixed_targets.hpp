@@ -24,7 +24,7 @@ class FixedTargets {
   FixedTargets(const WorldSpec& spec, const std::function<bool(BodyId)>& is_fixed);
 
   /// Calls visit(target) for all targets whose origin lies in the box (world frame, m), and possibly for
-  /// others near the box. A target may be visited more than once.
+  /// targets near the box. A target may be visited more than once.
   template <class Visit>
   void for_each_near(const Box& box, Visit&& visit) const {
     places_.any_near(box, [&](std::uint32_t i) {

@@ -29,7 +29,7 @@ struct FrameType {
 
 /// A body to draw.
 struct FrameBody {
-  std::uint32_t type = 0;  ///< index into the list of FrameScene::types followed by Frame::types
+  std::uint32_t type = 0;  ///< index into FrameScene::types; larger indices continue in Frame::types
   Pose pose_world_body;    ///< pose at this tick; for static bodies, the pose during the whole run
   Color color;             ///< colour of the shapes that have no colour of their own
   bool stalled = false;    ///< whether its last motion was blocked or would have ended out of bounds

@@ -40,7 +40,7 @@ std::string thrown_text() {
   } catch (const std::exception& error) {
     return fmt::format("threw: {}", error.what());
   } catch (...) {
-    return "threw an exception that is no std::exception";
+    return "threw an exception that is not a std::exception";
   }
 }
 

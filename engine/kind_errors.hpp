@@ -11,7 +11,7 @@ namespace troupe::engine {
 class World;
 
 /// Returns a text about the exception that is being handled: `threw: TEXT`, where TEXT is what() of a
-/// std::exception, or `threw an exception that is no std::exception`. Call this only within a catch block.
+/// std::exception, or `threw an exception that is not a std::exception`. Call this only within a catch block.
 std::string thrown_text();
 
 /// Throws a StepError in place of the exception that is being handled. Its text names the tick, the kind

@@ -80,7 +80,8 @@ struct DeviceBatch {
   /// The random numbers of a row in this tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const;
   /// The random numbers of a row in this tick, from an independent stream with this name. A kind that wraps
-  /// another kind uses such a stream, so that the wrapped kind gets the same random numbers as without it.
+  /// another kind uses such a stream, so that the wrapped kind gets the same random numbers as if it were not
+  /// wrapped.
   Random random(std::size_t i, std::string_view name) const;
   /// Transform from the body frame to the world frame, including the displacement of the joint that the
   /// device is mounted on.
@@ -95,8 +96,8 @@ struct DeviceBatch {
   bool senses(std::size_t i, std::size_t its_device) const;
   /// Whether a device of the row's body is switched on: no controller has switched it off.
   bool is_on(std::size_t i, std::size_t its_device) const;
-  /// Whether a device of the row's body runs in the ticks in which it is due: senses() and is_on() are true,
-  /// it works, and it has power.
+  /// Whether a device of the row's body runs in the ticks in which it is due. It runs if senses() and is_on()
+  /// are true, it is not broken, its body is not disabled, and it has power.
   bool runs(std::size_t i, std::size_t its_device) const;
   /// State of another device of the same bodies, by slot. A hook may read only the slots of `rows`.
   const StateTable& percepts(std::size_t its_device) const;
@@ -105,9 +106,8 @@ struct DeviceBatch {
   const Pose& joint(std::size_t i, std::size_t n) const;
   /// Sets the goal of a joint for this tick: a pose relative to its rest pose, m and rad. Only the hook `act`
   /// may call this. The joints of one device move together or not at all: if the motion of one of them is
-  /// blocked, none moves. Bodies that carry one another form a tree. Joints of different bodies of a tree
-  /// that are tested in the same round of conflict resolution (Links::resolve_joints()) also move together or
-  /// not at all.
+  /// blocked, none moves. Bodies that carry one another form a tree. For the joints of a whole tree, the same
+  /// rule holds in each round of conflict resolution (Links::resolve_joints()).
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
   /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
@@ -185,7 +185,7 @@ struct DeviceView {
   Eigen::Vector3d at(double x, double y, double z) const;
 };
 
-/// The list of a Frame to which devices of a kind add what they show.
+/// The list of a Frame to which the devices of a kind add their drawings (DeviceKind::draw).
 enum class FrameLayer : std::uint8_t {
   none,    ///< not drawn
   sights,  ///< detections: Frame::sights
@@ -280,8 +280,8 @@ struct DeviceKind {
   /// Called once after `bind_part`: completes `data` from the world. The error says why the world does not
   /// suit the device. Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
-  /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. For
-  /// kinds whose reach depends on the part or the world. Null: the reach is Prepared::reach_m.
+  /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. Kinds
+  /// whose reach depends on the part or the world have this hook. Null: the reach is Prepared::reach_m.
   double (*reach_m)(const std::any& data) = nullptr;
   /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes of the row are 0
   /// before the call. Null: they stay 0.
@@ -299,14 +299,14 @@ struct DeviceKind {
   /// the order of (Effect::source, device, sequence). Each call sees the results of the effects applied
   /// before. Null: the device has no effects.
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
-  /// Called after all other effects of the tick: receives the result of a birth that the device requested.
-  /// Null: not needed.
+  /// Called after all other effects of the tick were applied: receives the result of a birth that the device
+  /// requested. Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
-  /// For power supplies: returns whether the supply of a row is empty. If it is, the devices that it serves
-  /// stop. A supply serves the devices of its part and of the parts mounted on that part, except parts with a
-  /// supply of their own. A supply of the root part also serves the drive. Null: the device is not a power
-  /// supply.
+  /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that it
+  /// serves do not run. A supply serves the devices of its part and of the parts mounted on that part, except
+  /// parts with a supply of their own. A supply of the root part also serves the drive. Null: the device is
+  /// not a power supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
@@ -320,8 +320,8 @@ struct DeviceKind {
   /// name.
   bool shows_color = false;
   FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
-  /// Adds what the device of a row shows to the layer `layer` of a frame. For sensors it is called only if
-  /// they have sensed and still run. Null if `layer` is FrameLayer::none.
+  /// Draws the device of a row: adds entries to the layer `layer` of a frame. For a sensor the hook is called
+  /// only if the sensor has sensed and still runs. Null if `layer` is FrameLayer::none.
   void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
   /// True if the device only senses.
@@ -378,9 +378,9 @@ struct DriveKind {
   Result<> (*check)(const Record& params);
   /// Computes the velocities of a batch from the commands, within the limits of the drive.
   void (*drive)(const std::any& data, const DriveBatch& batch);
-  /// Returns the velocity of a robot until its drive runs for the first time. Null: 0.
+  /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;
-  /// Hooks that read parameters whose effect the engine itself implements, not the kind.
+  /// Hooks for parameters whose effect the engine itself implements. They only read the parameters.
   ///@{
   /// Returns how robots with this drive estimate their poses. The error says why the parameters are
   /// inconsistent. Null: their estimates are their true poses.

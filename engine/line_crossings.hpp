@@ -34,8 +34,8 @@ struct SpatialLine {
 /// their memory.
 class LineCrossings {
  public:
-  /// A length, m. If no line is longer, one search around the origin serves all lines. Otherwise the
-  /// surroundings of each line are searched, piece by piece.
+  /// A length, m. If no line is longer than this, one search around the origin serves all lines. Otherwise
+  /// the surroundings of each line are searched separately, piece by piece.
   static constexpr double k_together_m = 12;
 
   LineCrossings();  ///< an object without an origin: call stand() first

@@ -422,7 +422,7 @@ bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double re
     if (moved->shape().empty()) return false;
     const PlacedShape after(moved->shape(), at, z);
     if (state_.scene.has_obstacles() && state_.scene.crossed(after, [&](std::uint32_t solid) {
-          return state_.scene.overlaps_solid(solid, before);
+          return !state_.scene.blocks(solid, before, after);
         }) >= 0)
       return true;
     if (others_refuse(root, before, after, reach)) return true;

@@ -32,7 +32,7 @@ class Links {
     refused,  ///< the motion was blocked: the joint is at its old pose
   };
 
-  /// Both must outlive the object.
+  /// The arguments must outlive the object.
   Links(WorldState& state, partition::Parallel& parallel) : state_(state), parallel_(parallel) {}
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
@@ -42,7 +42,7 @@ class Links {
   /// Computes all data that are derived from the state tables, except the shapes of trees, which reshape()
   /// computes.
   void derive();
-  /// Overwrites all derived data with junk, for the amnesia test.
+  /// Overwrites all derived data with junk: see World::forget().
   void forget();
   /// Whether the tables of joints and carriers are consistent. Poses must be finite, carriers and the joints
   /// that hold their cargo must exist, and no body may carry itself, directly or through others.
@@ -51,7 +51,8 @@ class Links {
   /// Whether any body type in the world has joints or can pick up bodies.
   bool any() const { return !composites_.empty(); }
   std::span<const std::uint32_t> composites() const { return composites_; }  ///< rows of composite bodies
-  /// Row of the body with the lowest id among the bodies that the row's body carries directly; k_none: none.
+  /// Among the bodies that the row's body carries directly, the row of the body with the lowest id; k_none if
+  /// it carries none.
   std::uint32_t first_cargo(Row row) const { return first_cargo_[row.index()]; }
 
   /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts.

@@ -107,8 +107,8 @@ struct Odometry {
   double heading = 0;  ///< estimated heading, rad
 
   /// Adds the true motion of one tick, changed by `error`, to the estimate: x forward and y to the left, m,
-  /// and turn, rad. `how` says along which heading the motion is added (Localization::along_new_heading). The
-  /// formula is in docs/driving.md.
+  /// and turn, rad. The motion is added along the heading that how.along_new_heading chooses. The formula is
+  /// in docs/driving.md.
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 

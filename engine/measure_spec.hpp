@@ -7,7 +7,7 @@
 
 namespace troupe::engine {
 
-/// A measure that a run takes (engine/measure_kind.hpp).
+/// A measure that is computed during a run (engine/measure_kind.hpp).
 struct MeasureSpec {
   std::string kind;  ///< name of a kind of Registry::measures
   std::string name;  ///< name of its column, without the unit; empty: `kind`, or `kind:of` if `of` is set

@@ -16,7 +16,7 @@ namespace troupe::engine {
 /// `pose`, `stall` and `odometry`.
 class Movement {
  public:
-  /// Both must outlive the object.
+  /// The arguments must outlive the object.
   Movement(WorldState& state, partition::Parallel& parallel) : state_(state), parallel_(parallel) {}
   Movement(const Movement&) = delete;
   Movement& operator=(const Movement&) = delete;
@@ -29,8 +29,8 @@ class Movement {
   void rest(Row row);
   /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
   void count_stalls();
-  /// Overwrites all data that are neither constant nor state with junk, for the amnesia test. The caller then
-  /// derives them again: rest() and count_stalls().
+  /// Overwrites with junk all data that are neither constant nor state: see World::forget(). The caller must
+  /// then derive them again with rest() and count_stalls().
   void forget();
   /// Overwrites the motions of the last tick with junk, which the next tick must not read.
   void forget_motions();

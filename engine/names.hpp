@@ -72,7 +72,8 @@ class NameMap {
   BodyId find(Name name) const;
 
  private:
-  /// Index of the slot that contains the name, or of the free slot in which it must be stored.
+  /// Index of the slot that contains the name or, if there is none, of the free slot in which the name must
+  /// be stored.
   std::size_t slot_of(Name name) const;
   NamedBody& take(Name name);
 

@@ -8,8 +8,8 @@
 
 namespace troupe::engine {
 
-/// The kinds of messages between ranks: orders that rank 0 gives to the other ranks, and messages within a
-/// tick (engine/replica.hpp). The first byte of a message.
+/// The kinds of messages between ranks (engine/replica.hpp): orders that rank 0 gives to the other ranks, and
+/// messages within a tick. The first byte of every message is its Order.
 enum class Order : std::uint8_t {
   make,      ///< make a replica of a world (troupe/rank_team.hpp)
   drop,      ///< destroy a replica
@@ -18,8 +18,8 @@ enum class Order : std::uint8_t {
   reset,     ///< call World::reset()
   restart,   ///< call World::restart()
   set,       ///< call World::set()
-  hash,      ///< return the sums of the hashes of the rows that the rank owns
-  gather,    ///< return the rows that the rank owns in tables with Sharing::kept
+  hash,      ///< send rank 0 the sums of the hashes of the rows that the rank owns
+  gather,    ///< send rank 0 the rows that the rank owns in tables with Sharing::kept
   agree,     ///< in a tick: the callback of World::before_tick() has returned on rank 0
   together,  ///< in a tick: the rows for Replica::on_rank_0(), to rank 0 and back
   exchange,  ///< in a tick: the values that the sender has written to the rows that it owns

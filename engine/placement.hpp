@@ -25,7 +25,7 @@ partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const Par
 
 /// A spatial index of placed bodies. It has several grids (levels), whose cell widths are powers of two. A
 /// body is listed in the cell of its origin, at the level whose cells are about as wide as the body. A single
-/// large body therefore does not slow every query. The cells do not affect any answer.
+/// large body therefore does not slow down every query. No result depends on the cells.
 class Crowd {
  public:
   /// Adds a body. Bodies are numbered from 0 in the order in which they are added. The crowd keeps a
@@ -96,11 +96,11 @@ struct PlacementRule {
   std::uint32_t trials = 1000;
 };
 
-/// Number of cells of a grid rule; a double, because it may exceed every integer.
+/// Number of cells of a grid rule. It is a double, because it may exceed the range of every integer type.
 double grid_cells(const PlacementRule& rule);
 
-/// Number of positions that a free_floor rule tests for bodies of a shape; a double, because it may exceed
-/// every integer.
+/// Number of positions that a free_floor rule tests for bodies of a shape. It is a double, because it may
+/// exceed the range of every integer type.
 double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape);
 
 /// Returns poses (world frame) for bodies 0, 1, ... of a population, computed one after another. At each pose

@@ -41,9 +41,8 @@ std::string too_few_places(const PopulationSpec& population, std::size_t placed)
   const std::string why =
       rule.kind == PlacementRule::Kind::grid
           ? fmt::format("the region has no further free cell (it has {:.0f} cells)", grid_cells(rule))
-          : fmt::format(
-                "{} random poses for the next body were not free{}", rule.trials,
-                rule.kind == PlacementRule::Kind::free_floor ? ", or not on the reachable floor" : "");
+          : fmt::format("none of {} random poses for the next body was free{}", rule.trials,
+                        rule.kind == PlacementRule::Kind::free_floor ? " and on the reachable floor" : "");
   return fmt::format("placed {} of {} bodies: {}", placed, population.count, why);
 }
 

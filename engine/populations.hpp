@@ -29,7 +29,7 @@ struct PopulationSpec {
   Where where_place;          ///< position of `rule`, for messages
 };
 
-/// Whether bodies of the type never move: they have no drive, and cannot be gripped or pushed.
+/// Whether bodies of the type never move, because they have no drive and cannot be gripped or pushed.
 bool is_static(const TypeSpec& type);
 
 /// The obstacles that place() avoids: a static scene made of the solids of static bodies, and a crowd, the
@@ -37,7 +37,7 @@ bool is_static(const TypeSpec& type);
 class Occupancy {
  public:
   /// Makes the static scene from the first `fixed` bodies of the spec. The crowd is empty. This object keeps
-  /// a reference to the types of the spec: no type may be added or changed during its lifetime.
+  /// a reference to the types of the spec, so no type may be added or changed during its lifetime.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
   /// Makes the static scene from all static bodies of the spec, and the crowd from its other bodies at tick
   /// 0. Throws std::length_error if an outline is too complex for convex_pieces().
@@ -72,9 +72,9 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupan
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
-/// Gives the bodies that place() has appended other poses and other random colours, from another seed. Bodies
-/// of a reserve have no pose yet: only their random colours change. A population without enough room is an
-/// error, reported at PopulationSpec::where_place. Thread-safe.
+/// Draws new poses and new random colours, from another seed, for the bodies that place() has appended.
+/// Bodies of a reserve have no pose yet: only their random colours change. A population without enough room
+/// is an error, reported at PopulationSpec::where_place. Thread-safe.
 ///
 /// bodies      the bodies of these populations and their reserves, in the order of place()
 /// bounds      the bounds of the world (WorldSpec::bounds)

@@ -295,7 +295,7 @@ bool Conflicts::Resolver::can_stand(Mover& mover, const Pushed& pushed,
     return here ? *here : here.emplace(shape, pushed_to(pushed.row, pushed.before), z);
   };
   if (scene_.has_obstacles() &&
-      scene_.crossed(there, [&](std::uint32_t solid) { return scene_.overlaps_solid(solid, before()); }) >= 0)
+      scene_.crossed(there, [&](std::uint32_t solid) { return !scene_.blocks(solid, before(), there); }) >= 0)
     return false;
   return std::ranges::none_of(bodies, [&](std::uint32_t row) {
     const Place now = place_now(mover, row);

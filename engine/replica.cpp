@@ -515,7 +515,7 @@ Replica::Failure Replica::failure_of(MessageReader message) {
 /// fails only because another has failed sends an empty text.
 void Replica::fail() {
   const std::exception_ptr own = std::current_exception();
-  Failure failure{static_cast<std::uint32_t>(phase_), 0, "an exception that is no std::exception"};
+  Failure failure{static_cast<std::uint32_t>(phase_), 0, "an exception that is not a std::exception"};
   try {
     std::rethrow_exception(own);
   } catch (const OtherFailed&) {

@@ -35,7 +35,7 @@ class World;
 enum class Sharing : std::uint8_t {
   alike,  ///< every rank computes every row, in the phases intervene and move; nothing is sent
   sent,   ///< the owner computes a row and sends it to all ranks in each tick, before the phase move
-  kept,   ///< the owner computes a row; other ranks have old values, until rank 0 gathers
+  kept,   ///< the owner computes a row; other ranks have old values, except rank 0 after gather()
 };
 /// Returns how each state table of a world is shared, in the order of World::tables(). This follows from the
 /// tables and from what the kinds of devices declare.
@@ -51,8 +51,8 @@ std::vector<Sharing> sharing_of(const World& world);
 /// A division of the rows into one range per rank: rank r owns the rows from cut[r] up to, but not including,
 /// cut[r + 1].
 using Cut = std::vector<std::uint32_t>;
-/// Returns a cut with which all ranks would take about the same time. It assumes that all rows of a rank took
-/// equally long. times: the time that each rank took with `cut`, in any unit
+/// Returns a cut with which all ranks would take about the same time, on the assumption that all rows of a
+/// rank took equally long. times: the time that each rank took with `cut`, in any unit
 Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 
 /// The data of a world that a Replica reads and writes.
@@ -109,8 +109,8 @@ class Replica {
   /// How often the other ranks were asked for a checkpoint (ReplicaOptions::requests).
   std::uint64_t requests() const;
 
-  /// Obeys an order of rank 0: one from Order::step to Order::gather. message: the order, after the byte and
-  /// the number of the world
+  /// Obeys an order of rank 0: one from Order::step to Order::gather. message: the rest of the message, after
+  /// its head (begin_message())
   void follow(Order order, partition::MessageReader message);
 
   // ---- Called by World
@@ -129,7 +129,7 @@ class Replica {
   /// Called after the phase decide: sends the rows that other ranks may read, the effects and the goals of
   /// joints to all ranks, and receives theirs.
   void exchange();
-  void begin(Phase phase);  ///< called when a phase begins, for errors and times
+  void begin(Phase phase);  ///< called when a phase begins; stores it for errors and starts its timing
 
   RowRange own() const { return rows_of(transport_.rank()); }  ///< the rows that this rank owns
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
@@ -141,12 +141,12 @@ class Replica {
   void reset();    ///< called by World::reset(), which then resets its own world
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies);  ///< called by World::restart()
   void set(const SettingSpec& setting);  ///< called by World::set(), which has changed its own world
-  /// The hashes of the state, each rank adding those of its own rows. std::nullopt if this world can compute
-  /// them itself, because its tables are complete.
+  /// The hashes of the state. Each rank computes those of its own rows, and rank 0 adds them up. std::nullopt
+  /// if this world can compute the hashes alone, because its tables are complete.
   std::optional<Hashes> hashes();
 
  private:
-  /// An error of a rank, with its place in the order of errors: the first one is reported.
+  /// An error of a rank. Of several errors, the one with the lowest (phase, robot) is reported.
   struct Failure {
     std::uint32_t phase = 0;
     std::uint32_t robot = 0;

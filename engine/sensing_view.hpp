@@ -54,7 +54,8 @@ struct PublicColumns {
   std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
   std::span<const double> radii;                 ///< bounding radius about the origin, m
   std::span<const Mount> joint_mounts;           ///< displacements of the joints of all rows from rest
-  /// Row of the body at the root of the row's tree of carried bodies; empty: no body can carry another.
+  /// Row of the root of the tree of carried bodies that contains the row's body; empty: no body can carry
+  /// another.
   std::span<const std::uint32_t> roots;
   std::span<const Carried> carriers;  ///< component `carrier`; empty: no body can carry another
   std::span<const Life> lives;        ///< component `life`; empty: no births and deaths
@@ -139,9 +140,10 @@ class SensingView {
   /// are now, m. For a body that carries others and is not carried itself, it includes the obstacle shapes of
   /// the carried bodies. Negative if the body is not in the world.
   double radius(Row row) const { return columns_.radii[row.index()]; }
-  /// Frame for the parts and devices on a joint of a body. Composed with the pose that a part has in the body
-  /// frame while the joint is at rest, it gives the present pose of the part in the world frame. It is the
-  /// row's pose, moved by the present displacement of the joint. With joint = k_rigid it is the row's pose.
+  /// Transform from the body frame with the joint at rest to the world frame, for the parts and devices on
+  /// the joint: the row's pose, combined with the present displacement of the joint; for k_rigid, the row's
+  /// pose. compose(mount, p) is thus the present pose, in the world frame, of a part that has the pose p in
+  /// the body frame while the joint is at rest.
   Mount mount(Row row, std::int32_t joint) const {
     const Pose& pose = columns_.poses[row.index()];
     const Mount body(transform(row), pose.z, pose.heading);

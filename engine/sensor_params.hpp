@@ -50,7 +50,7 @@ struct TransducerParams {
         "noise_angular", radians, within(0, k_pi),
         "bound on the uniformly distributed angular error of each beam");
     d.member<&TransducerParams::apply_range_min>("apply_range_min",
-                                                 "raise readings below range_min to range_min");
+                                                 "true: readings below range_min are raised to range_min");
     d.member<&TransducerParams::beam_width>("beam_width", radians, within(0, k_pi),
                                             "opening angle of each beam, as of a sonar: the reading is the "
                                             "distance to the nearest surface within "
@@ -77,8 +77,7 @@ struct RangerParams {
     d.member<&RangerParams::transducers>("transducers", required, "fans of beams, each with its own pose");
     d.member<&RangerParams::intensity>(
         "intensity",
-        "also report an intensity per beam: the ranger_return of the surface that the "
-        "beam hits");
+        "true: each beam also reports an intensity, the ranger_return of the surface that it hits");
   }
 };
 

@@ -8,9 +8,9 @@
 
 namespace troupe::engine {
 
-/// An obstacle shape that is rebuilt often, from convex pieces. The buffer keeps its memory. It allocates
-/// only if a shape has more pieces, or a piece more corners, than reserve() provided for and than any earlier
-/// shape had.
+/// An obstacle shape that is rebuilt often, from convex pieces. The buffer keeps its memory: it allocates
+/// only if a shape has more pieces, or a piece has more corners, than reserve() and all earlier shapes have
+/// made room for.
 class ShapeBuffer {
  public:
   /// The shape that finish() completed; valid until the next call of begin().

@@ -9,9 +9,9 @@
 
 namespace troupe::engine {
 
-/// Name of the field in which a device sets the colour of its part (DeviceKind::shows_color). This colour
-/// replaces that of the world file for blob finders, cameras, pictures and sensors of the ground's colour.
-/// Code that reads recordings finds the field by this name.
+/// Name of the state field in which a device stores the colour of its part (DeviceKind::shows_color). For
+/// blob finders, cameras, pictures and sensors of the ground's colour, this colour replaces that of the world
+/// file. Code that reads recordings finds the field by this name.
 inline constexpr std::string_view k_shown_color = "shown_color";
 
 /// The first device that sets the colour of a part; null if there is none.

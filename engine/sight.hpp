@@ -65,9 +65,9 @@ void for_each_chain_of(const SensingView& view, Row row, Visit&& visit) {
                          outline.part, outline.solid, outline.first, outline.ranger_return});
 }
 
-/// Calls visit(chain) for each outline of the bodies with rows, if the enclosing circle of the body may touch
-/// the box (world frame, m) and wanted(circle) is true. Skips the row `own` and the bodies that move together
-/// with it (SensingView::same_tree()). If `own` is not valid(), no row is skipped.
+/// Calls visit(chain) for each outline of those bodies with rows whose enclosing circle may touch the box
+/// (world frame, m) and for which wanted(circle) is true. Skips the row `own` and the bodies that move
+/// together with it (SensingView::same_tree()). If `own` is not valid(), no row is skipped.
 template <class Wanted, class Visit>
 void for_each_body_chain(const SensingView& view, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
   view.index().for_each_near(box, [&](const partition::BodyCircle& circle) {

@@ -67,8 +67,8 @@ struct StateField {
 /// hash of the row.
 std::vector<StateField> sparse(std::vector<StateField> fields);
 
-/// Groups of state components. A hash log has one column per group, with the sum of the hashes of its
-/// components.
+/// Groups of state components. A hash log (docs/determinism.md) has one column per group, with the sum of the
+/// hashes of its components.
 enum class HashGroup : std::uint8_t {
   pose,      ///< poses of bodies and joints, which body carries which, births and deaths
   velocity,  ///< velocities, commands of drives and devices, whether motions were blocked
@@ -79,8 +79,8 @@ inline constexpr std::size_t k_hash_groups = 4;     ///< number of hash groups
 std::string_view hash_group_name(HashGroup group);  ///< name of its column in a hash log
 
 /// The state of one component ("pose", "ranger/0", ...): a table with one row for each body that has the
-/// component. Allocation, hashing, and all code that stores or compares states use the list of the fields of
-/// the table. Therefore no part of the state can be missing from the determinism tests.
+/// component. The table has a list of its fields, which allocation, hashing, and all code that stores or
+/// compares states use. Therefore no part of the state can be missing from the determinism tests.
 ///
 /// There are two layouts: `columns` keeps each field contiguous, for loops that read one field of every
 /// robot; `rows` keeps each row contiguous, for sensor readings and controller memories.
@@ -198,8 +198,8 @@ class StateTable {
 /// the whole name of a component that does not belong to a device, such as `pose`, or `wander/0` of a
 /// controller.
 std::string_view given_name(std::string_view component);
-/// Whether `name` selects this component: it is the name of the component, its given_name(), or its kind,
-/// which is the part before the first slash.
+/// Whether `name` selects this component. It does if it equals the name of the component, its given_name(),
+/// or its kind, which is the part of the name before the first slash.
 bool selects(std::string_view name, std::string_view component);
 
 }  // namespace troupe::engine

@@ -35,9 +35,10 @@ class VisibilityQuery {
   std::span<const std::uint32_t> bodies() const { return {near_.circles().row.data(), bodies_}; }
 
   /// Calls visit(chain) for the outlines of the bodies and of the static scene whose enclosing circles reach
-  /// into that disc, if wanted(x, y, radius) is true for the circle. x and y are the centre of the circle
-  /// relative to the origin, in the directions of the world frame, m. Outlines at any height are visited,
-  /// whatever the argument `z` of stand() is. A piece of the static scene may be visited several times.
+  /// into the disc with the radius `reach` (see stand()) about the origin, if wanted(x, y, radius) is true
+  /// for the circle. x and y are the centre of the circle relative to the origin, in the directions of the
+  /// world frame, m. Outlines at any height are visited, whatever the argument `z` of stand() is. A piece of
+  /// the static scene may be visited several times.
   template <class Wanted, class Visit>
   void for_each_chain(Wanted&& wanted, Visit&& visit) {
     if (reach_ > fixed_reach_) find_fixed(reach_);

@@ -6,8 +6,8 @@
 
 namespace troupe::engine {
 
-inline constexpr double k_most_rate = 1e9;                      ///< limit of WatchSpec::rate
-inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< limit of WatchSpec::clock_ticks
+inline constexpr double k_most_rate = 1e9;                      ///< largest WatchSpec::rate
+inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< largest WatchSpec::clock_ticks
 
 /// Settings of the world file for watching a run: how fast the run advances, and whether and how often the
 /// program prints the world time. No member affects the results.
@@ -21,13 +21,13 @@ struct WatchSpec {
 
   static constexpr void describe(Description<WatchSpec>& d) {
     using namespace facts;
-    d.member<&WatchSpec::clock>("clock", "print the world time during the run");
+    d.member<&WatchSpec::clock>("clock", "true: the run prints the world time");
     d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks),
-                                      "ticks from one printed time to the next");
+                                      "number of ticks from one printed time to the next");
     d.member<&WatchSpec::rate>(
         "rate", within(0, k_most_rate),
         "speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible");
-    d.member<&WatchSpec::paused>("paused", "whether a window starts paused");
+    d.member<&WatchSpec::paused>("paused", "true: a window starts paused");
   }
 };
 

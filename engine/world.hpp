@@ -121,7 +121,7 @@ class World {
   /// junk, and then computes them again from the state. Tests call this and check that the run continues with
   /// the same bits (the "amnesia" test, docs/determinism.md).
   void forget();
-  /// Switches a test mode on or off that detects device kinds which read or change data that they do not
+  /// Switches on or off a test mode that detects device kinds that read or change data which they do not
   /// declare. In this mode the hooks `sense` and `act` of a device are called for one row at a time. During
   /// each call, the bodies whose enclosing circles are outside the reach of the device
   /// (DeviceKind::Prepared::reach_m) are not in the spatial index, and their poses, outlines and state are
@@ -273,7 +273,7 @@ class World {
 
   // ---- births and deaths: engine/lives.cpp
   /// Whether bodies of this world may be born or die. They may if the world has reserves, if a device or an
-  /// intervention can remove bodies, or if WorldSpec::mortal is set. Only then does the state have the
+  /// intervention can remove bodies, or if WorldSpec::mortal is set. In all other worlds the state has no
   /// component `life`.
   bool has_lives() const { return state_.life_table.has_value(); }
   /// Whether the row's body is in the world, unborn or dead; Presence::there if has_lives() is false.
@@ -313,8 +313,8 @@ class World {
   /// Whether no fault has broken the row's device and its body is not disabled.
   bool works(Row row, const BodyType::Device& device) const { return state_.view.works(row, device); }
   /// Whether bodies of this world may be disabled or fail. They may if the world has an intervention that
-  /// disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. Only then does the state
-  /// have the component `condition`.
+  /// disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. In all other worlds the
+  /// state has no component `condition`.
   bool has_conditions() const { return state_.condition_table.has_value(); }
   /// Disables or enables a body, as the intervention `disable` or `enable` of a world file does. Returns
   /// false and changes nothing if the body is already in that condition or is not in the world. Throws

@@ -86,13 +86,14 @@ void add_carrier_table(WorldState& state) {
   state.carrier_table = state.tables.size();
   state.tables.emplace_back(
       "carrier", HashGroup::pose, Layout::rows,
-      sparse({{"carrier", Element::u32, 1, "", "id of the body that carries this body, plus 1; 0: none"},
-              {"joint", Element::u32, 1, "",
-               "joint of the carrier that holds this body, counted from 1; 0: none"},
-              {"x", Element::f64, 1, "m", "in the frame of the carrier, displaced by its joint `joint`"},
-              {"y", Element::f64, 1, "m", "in the same frame as x"},
-              {"z", Element::f64, 1, "m", "in the same frame as x"},
-              {"heading", Element::f64, 1, "rad", "in the same frame as x"}}),
+      sparse(
+          {{"carrier", Element::u32, 1, "", "id of the body that carries this body, plus 1; 0: none"},
+           {"joint", Element::u32, 1, "",
+            "joint of the carrier that holds this body, counted from 1; 0: none"},
+           {"x", Element::f64, 1, "m", "in the frame of the carrier, moved by the joint if `joint` is not 0"},
+           {"y", Element::f64, 1, "m", "in the same frame as x"},
+           {"z", Element::f64, 1, "m", "in the same frame as x"},
+           {"heading", Element::f64, 1, "rad", "in the same frame as x"}}),
       state.bodies);
 }
 

@@ -56,9 +56,9 @@ struct JointSpec {
 /// simulation uses the solids.
 struct ImageSpec {
   std::string file;               ///< path of the image; for a ROS map, of its YAML file
-  bool keeps_margins = false;     ///< the whole image is scaled to the part's size, not only its solid area
-  bool unknown_is_solid = false;  ///< for ROS maps: unknown cells are solid
-  bool boundary = false;          ///< adds four walls just inside the edges of the image
+  bool keeps_margins = false;     ///< true: scales the whole image to the part's size; false: its solid area
+  bool unknown_is_solid = false;  ///< for ROS maps: whether unknown cells are solid
+  bool boundary = false;          ///< true: adds four walls just inside the edges of the image
   Pose origin;                    ///< centre of the image, or frame of the map, in the part's frame
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
 };
@@ -79,7 +79,7 @@ struct PartSpec {
   std::uint32_t parent = 0;             ///< index of its parent part; the root's is 0
   std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on
   Pose pose_body_part;                  ///< pose of the part's frame in the body frame
-  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m (what GetGeom() returns in Stage)
+  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m (GetGeom() returns it in Stage)
   std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
   Returns returns;                      ///< how it interacts with other bodies and with sensors
   bool floor_plan = false;              ///< whether its outline comes from an image
@@ -217,7 +217,7 @@ struct WorldSpec {
 
   /// Name of a body, as text.
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
-  /// Whether a body is in the world at tick 0: true if it belongs to no reserve.
+  /// Whether a body is in the world at tick 0. False if it belongs to a reserve.
   bool starts(BodyId body) const {
     for (const ReserveSpec& reserve : reserves)
       if (body.value - reserve.first.value < reserve.count) return false;

@@ -263,7 +263,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     }
     if (server_.clients >= k_most_clients) {
       server_.backend.refused(
-          fmt::format("viewer {}: at most {} can be connected", k_most_clients + 1, k_most_clients));
+          fmt::format("a viewer, because at most {} viewers can be connected", k_most_clients));
       return close();
     }
     is_client_ = true;

@@ -42,8 +42,8 @@ class ViewServer {
     std::uint16_t port = 0;  ///< TCP port; 0: any free port
     /// IP address on which the server listens. Empty: 127.0.0.1, and ::1 if the machine has it.
     std::string bind;
-    /// Names of proxies. The server refuses requests whose header `Host` names none of them and not this
-    /// machine.
+    /// Names of proxies. The server accepts only requests whose header `Host` names this machine or one of
+    /// these proxies.
     std::vector<std::string> hosts;
     std::string page;        ///< HTML of the page
     std::string token;       ///< token for full control

@@ -26,8 +26,8 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 ///     std::cout << view.address() << '\n';
 ///     view.run();
 ///
-/// Or the program steps the simulation itself. Each step then waits while a user has paused the run, and
-/// applies the commands of the users. The simulation never waits for a browser.
+/// Instead of calling run(), the program can step the simulation itself. Each step then waits while a user
+/// has paused the run, and applies the commands of the users. The simulation never waits for a browser.
 ///
 /// The view replaces the callback of Simulation::before_tick(). The simulation must outlive the view. Not
 /// thread-safe, but it serves the page on a thread of its own.

@@ -18,8 +18,8 @@ namespace troupe::live {
 // The data that a viewer requests in addition to the poses and colours of all robots (docs/live.md).
 
 /// Returns the state of a body as JSON: name, pose, the fields of all its components, the ranges of its
-/// rangers, and the commands to its devices. For a body without a row (see Row), such as a wall, only the
-/// name and whether it is alive.
+/// rangers, and the commands to its devices. For static geometry, such as a wall, which has no row in the
+/// state tables, returns only the name and whether the body is alive.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.

@@ -13,10 +13,11 @@ namespace troupe::partition {
 /// A circle that encloses a body, metres, world frame: an entry of a spatial index. Its coordinates and
 /// radius are floats, so that four circles fill a cache line and kernels load them directly. Because of the
 /// rounding to float, the circle is slightly larger than the body's own circle, which is centred on the
-/// body's origin. Users of a circle find the exact position of the body by its row.
+/// body's origin. The exact position of the body is found by its row, the index of the body in the arrays
+/// passed to BodyIndex::rebuild().
 struct BodyCircle {
-  float x;            ///< centre, east
-  float y;            ///< centre, north
+  float x;            ///< x of the centre (east)
+  float y;            ///< y of the centre (north)
   float radius;       ///< negative if the body is absent; queries return no such circle
   std::uint32_t row;  ///< row of the body; in FixedOutlines the number of a piece of an outline
 };
@@ -121,9 +122,9 @@ class BodyIndex {
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
   Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
-  /// A wide body has an entry in each cell that it touches. Returns whether entry i of its row is the one in
-  /// the lowest of those cells that are within the query. for_each_near() visits the body only for this
-  /// entry, and thus once.
+  /// A wide body has an entry in each cell that it touches. Returns whether entry i, which belongs to such a
+  /// body, is the one in the lowest of those cells that are within the query. for_each_near() visits the body
+  /// only for this entry, and thus once.
   bool first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                      std::size_t first, std::size_t last, std::uint32_t i) const;
 

@@ -13,8 +13,8 @@ namespace troupe::partition {
 /// exception of that job.
 class JobThread {
  public:
-  /// most_waiting: limit on the number of jobs that have not started, at least 1. It limits the memory,
-  /// because a job may hold a large copy of the state after a tick.
+  /// most_waiting: largest number of jobs that have not started, at least 1. This number limits the memory in
+  /// use, because each of these jobs may hold a large copy of the state of a world.
   explicit JobThread(std::size_t most_waiting);
   /// Drops the jobs that have not started and waits for the running job.
   ~JobThread();

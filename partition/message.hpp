@@ -29,14 +29,14 @@ class MessageWriter {
   void put_bytes(std::span<const std::byte> bytes) {
     message_.insert(message_.end(), bytes.begin(), bytes.end());
   }
-  /// Appends a text with its length.
+  /// Appends a text: its length in bytes (64 bits), then its characters.
   void put_text(std::string_view text) {
     put(static_cast<std::uint64_t>(text.size()));
     put_bytes(std::as_bytes(std::span(text)));
   }
   void reserve(std::size_t bytes) { message_.reserve(bytes); }  ///< allocates room for a whole message
   std::size_t size() const { return message_.size(); }          ///< length so far, bytes
-  Message take() { return std::move(message_); }                ///< the message; this object is then empty
+  Message take() { return std::move(message_); }                ///< moves the message out of this object
 
  private:
   Message message_;
@@ -46,7 +46,7 @@ class MessageWriter {
 /// std::logic_error if the message is too short. The message must outlive this object.
 class MessageReader {
  public:
-  MessageReader() = default;  ///< an empty message
+  MessageReader() = default;  ///< reads an empty message
   explicit MessageReader(std::span<const std::byte> message) : rest_(message) {}
 
   template <class T>

@@ -22,21 +22,22 @@ class MpiTransport : public Transport {
 
   unsigned rank() const override;
   unsigned ranks() const override;
-  /// Waits for a message; other processes may use the processor meanwhile. After the time of set_limit(),
-  /// throws RankError with the number and the host of the rank that did not answer.
+  /// Waits for a message; other processes may use the processor meanwhile. If no message has come after the
+  /// time that set_limit() has set, throws RankError with the number and the host of the rank that did not
+  /// answer.
   std::shared_ptr<const Message> receive(unsigned from) override;
   double seconds() const override;
   double waited_s() const override;
 
   const std::string& library() const;  ///< name and version of the MPI library
-  /// Sets how long receive() waits at most, s. Without a call, it waits without a limit.
+  /// Sets the longest time that receive() waits, s. Before the first call there is no limit.
   void set_limit(double seconds);
   /// Sets the names of the hosts of all ranks, indexed by rank, for the texts of errors.
   void set_hosts(std::vector<std::string> hosts);
-  /// Waits until all messages have left.
+  /// Waits until MPI has finished sending all messages of this rank.
   void complete_sending();
-  /// Finalises MPI; complete_sending() comes first. All ranks must call it; no function may be called
-  /// afterwards.
+  /// Finalises MPI. All ranks must call this, each after complete_sending(). Afterwards no other function may
+  /// be called.
   void finish();
 
  private:

@@ -45,7 +45,7 @@ struct CircleArrays {
 /// its arrays keep their memory.
 class NearCircles {
  public:
-  /// Begins an empty list. centre: of the disc, world frame, m. reach: its radius, m.
+  /// Begins an empty list for a disc. centre: the centre of the disc, world frame, m. reach: its radius, m.
   void begin(const Vec2& centre, double reach);
   /// Adds each body whose circle reaches into the disc, once, unless skip(row) is true. Some circles may be
   /// slightly outside the disc.

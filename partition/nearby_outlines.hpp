@@ -15,8 +15,9 @@ namespace troupe::partition {
 /// Consecutive circles in memory. Three more must be readable beyond the end, because kernels load several at
 /// a time.
 using CircleRun = std::span<const BodyCircle>;
-/// Copies the circles of all runs, one after another, to the entries of `out` from number `size` on. Sets the
-/// bits of `mark` in the rows of the copies. `out` must have room for three more circles than are copied.
+/// Copies the circles of all runs, one after another, to the entries of `out` from index `size` on. Sets the
+/// bits of `mark` in CircleArrays::row of the copies. `out` must have room for three more circles than are
+/// copied.
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
 /// The circles that the rays of sensors in one block of cells (see GridGeometry) may hit: the circles of
@@ -30,8 +31,8 @@ class NearbyOutlines {
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
   /// Sets the indices to search, which must stay valid during the queries, and forgets the current block.
-  /// geometry: the grid of `bodies`, whose blocks are used. reach: largest distance of a circle from a
-  /// sensor, metres.
+  /// geometry: the grid of `bodies`, whose blocks are used. reach: largest distance from a sensor at which
+  /// its rays may hit a circle, metres.
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
   /// Makes the block that contains this point (world frame, metres) the current block. The other members
   /// refer to this block. If the block changes, all bands are gathered again on their next use.
@@ -56,12 +57,12 @@ class NearbyOutlines {
   }
   /// The circles of all bands gathered so far; grows when the next band is gathered.
   const CircleArrays& circles() const { return circles_; }
-  /// A distance from a sensor, metres. In the first band a sensor should first search the circles within this
-  /// distance, about k_nearest_shell_circles on average, and then the others. The distance is at most
-  /// radius(0). It is infinite if the first band has so few circles that a single search is faster. Valid
-  /// once the first band has been gathered.
+  /// The distance from a sensor, metres, up to which the sensor should search the first band before it
+  /// searches the rest of that band. On average about k_nearest_shell_circles circles are within this
+  /// distance. It is at most radius(0). It is infinite if the first band has so few circles that a single
+  /// search is faster. Valid once the first band has been gathered.
   double nearest_shell_m() const { return nearest_shell_m_; }
-  static constexpr double k_nearest_shell_circles = 20;  ///< see nearest_shell_m()
+  static constexpr double k_nearest_shell_circles = 20;  ///< mean number of circles within nearest_shell_m()
   /// nearest_shell_m() is infinite if the first band has at most this many circles.
   static constexpr double k_most_in_one_search = 48;
 

@@ -28,9 +28,9 @@ struct ObstacleShape {
   bool empty() const { return pieces.empty(); }  ///< true if the body blocks nothing
 };
 
-/// A margin, metres. Fast tests that discard pairs of shapes which are far apart add it to their bounds, so
-/// that they keep every pair that overlap() would find. The margin is far above the rounding error of a
-/// corner's position, which is 1.5e-11 m at 100 km from the origin.
+/// A margin, metres. Fast tests discard pairs of shapes that are far apart. They add this margin to their
+/// bounds, so that they keep every pair that overlap() would find. The margin is far above the rounding error
+/// of a corner's position, which is 1.5e-11 m at 100 km from the origin.
 inline constexpr double k_rounding_m = 1e-9;
 
 /// Makes a shape from the convex pieces of a body's obstacle solids.

@@ -6,7 +6,7 @@
 
 namespace troupe::partition {
 
-/// Parallel loops. All parallel work of a step runs through this class.
+/// Runs parallel loops on several threads. The step of a world does all its parallel work through this class.
 ///
 /// There are two equivalent backends: oneTBB, and plain std::thread (CMake option TROUPE_STD_THREADS), which
 /// the thread sanitizer understands. The constructor restores the default floating-point environment of the
@@ -29,16 +29,16 @@ class Parallel {
 
   unsigned threads() const { return threads_; }  ///< number of threads, at least 1
 
-  /// Sets a callback for profiles. It is called as a task begins (true) and ends (false), with the task's
-  /// index in its loop, on the thread that runs the task. Several threads may call it at once, so it must be
-  /// thread-safe. An empty function removes the callback; without one, tasks have no overhead. Call on_task()
-  /// between loops only.
+  /// Sets a callback for profiles. The thread that runs a task calls it before the task (`begins` is true)
+  /// and after the task (`begins` is false), with the index of the task in its loop. Several threads may call
+  /// it at once, so it must be thread-safe. An empty function removes the callback; without one, tasks have
+  /// no overhead. Call on_task() between loops only.
   void on_task(std::function<void(std::size_t task, bool begins)> callback) {
     on_task_ = std::move(callback);
   }
 
-  /// Sets a callback for timing. It is called as each loop begins (true) and ends (false), on the thread that
-  /// called for_each(). Call on_loop() between loops only.
+  /// Sets a callback for timing. The thread that calls for_each() calls it before the loop (`begins` is true)
+  /// and after the loop (`begins` is false). Call on_loop() between loops only.
   void on_loop(std::function<void(bool begins)> callback) { on_loop_ = std::move(callback); }
 
   /// Calls task(i) once for each i from 0 to count - 1 and returns when all calls are done. The calls run in

@@ -7,7 +7,8 @@
 
 namespace troupe::partition {
 
-/// A ring as seen from another frame. Each access to a vertex transforms it again; nothing is stored.
+/// A ring whose vertices are transformed to another frame. Each access to a vertex computes the transformed
+/// vertex again; nothing is stored.
 class PlacedRing {
  public:
   /// transform: from the frame of the ring to the other frame. Both arguments must outlive the object.
@@ -29,9 +30,9 @@ bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polyg
 /// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 
-/// A shape at a pose. Nearly all shapes have at most 128 vertices; these are transformed once, into an array
-/// on the stack. The vertices of larger shapes are transformed at each access, so that no shape needs the
-/// heap.
+/// A shape at a pose. If the shape has at most 128 vertices, as nearly all shapes have, the constructor
+/// transforms them once, into an array in this object. The vertices of larger shapes are transformed at each
+/// access, so that no shape needs heap memory.
 class PlacedShape {
  public:
   /// Places a shape, which must outlive the object. z: height of the shape's frame, metres, world frame.

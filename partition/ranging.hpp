@@ -22,9 +22,9 @@ namespace troupe::partition {
 /// vertex. The inverse range is (d x e) / A, with the edge vector e = b - a and A = (a - o) x (b - o); it is
 /// negative if the edge is behind the origin.
 ///
-/// e and a x b are computed in double before they are rounded. In exact arithmetic c_a - c_b, and the cross
-/// product of the rounded ends, would give the same. In floats these two expressions lose all digits for an
-/// edge that is short compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
+/// e and a x b are computed in double and then rounded to float. In exact arithmetic, c_a - c_b would also
+/// give d x e, and the rounded ends would also give a x b. In floats, both would lose all digits for an edge
+/// that is short compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
 ///
 /// For three sorts of edges this formula would divide rounding errors by rounding errors: edges hit at a
 /// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny from the origin, and edges that pass
@@ -63,8 +63,8 @@ struct Fan {
   const float* ox = nullptr;   ///< x of the origins, m
   const float* oy = nullptr;   ///< y of the origins, m
   std::size_t count = 0;       ///< number of beams
-  bool common_origin = false;  ///< all origins are 0
-  bool mirrored = false;       ///< beam i + count / 2 has the opposite direction of beam i
+  bool common_origin = false;  ///< true: all origins are 0
+  bool mirrored = false;       ///< true: beam i + count / 2 has the opposite direction of beam i
   const Scan* scan = nullptr;  ///< not null if the beams form a scan
 
   std::size_t padded() const { return padded_beams(count); }  ///< size of each array
@@ -82,14 +82,15 @@ struct RayEdge {
   float ranger_return;  ///< intensity that a beam reads if it hits the edge
 };
 
-/// The margin by which beams are extended when edges are discarded by their distance, as a fraction of the
-/// distance. Because of rounding, the computed range to an edge may be less than the distance of its nearest
-/// point: by at most 2^-14 of the distance at the smallest angle that is not grazing, and by 2^-14 of the
-/// distance between the beam's origin and the reference. The margin is twice the sum of both.
+/// A margin, as a fraction of a distance. Tests that discard distant edges treat each beam as longer by this
+/// margin. The margin is needed because rounding may make the computed range to an edge smaller than the
+/// distance to its nearest point. At the smallest angle that is not grazing, the difference is at most 2^-14
+/// of the distance plus 2^-14 of the distance between the beam's origin and the reference point. The margin
+/// is twice the sum of both.
 constexpr double k_range_slack = 1.0 / 4096;
 
-/// A constant margin, metres, which is added to that of k_range_slack. It covers rounding to float close to
-/// an origin.
+/// A second margin, metres, which the same tests add to that of k_range_slack. It covers rounding to float
+/// close to an origin.
 constexpr float k_cull_slack = 1e-6f;
 
 /// An edge is hit at a grazing angle if |d x e| is less than this number times |ex| + |ey|.
@@ -132,7 +133,7 @@ inline BeamSet all_beams(const Fan& fan) {
 /// if it belongs to a piece; between two chains there is no edge.
 class EdgeBlock {
  public:
-  static constexpr std::size_t k_capacity = 128;  ///< most vertices
+  static constexpr std::size_t k_capacity = 128;  ///< largest number of vertices
   static constexpr std::size_t k_piece = 8;  ///< most edges of a piece: kernels process this many at a time
   /// Consecutive edges of a chain that have the same enclosing circle.
   struct Piece {
@@ -210,8 +211,8 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
 /// entries; the other two arrays have fan.padded() entries.
 void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
-/// The circles that may_meet() keeps: their rows, and the beams that may hit them. The other arrays are its
-/// working memory.
+/// The circles that may_meet() keeps: their rows, and the beams that may hit them. The other arrays of
+/// CircleArrays are working memory of may_meet().
 struct MetCircles : CircleArrays {
   std::vector<BeamSet> beams;  ///< per circle: the beams that may hit it
 
@@ -235,8 +236,8 @@ std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 
 /// The inverse range, 1/m, at which one beam hits one edge: 0 if the beam misses the edge, infinity if it
-/// starts on the edge. The kernels give the same bits. dx, dy: unit direction of the beam. ox, oy: its origin
-/// relative to the reference, metres.
+/// starts on the edge. The SIMD kernels of project() give the same bits as this function. dx, dy: unit
+/// direction of the beam. ox, oy: its origin relative to the reference, metres.
 float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy);
 
 /// Converts an inverse range, 1/m, to a range, metres. The result is exactly range_max unless inverse > 1 /

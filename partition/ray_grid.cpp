@@ -222,8 +222,8 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
       runs += std::min(most, most / k_region + 2);
       if (const double away = ring[i].cwiseAbs().maxCoeff(); !(away <= limit)) {
         constexpr auto k_text =
-            "cells of {:g} m reach {:g} m from the origin, but the static scene reaches {:g} m; use larger "
-            "cells";
+            "with cells of {:g} m, the grid reaches {:g} m from the origin, but the static scene reaches "
+            "{:g} m; use larger cells";
         throw std::length_error(fmt::format(k_text, cells_.cell_m, limit, away));
       }
     }

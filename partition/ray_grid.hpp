@@ -15,8 +15,8 @@
 
 namespace troupe::partition {
 
-/// The ray engine of the Stage paper: outlines are drawn into the cells of a nested grid, and rays walk its
-/// cells.
+/// The ray engine of the paper on Stage (Vaughan: Massively multi-robot simulation in Stage, Swarm
+/// Intelligence, 2008): outlines are drawn into the cells of a nested grid, and rays walk from cell to cell.
 ///
 /// Cells are squares with edges of length `resolution`. The cell of a point (x, y) in the world frame is
 /// (floor(x / resolution), floor(y / resolution)). 8 x 8 cells make a block, stored in one 64-bit word. 8 x 8
@@ -80,9 +80,8 @@ class RayGrid {
     std::span<const std::uint8_t> absent;  ///< per body: not 0 if it is not drawn; empty: all are drawn
   };
   /// Removes the drawings of the mobile bodies and draws the bodies at their present poses. vertices: of all
-  /// outlines, world frame, metres, in the same order as in the constructor. poses: the pose of each body, of
-  /// which only z is used. The result depends neither on the number of threads nor on the order in which they
-  /// draw.
+  /// outlines, world frame, metres, in the same order as in the constructor. poses: one per body; only their
+  /// z is used. The result depends neither on the number of threads nor on the order in which they draw.
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
 
@@ -138,13 +137,13 @@ class RayGrid {
     std::unique_ptr<std::uint16_t[]> cells;
     std::unique_ptr<Run[]> runs;
   };
-  /// An entry of the list of surfaces of a cell that has several.
+  /// An entry of a linked list of surfaces: those of a cell that shows several surfaces.
   struct Link {
     std::uint32_t surface;
     std::uint32_t next;  // the next entry, or the last surface: a mark
   };
-  /// The outlines are divided into shares, one per task. A share is stored as its first outline and its first
-  /// places in Drawing::cells and Drawing::runs.
+  /// The outlines are divided into shares, one per task. A share is stored as the indices of its first
+  /// outline, of its first entry in Drawing::cells, and of its first entry in Drawing::runs.
   struct Share {
     std::uint32_t outline;
     std::uint32_t cell;

@@ -9,9 +9,9 @@
 
 namespace troupe::partition {
 
-/// The column and the row of a square in a grid on the plane. Cell (0, 0) lies to the upper right of the
-/// origin of the world frame, with a corner at the origin. Blocks and tiles, which are squares of several
-/// cells, are numbered in the same way.
+/// The column and the row of a square in a grid on the plane. Cell (0, 0) has its lower left corner at the
+/// origin of the world frame. Blocks and tiles, which are squares of several cells, are numbered in the same
+/// way.
 struct Cell {
   std::int32_t x = 0;  ///< column; increases with x
   std::int32_t y = 0;  ///< row; increases with y
@@ -120,8 +120,8 @@ class TileDirectory {
 
 /// Visits those cells of the rectangle from low to high, both included, whose tiles are in the directory.
 /// They are visited in runs: a run is the part of a row of cells that is in one tile. For each run, calls
-/// visit(slot of the tile, index in the tile of the first cell, index one past that of the last cell, first
-/// cell); see GridGeometry::in_tile().
+/// visit(slot, first, last, cell): the slot of the tile, the index of the first cell of the run in the tile
+/// (GridGeometry::in_tile()), one past the index of its last cell, and the first cell itself.
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell low, Cell high,
                   Visit&& visit) {

@@ -218,6 +218,15 @@ bool StaticScene::overlaps_solid(std::size_t solid, const PlacedShape& shape) co
          swallows(solid, shape);
 }
 
+bool StaticScene::blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const {
+  if (!overlaps_solid(solid, before)) return true;
+  const auto is_deep = [&](const PlacedShape& placed) {
+    const ObstacleShape inner = inset(placed.shape(), k_rounding_m);
+    return overlaps_solid(solid, PlacedShape(inner, placed.transform(), placed.z()));
+  };
+  return !is_deep(before) && is_deep(there);
+}
+
 bool StaticScene::blocked(const ObstacleShape& shape, const Pose& pose) const {
   if (!has_obstacles_ || shape.empty()) return false;
   const PlacedShape placed(shape, pose);

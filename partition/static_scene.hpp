@@ -20,7 +20,7 @@ struct FixedSolid {
   BodyId body;              ///< the body that the solid belongs to
   bool obstacle = true;     ///< whether it blocks motions
   float ranger_return = 1;  ///< intensity that rangers read; negative: rangers do not see it
-  std::uint32_t part = 0;   ///< number of the part of this body that the solid belongs to
+  std::uint32_t part = 0;   ///< index of the solid's part in the type of the body
 };
 
 /// An index of edges by the cells that they cross. Each of these cells lists the whole edge. Edges are not
@@ -28,8 +28,9 @@ struct FixedSolid {
 class EdgeGrid {
  public:
   EdgeGrid() = default;
-  /// Indexes the edges. The grid determines the speed of a query, and which edges near its box a query also
-  /// visits. A query visits every edge that crosses its box, whatever the grid.
+  /// Indexes the edges. geometry: the grid of the cells. A query visits every edge that crosses its box, and
+  /// some edges near the box. The grid affects only how many of these other edges it visits, and so its
+  /// speed.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
   /// Calls visit(span of edges) for all edges of the cells that the box (metres, world frame) touches. An
@@ -58,8 +59,8 @@ class EdgeGrid {
 class StaticScene {
  public:
   StaticScene() = default;
-  /// solids: in the world frame. cell_m: edge length of the cells of the indices, metres; it affects the
-  /// speed only
+  /// solids: in the world frame. cell_m: edge length of the grid cells of the spatial indices, metres; it
+  /// affects only the speed
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given
@@ -72,10 +73,10 @@ class StaticScene {
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
   bool has_obstacles() const { return has_obstacles_; }  ///< whether any solid blocks motions
 
-  /// Returns the index of an obstacle solid with an edge that enters the shape at a common height, or -1 if
-  /// there is none. Of several such solids it returns the one that the search finds first. Solids for which
-  /// ignored(index) is true are skipped. A solid that contains the whole shape is not found, because none of
-  /// its edges enters the shape; blocked() finds it.
+  /// Returns the index in solids() of an obstacle that has heights in common with the shape and an edge that
+  /// enters the shape; -1 if there is none. Of several such obstacles it returns the one that the search
+  /// finds first. Solids for which ignored(index) is true are skipped. A solid that contains the whole shape
+  /// is not found, because none of its edges enters the shape; blocked() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
 
@@ -84,6 +85,13 @@ class StaticScene {
   double clearance(const Vec2& point, double most) const;
   /// True if the shape shares area with the obstacle solid solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
+  /// Whether an obstacle solid blocks the motion of a shape from the place `before` to the place `there`. The
+  /// solid must overlap the shape at `there`. The result depends on the overlap at `before`:
+  /// - If there is none, the solid blocks the motion.
+  /// - An overlap of at most k_rounding_m is due to rounding. The solid then blocks the motion if the overlap
+  ///   at `there` is deeper than that. (Otherwise a robot that touches a wall could drive through the wall.)
+  /// - A solid with a deeper overlap does not block the motion, so that a body can leave the solid.
+  bool blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const;
   /// True if the shape, at this pose, shares area with an obstacle at a common height: an edge of the
   /// obstacle enters the shape, or a whole piece of the shape is inside the obstacle.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
@@ -92,10 +100,10 @@ class StaticScene {
   std::vector<BodyId> overlapping(const ObstacleShape& shape, const Pose& pose_world_body) const;
 
  private:
-  /// Data that tell quickly whether a point is inside a solid. The edges of the solid are sorted into strips
-  /// parallel to the x axis, so that the edges to the left of a point are quickly counted (even-odd rule). In
-  /// addition, `covers` tells which cells are wholly inside or outside the solid, so that edges are counted
-  /// only for points in the other cells.
+  /// Data for a fast test of whether a point is inside a solid. The edges of the solid are sorted into strips
+  /// parallel to the x axis, so that few edges must be tested to count those to the left of a point (even-odd
+  /// rule). In addition, `covers` tells which cells are wholly inside or outside the solid, so that edges are
+  /// counted only for points in the other cells.
   struct Strips {
     enum Cover : std::uint8_t { unknown, outside, inside };  // unknown: an edge may cross the cell
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 from tests.support.websocket import Socket  # noqa: E402
 
-WORLD = ROOT / "worlds" / "hospital.json"
+WORLD = ROOT / "worlds" / "hospital-10cm.json"  # has space for 100,000 robots
 PROCESSORS = sorted(os.sched_getaffinity(0))
 
 
@@ -33,6 +33,8 @@ class View:
         address = ""
         while not address:
             line = self.process.stdout.readline()
+            if not line:
+                sys.exit(f"live_view.py: error: the program ended with {self.process.wait()} before it printed an address")
             if line.startswith("  view "):
                 address = line.split()[1]
         self.port, self.token = int(address.split(":")[2].split("/")[0]), address.split("#")[1]
@@ -45,7 +47,7 @@ class View:
 
 
 def pictures_per_second(troupe, folder, seconds=10):
-    view = View(troupe, folder, 2000)
+    view = View(troupe, folder, 2000, "--rate", 0)
     viewer = view.open()
     count, size, begin = 0, 0, time.monotonic()
     while time.monotonic() < begin + seconds:

@@ -139,7 +139,8 @@ py::array view(std::span<const T> values, const Holder& owner) {
               owner);
 }
 
-/// Returns the memory of a contiguous array as a writable span of T, such as Pose for four numbers.
+/// Returns the memory of a contiguous array as a writable span of T. T must consist of one or more numbers of
+/// the type Element, as Pose consists of four doubles.
 template <class T, class Element>
 std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};

@@ -50,8 +50,8 @@ py::dict command(HeldModel& m, const std::string& device, const py::kwargs& valu
     if (field == asked.fields.end()) {
       std::vector<std::string_view> known;
       for (const engine::StateField& each : asked.fields) known.push_back(each.name);
-      throw std::out_of_range(unknown_name(
-          fmt::format("command field (device \"{}\" of \"{}\")", device, m.model.name()), name, known));
+      throw std::out_of_range(fmt::format("device \"{}\" of \"{}\": {}", device, m.model.name(),
+                                          unknown_name("command field", name, known)));
     }
     set.emplace_back(&*field, elements_of(*field, value));
   }

@@ -280,7 +280,7 @@ void RobotBatch::command(const std::string& device, const Where& where, const py
       std::vector<std::string_view> known;
       for (const StateField& each : fields) known.push_back(each.name);
       throw std::out_of_range(
-          unknown_name(fmt::format("command field (device \"{}\")", device), name, std::move(known)));
+          fmt::format("device \"{}\": {}", device, unknown_name("command field", name, std::move(known))));
     }
     set.emplace_back(&*field, rows_for(*field, value, size()));
   }
@@ -491,8 +491,8 @@ void bind_script(py::module_& module) {
   py::class_<RobotBatch, std::shared_ptr<RobotBatch>>(
       module, "Robots",
       "The n robots for which a controller decides, in ascending order of their ids: the argument of "
-      "decide(). Functions that\nSwarm also has do the same here. The object can be used only during the "
-      "call of decide().")
+      "decide(). Functions with\nthe name of a function of Swarm do the same as that function. The object "
+      "can be used only during the call of\ndecide().")
       .def("__len__", [](const RobotBatch& robots) { return robots.size(); })
       .def_property_readonly("ids", &RobotBatch::ids)
       .def_property_readonly("tick", [](const RobotBatch& robots) { return robots.batch().tick; })

@@ -421,9 +421,9 @@ SimulationClass bind_simulation(py::module_& module) {
            "world file ends\nthe run. If the callback on_tick is given, it is called as on_tick(simulation) "
            "after each tick.")
       .def("run_until", &run_until, py::arg("done"), py::arg("at_most_s"),
-           "Steps until the callback done(simulation), which is called after each step, returns true. "
-           "Returns True then.\nReturns False if, before that, `at_most_s` seconds of world time have passed "
-           "or a condition of `stop_when` in\nthe world file ended the run.")
+           "Steps until the callback done(simulation), which is called after each step, returns a true "
+           "value. Returns True in this\ncase, and False if `at_most_s` seconds of world time pass first or "
+           "a condition of `stop_when` in the world file ends\nthe run first.")
       .def("on_tick", &on_tick, py::arg("callback").none(true),
            "Adds a callback: callback(simulation) is called at the end of every step, after the recording of "
            "record() has\nreceived the tick. None removes all callbacks.\nA callback may do everything that "
@@ -439,8 +439,8 @@ SimulationClass bind_simulation(py::module_& module) {
               used.reset();
           },
           py::arg("seed") = py::none(),
-          "Returns to tick 0, to the state after loading, bit for bit. With a seed: to the state that the "
-          "world has after\nloading with that seed.")
+          "Resets the simulation to tick 0 and to its state after loading, bit for bit. If `seed` is given, "
+          "this is the state\nthat the world has when it is loaded with that seed.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
           py::arg("checkpoint"),
@@ -488,8 +488,8 @@ SimulationClass bind_simulation(py::module_& module) {
             held->use().set_poses(placed);
           },
           py::arg("poses"),
-          "Places many models at once. poses: pairs (model, pose in the world frame). If one pose is "
-          "invalid, it raises\nValueError and moves no model.")
+          "Places many models at once. poses: pairs (model, pose in the world frame). If a pose is invalid, "
+          "the function raises\nValueError and moves no model.")
       .def(
           "record",
           [](const Holder& held, const fs::path& file, const std::vector<std::string>& fields, double every_s,

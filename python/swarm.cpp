@@ -93,7 +93,7 @@ void command_device(HeldSwarm& held, const std::string& device, const Where& whe
       std::vector<std::string_view> known;
       for (const engine::StateField& each : fields) known.push_back(each.name);
       throw std::out_of_range(
-          unknown_name(fmt::format("command field (device \"{}\")", device), name, known));
+          fmt::format("device \"{}\": {}", device, unknown_name("command field", name, known)));
     }
     set.emplace_back(name, rows_for(*field, value, held.size()));
   }
@@ -121,7 +121,7 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
   static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
   py::class_<HeldSwarm>(module, "Swarm",
                         "A group of robots of one simulation, in ascending order of their ids. Its functions "
-                        "do for all robots in one call\nwhat those of Model do for one robot. They return "
+                        "correspond to those of Model,\nbut one call is for all robots. They return "
                         "new arrays, with one row per robot (n rows).\nCommands take one number for all "
                         "robots or one number per robot. Their parameter `where` selects robots by one\nbool "
                         "per robot; None selects all. Commands skip robots that are not in the world.")
@@ -200,8 +200,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       .def("readings", &readings_of, py::arg("field"), py::arg("device") = "",
            "The values of a field of a sensor or another device: shape (n,) or, if the field has several "
            "columns,\n(n, columns). An empty `device` means the first device of each robot that has this "
-           "field. Raises LookupError, with\nthe known names, for an unknown field or device, ValueError if "
-           "the fields of the robots differ, and RuntimeError if\na sensor does not run.")
+           "field. Raises LookupError, whose\ntext lists the known names, for an unknown field or device, "
+           "ValueError if the fields of the robots differ, and\nRuntimeError if a sensor does not run.")
       .def("commands", &commands_of, py::arg("device"),
            "The present commands of the device named `device` of each robot: a dict with one array per field "
            "of the command, of\nthe shape that readings() returns.")
@@ -226,8 +226,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "and bearings of the messages in the same order.")
       .def("set_poses", &set_poses, py::arg("poses").none(false), py::kw_only(),
            py::arg("where") = py::none(),
-           "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If one pose is "
-           "invalid, it\nraises ValueError and moves no robot.");
+           "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If a pose is "
+           "invalid, the\nfunction raises ValueError and moves no robot.");
 
   simulation.def(
       "swarm",

@@ -63,8 +63,10 @@ void* open_osmesa(std::span<const char* const> library_names) {
     const char* const reason = dlerror();
     reasons += fmt::format("{}{}", reasons.empty() ? "" : "; ", reason ? reason : name);
   }
-  throw std::runtime_error(fmt::format(
-      "cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): {}", reasons));
+  throw std::runtime_error(
+      fmt::format("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6); "
+                  "maps as .svg or .pdf do not need it: {}",
+                  reasons));
 }
 
 OsmesaContext::OsmesaContext() {

@@ -20,7 +20,7 @@ class OsmesaContext {
   /// Makes this context current on the calling thread until release() is called. It can be current on only
   /// one thread at a time. Throws std::runtime_error if OSMesa fails.
   void make_current();
-  /// Ends make_current(). To be called on the same thread.
+  /// Ends make_current(). Call it on the same thread as make_current().
   void release();
 
   using Procedure = void (*)();

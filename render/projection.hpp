@@ -57,8 +57,8 @@ class Projection {
   /// centre.
   Vec3 floor_center() const;
 
-  /// The world point, m, to which the single-precision coordinates in solid layers are relative, which limits
-  /// their rounding. Its height is 0.
+  /// Origin of the single-precision coordinates in solid layers: a world point, m, at the height 0. It is
+  /// near the visible part of the world, so that the coordinates are small and their rounding errors as well.
   const Vec3& origin() const { return origin_; }
   /// Column-major matrix that converts points relative to origin() to OpenGL's clip coordinates, with y up.
   std::array<float, 16> clip_matrix() const;

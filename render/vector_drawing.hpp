@@ -45,8 +45,8 @@ struct VectorDrawing {
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 
-/// The drawing as the content of an SVG 1.1 file with the metadata `texts`. Texts
-/// of the drawing are stored as text, not as paths.
+/// The drawing as the content of an SVG 1.1 file with the metadata `texts`. Texts of the drawing are stored
+/// as text, not as paths.
 std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts);
 /// The drawing as the content of a PDF 1.5 file with embedded fonts and the metadata `texts`. Throws
 /// std::runtime_error if cairo is missing or too old, with the package to install in the message, or if cairo

@@ -14,8 +14,8 @@ enum BumperField : std::size_t {
 
 /// Returns the sensor kind `bumper`: contact strips. Each strip is a line segment perpendicular to the
 /// heading of its pose and centred on it. It detects any wall or body whose outline comes within `thickness`
-/// of the segment, whatever the heights of both. It ignores its own robot, and bodies that carry the robot or
-/// that it carries.
+/// of the segment; the heights of the strip and of the body make no difference. It ignores its own robot, and
+/// bodies that carry the robot or that it carries.
 /// ties    If several bodies touch a strip, the nearest is reported; at equal distances, the one with the
 ///         lower id.
 /// source  Stage's bumper model, whose strips are as thick as its cells, 0.02 m. A strip without thickness

@@ -22,9 +22,9 @@ struct LightState {
   }
 };
 
-/// The prepared data (engine::DeviceKind::Prepared::data) of a light. Light sensors recognise a device as a
-/// light by this type of its data. The members period_s, dutycycle and enabled say when the light is lit
-/// while no controller commands it.
+/// The prepared data (engine::DeviceKind::Prepared::data) of a light. To a light sensor, each device whose
+/// prepared data has this type is a light. The members period_s, dutycycle and enabled state when the light
+/// is lit while no controller commands it.
 struct LightSource {
   /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
   /// in all directions.
@@ -32,7 +32,7 @@ struct LightSource {
   double intensity = 1;  ///< reading of a light sensor that faces the lit light from 1 m
   double period_s = 0;   ///< time from the start of one flash to the next; 0: the light does not blink
   double dutycycle = 0;  ///< lit fraction of each period; with period_s 0: above 0 means always lit
-  bool enabled = false;  ///< false: the light is dark
+  bool enabled = false;  ///< false: the light is dark until a controller switches it on
 };
 
 /// Returns the data of a device that is a light; null if the device is not a light.

@@ -144,8 +144,8 @@ class RadioPort {
 ///           height where the outline is, and if rangers see it. The listener's `walls` says whether static
 ///           geometry hides senders, its `bodies` whether other bodies do. The bodies of the two radios never
 ///           hide. An outline that the line only touches hides the sender if the outline is to the right of
-///           the line, seen from the radio on the body with the lower id. The result is the same in both
-///           directions.
+///           the line, seen from the radio on the body with the lower id. Therefore an outline hides either
+///           both radios from each other or neither of them.
 /// chance    Each message that arrives is dropped with probability `drop_rate` of the listener. The random
 ///           number depends only on the seed, the name of the listener's radio, the tick, the sender's body
 ///           and the listener's body.
@@ -155,9 +155,9 @@ class RadioPort {
 /// order     Messages are sorted by the id of the sender.
 ///
 /// strength  The strength in dBm is the power of the sender minus the loss in dB, which the listener's
-///           parameter `law` determines. If `walls` is weaken, each wall between the radios adds
-///           `wall_loss_dB` to the loss. The losses are, with the listener's frequency f in Hz, the distance
-///           d in m, and the speed of light c:
+///           parameter `law` determines. If the listener's parameter `walls` is "weaken", each wall between
+///           the radios adds `wall_loss_dB` to the loss. With the listener's frequency f in Hz, the distance
+///           d in m, and the speed of light c, the losses of the laws are:
 ///             disc          0
 ///             friis         20 log10(4 pi d f / c)                 (free space: Friis, 1946)
 ///             itu_indoor    20 log10(f / MHz) + N log10(d) - 28    (ITU-R P.1238, one floor)

@@ -16,9 +16,9 @@ namespace troupe::sensors {
 ///         [float32, beams]: the ranger_return of the surface hit, 0 if nothing is hit.
 /// noise   The parameters of the transducers define two sorts of noise (ranger_noise.hpp): on readings below
 ///         range_max, and on the headings of beams. A reading of exactly range_max gets no noise.
-/// hits    A beam hits every surface with ranger_return >= 0 whose closed z interval contains the height of
-///         the beam, from both sides. It passes through the robot itself and through bodies that carry the
-///         robot or that it carries.
+/// hits    A beam can hit surfaces with ranger_return >= 0 whose z interval, ends included, contains the
+///         height of the beam. Both sides of a surface count. The beam passes through the robot itself and
+///         through bodies that carry the robot or that it carries.
 /// ties    Of two surfaces at one distance, the larger intensity is reported.
 /// source  The exact engine projects edges on beams by inverse depth (partition/ranging.hpp). In worlds with
 ///         the grid engine, rays walk through the cells of a grid (partition/ray_grid.hpp).

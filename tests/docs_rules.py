@@ -12,10 +12,11 @@ from proofs.scenes import Scenes  # noqa: E402
 
 # Commands that are never run: (pattern, reason).
 NOT_RUN = [
-    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|scenes|reference|replay-page|format|lint|check-\w+)\b",
+    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|scenes|reference|replay-page|format|lint|wheel|check-\w+)\b",
      "builds, or takes minutes"),
     (r"^(cmake|ctest) --preset ", "builds, or tests, all of Troupe"),
     (r"\bpip3? ", "builds all of Troupe"),
+    (r"^~/venv/bin/", "needs a wheel: scripts/wheel --check"),
     (r"\bcpack\b", "tests/install/package_test.cmake makes the packages"),
     (r"\bsudo\b", "needs root"),
     (r"^git clone ", "needs a network"),

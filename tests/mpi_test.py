@@ -265,7 +265,7 @@ class OnProcesses:
         self.assertEqual(len(list((self.folder / "three").glob("runs-*-of-3.jsonl"))), 3)
 
     def test_another_number_of_processes_continues_a_study(self):
-        study = {"troupe_study": 1, "world": "room.json", "for_s": 20, "measures": ["stalls"],
+        study = {"troupe_study": 1, "world": "room.json", "for_s": 200, "measures": ["stalls"],
                  "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [5, 10]}],
                  "seeds": {"from": 1, "count": 20}}
         (self.folder / "study.json").write_text(json.dumps(study))

@@ -148,7 +148,7 @@ class Steered(unittest.TestCase):
             self.assertEqual(max(log), int(last.split()[0]), "the run ends where the session did")
             refused = subprocess.run([TROUPE, "run", view.world, "--session", view.session], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
-            self.assertIn("rooms.session.jsonl:1: error: the session belongs to another run: spare is 2 in the session, not given in this run", refused.stderr)
+            self.assertIn("rooms.session.jsonl:1: error: the session belongs to another run: spare is 2 in the session, but not given in this run", refused.stderr)
 
     def test_a_checkpoint_is_taken_up_and_its_session_repeated(self):
         with View("--rate", 0, checkpoint_s=2) as view, view.open() as viewer:

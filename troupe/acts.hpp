@@ -31,8 +31,8 @@ class ActRefused : public std::invalid_argument {
 /// every tick, which overrides its controller.
 class Holds {
  public:
-  /// Holds a robot from the next tick on. speed: forward and left in m/s, turn in rad/s. The body must exist
-  /// and have a drive.
+  /// Holds a robot from the next tick on. body: number of the robot's BodyId; the robot must exist and have a
+  /// drive. speed: forward and left in m/s, turn in rad/s.
   void set(std::uint32_t body, const std::array<double, 3>& speed) { speeds_[body] = speed; }
   /// Releases a robot. Returns false if it was not held.
   bool release(std::uint32_t body) { return speeds_.erase(body) > 0; }
@@ -44,16 +44,16 @@ class Holds {
 
   /// The held robots and their speeds as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
-  /// Restores the held robots and speeds from the bytes of memory(). bodies: number of bodies in the world.
-  /// Returns false, and then holds no robot, if the bytes are invalid.
+  /// Restores the held robots and speeds from the bytes that memory() returned. bodies: number of bodies in
+  /// the world. If the bytes are invalid, returns false and releases all robots.
   bool remember(std::span<const std::byte> memory, std::size_t bodies);
 
  private:
   std::map<std::uint32_t, std::array<double, 3>> speeds_;  // by BodyId
 };
 
-/// Applies one act to a simulation. holds: the held robots of this simulation, which acts that hold or
-/// release a robot change. Throws ActRefused, and changes nothing, if the act is impossible.
+/// Applies one act to a simulation. holds: the held robots of this simulation; an act that holds or releases
+/// a robot changes them. Throws ActRefused, and changes nothing, if the act is impossible.
 void carry_out(Simulation& simulation, const Act& act, Holds& holds);
 
 }  // namespace troupe

@@ -25,10 +25,10 @@ struct BatchPart {
     pose,       ///< x, y (m), cosine and sine of the heading, in the world frame
     estimate,   ///< estimated pose: x, y (m), cosine and sine of the heading (Model::estimate)
     speed,      ///< forward, left (m/s), turn (rad/s) of the last tick
-    stalled,    ///< 1 if the motion of the last tick was blocked or out of bounds, else 0
+    stalled,    ///< 1 if the last motion was blocked or would have left the world's bounds, else 0
     nearest,    ///< the `count` nearest robots, nearest first: see `name`
     target,     ///< x, y (m, in the robot's frame) and distance (m) of a body: see `name`
-    time_left,  ///< remaining fraction of BatchSpec::seconds, from 1 to 0
+    time_left,  ///< remaining fraction of BatchSpec::seconds: 1 at the start of an episode, 0 at its end
   };
   static constexpr std::size_t k_neighbour = 5;  ///< number of columns per nearest robot
 
@@ -42,9 +42,9 @@ struct BatchPart {
   /// relative to the observing robot's heading, and 1. If fewer than `count` robots are found, the remaining
   /// columns are 0. Of two robots at the same distance, the one with the lower id comes first.
   /// With `target`: the name of a model or of a population. A model is the target of all robots. With a
-  /// population, the target of each robot is the body whose number is that of the robot: for the robot "r3"
-  /// and the population "goal" it is the body "goal3". The columns are 0 while the target is not in the
-  /// world.
+  /// population, each robot has its own target: the body of the population whose name ends in the same number
+  /// as the name of the robot. For the robot "r3" and the population "goal" it is the body "goal3". The
+  /// columns are 0 while the target is not in the world.
   std::string name;
   std::size_t count = 1;                                     ///< nearest: number of robots
   double range_m = std::numeric_limits<double>::infinity();  ///< nearest: search radius, m
@@ -57,7 +57,7 @@ struct BatchPart {
 /// world are 0.
 struct BatchArraySpec {
   std::string name;              ///< unique among the arrays of its team
-  std::vector<BatchPart> parts;  ///< the columns of a robot: its parts, one after the other, in float32
+  std::vector<BatchPart> parts;  ///< groups of columns, from the first column to the last; in float32
   /// If true, the elements have the type of the field instead of float32, and `scale` is not applied; use
   /// this for images. Such an array must have exactly one part, of the source `reading`.
   bool raw = false;
@@ -84,13 +84,13 @@ struct BatchColumn {
   std::string measure;     ///< name of a column of Measures, with or without its unit
 };
 
-/// A term of the reward. The reward of a robot in a step is the sum of all terms, and of BatchEnd::reward if
+/// A term of the reward. The reward of a robot in a step is the sum of all terms, plus BatchEnd::reward if
 /// the step finishes the robot. It is 0 for robots that were finished before the step or are not in the
 /// world.
 struct BatchReward {
   BatchColumn of;     ///< the number that is rewarded
   double weight = 1;  ///< factor by which the number is multiplied
-  /// Whether the change of the number since the previous step is rewarded instead of the number.
+  /// True: the reward uses the change of the number since the previous step, not the number itself.
   bool change = false;
 };
 
@@ -98,8 +98,8 @@ struct BatchReward {
 /// of the team in the copy.
 struct BatchEnd {
   BatchColumn of;         ///< the number that is tested
-  double below = 0;       ///< threshold; the condition holds if the number is less than this
-  bool is_above = false;  ///< whether the condition holds instead if the number is more than `below`
+  double below = 0;       ///< threshold: the condition holds if the number is less than this
+  bool is_above = false;  ///< true: the condition holds if the number is greater than the threshold
   double reward = 0;      ///< added to the robot's reward of the step in which the condition holds
 };
 
@@ -118,7 +118,7 @@ struct BatchSpec {
   std::size_t copies = 1;             ///< number of copies of the world
   unsigned threads = 0;               ///< number of threads, as in SimulationOptions; changes no result
   std::size_t ticks = 1;              ///< number of ticks by which a step advances the world
-  double seconds = 60;                ///< longest episode, world time, s; longer episodes are truncated
+  double seconds = 60;                ///< world time after which an episode is truncated, s
   std::vector<BatchTeam> teams;       ///< no robot may be in two teams
   std::vector<std::string> measures;  ///< computed for each copy; names as for the constructor of Measures
 };
@@ -202,16 +202,17 @@ class BatchEnv {
   /// Begins an episode in all or some copies.
   /// which  one byte per copy: 0 does not change the copy, another value begins an episode; empty: all copies
   /// seeds  one element per copy: the seed of the episode, from which the seeds of later episodes are
-  ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode
+  ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode,
+  ///        with the seed that follows from the earlier ones
   /// Throws std::invalid_argument for spans of other sizes, std::logic_error if `which` is 0 for a copy that
   /// has not yet begun its first episode, and InputError if the placement rules find no place for a robot.
   void reset(std::span<const std::uint8_t> which = {},
              std::span<const std::optional<std::uint64_t>> seeds = {});
   /// Advances all copies by one step. begins: one byte per copy; if it is not 0, the copy begins its next
   /// episode instead of making a step, and its rewards are 0; empty: all copies make a step. Throws
-  /// std::logic_error before the first reset(), and std::invalid_argument, without a step, if an action is
-  /// not finite. Throws engine::StepError if the step of a copy throws: the other copies have then made their
-  /// step, and the failed copy must be reset before it can step again.
+  /// std::logic_error before the first reset(). Throws std::invalid_argument, before any copy makes its step,
+  /// if an action is not finite. Throws engine::StepError if the step of a copy throws: the other copies have
+  /// then made their step, and the failed copy must be reset before it can step again.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

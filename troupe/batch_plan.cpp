@@ -42,15 +42,15 @@ void BatchEnv::Impl::refuse(const std::string& text) { throw std::invalid_argume
 
 void BatchEnv::Impl::check_spec() const {
   if (spec.copies < 1 || spec.copies > k_most_copies)
-    refuse(fmt::format("{} copies of the world: give 1 to {}", spec.copies, k_most_copies));
-  if (spec.ticks < 1) refuse("0 ticks per step: give 1 or more");
+    refuse(fmt::format("the batch has {} copies of the world: give 1 to {}", spec.copies, k_most_copies));
+  if (spec.ticks < 1) refuse("a step of the batch has 0 ticks: give 1 or more");
   if (!(spec.seconds > 0 && spec.seconds <= k_longest_episode_s))
-    refuse(fmt::format("episodes of {} s: give a length above 0 s, at most {:g} s", spec.seconds,
+    refuse(fmt::format("episodes are {} s long: give a length above 0 s and at most {:g} s", spec.seconds,
                        k_longest_episode_s));
   if (spec.teams.empty()) refuse("the batch has no teams: give one or more");
   check_names(spec.teams, "team");
   for (const BatchTeam& team : spec.teams) {
-    check_names(team.arrays, fmt::format("array (team \"{}\")", team.name));
+    check_names(team.arrays, fmt::format("team \"{}\": array", team.name));
     for (const BatchArraySpec& array : team.arrays) check_array(team, array);
     for (const BatchAction& action : team.actions)
       if (!std::isfinite(action.low) || !std::isfinite(action.high))
@@ -164,8 +164,8 @@ void BatchEnv::Impl::plan_device_action(const BatchAction& action, const Model::
                                         TeamData& team) {
   const auto field = std::ranges::find(asked.fields, action.command, &engine::StateField::name);
   if (field == asked.fields.end())
-    throw std::out_of_range(unknown_name(fmt::format("command (device \"{}\")", action.device),
-                                         action.command, known_names(asked.fields)));
+    throw std::out_of_range(fmt::format("device \"{}\": {}", action.device,
+                                        unknown_name("command", action.command, known_names(asked.fields))));
   if (field->columns != 1)
     refuse(fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one",
                        action.command, action.device, field->columns));
@@ -201,8 +201,8 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
 std::size_t BatchEnv::Impl::array_index(const TeamData& team, std::string_view name) {
   const auto found = std::ranges::find(team.arrays, name, &ArrayData::name);
   if (found == team.arrays.end())
-    throw std::out_of_range(
-        unknown_name(fmt::format("array (team \"{}\")", team.spec->name), name, known_names(team.arrays)));
+    throw std::out_of_range(fmt::format("team \"{}\": {}", team.spec->name,
+                                        unknown_name("array", name, known_names(team.arrays))));
   return static_cast<std::size_t>(found - team.arrays.begin());
 }
 

@@ -6,8 +6,8 @@
 
 namespace troupe {
 
-/// Whether an option of Simulation::effective_options() changes no result. Such options say only how the run
-/// is computed, or at which tick it was resumed.
+/// Returns true for the keys of Simulation::effective_options() that do not affect the simulated results.
+/// They state how the run is computed (number of threads, ...), or at which tick it was resumed.
 constexpr bool changes_no_result(std::string_view option) {
   constexpr std::array<std::string_view, 5> k_options{"threads", "tile_m", "simd", "ranks",
                                                       "resumed_at_tick"};

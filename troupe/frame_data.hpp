@@ -11,9 +11,9 @@
 namespace troupe {
 
 /// Finds a value of the state by name: COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, such as `velocity.x` or
-/// `ranger/ir.ranges.3`. COMPONENT may also be the kind alone, `wander` for the component `wander/0`, as in
-/// `wander.turn_left_s`. If there is no such value, the error lists the known ones; if only the column does
-/// not exist, the error states the columns of the field.
+/// `ranger/ir.ranges.3`. COMPONENT may be shortened to the kind of the component: `wander.turn_left_s` is a
+/// field of the component `wander/0`. If there is no such value, the error lists the known ones; if only the
+/// column does not exist, the error states the columns of the field.
 Result<ChosenValue> find_value(const engine::World& world, const std::string& name);
 /// Returns one number per body of Frame::mobile (the bodies that are not static): the chosen value of the
 /// body, or NaN if the body does not have it.

@@ -240,9 +240,9 @@ Model::Reading Model::reading(std::string_view field, std::string_view wanted) c
       if (place_->owns(each) && (!device || device == &each))
         for (const engine::StateField& other : world.percepts(each).fields())
           if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
-    const std::string of = device ? fmt::format("field (device \"{}\" of \"{}\")", device->name, name())
-                                  : fmt::format("field (all devices of \"{}\")", name());
-    throw std::out_of_range(unknown_name(of, field, known));
+    const std::string of = device ? fmt::format("device \"{}\" of \"{}\"", device->name, name())
+                                  : fmt::format("devices of \"{}\"", name());
+    throw std::out_of_range(fmt::format("{}: {}", of, unknown_name("field", field, known)));
   }
   if (device->kind->is_sensor()) place_->check_running(*device);
   const engine::StateTable& table = world.percepts(*device);

@@ -8,7 +8,8 @@
 
 namespace troupe {
 
-/// A body of a world and the index of one of its parts; 0: the body itself.
+/// The model that a handle refers to: a body of a world, or one of its parts. `part` is the index of the
+/// part; 0: the body itself.
 struct Model::Place {
   engine::World* world;
   BodyId body;
@@ -24,6 +25,7 @@ struct Model::Place {
   const engine::BodyType& type() const {
     return world->types()[world->spec().bodies[body.index()].type.index()];
   }
+  /// Returns the index of the body in the state tables that only bodies of its type have. Throws as row().
   std::size_t slot() const { return world->slot(row()); }
   /// Returns the drive of this part; null if the part has none, and for the body itself, whose drive is not a
   /// device.
@@ -50,10 +52,10 @@ struct Model::Place {
   [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const;
   /// Throws std::logic_error if a sensor of this model does not run.
   void check_running(const engine::BodyType::Device& sensor) const;
-  /// The ranging sensor with this name; the first one if `wanted` is empty. Throws std::out_of_range if there
-  /// is none, and std::logic_error if it does not run.
+  /// Returns the ranger with this name, or the first ranger if `wanted` is empty. Throws std::out_of_range if
+  /// there is none, and std::logic_error if it does not run.
   const engine::BodyType::Device& ranger(std::string_view wanted) const;
-  /// The device with this name. Throws std::out_of_range if there is none.
+  /// Returns the device with this name. Throws std::out_of_range if there is none.
   const engine::BodyType::Device& device(std::string_view wanted) const;
 };
 

@@ -102,9 +102,9 @@ class Pictures {
   /// Discards the data that see() collected: trails, coverage, and the last poses of robots that have left
   /// the world.
   void forget();
-  /// The simulated time before a picture, s, during which see() must be called after every step, because
-  /// layers show this history. 0: no layer needs see(); infinity: see() must be called from the start of the
-  /// run.
+  /// The simulated time before a picture, s, during which see() must be called after every step. Layers such
+  /// as `trails` show what happened in this time. 0: no layer needs see(); infinity: see() must be called
+  /// from the start of the run.
   double history_s() const;
 
   struct ShotData;

@@ -30,8 +30,8 @@
 ///
 /// The class may also have a description (`static constexpr std::string_view text`), parameters (`struct
 /// Params`, engine/description.hpp), and the functions of engine/controller.hpp: `choose`, and a batch form
-/// that decides for many robots in one call. The library links the CMake target troupe::plugin, and its file
-/// is called dancer.so.
+/// that decides for many robots in one call. The library links the CMake target troupe::plugin. Its file is
+/// called dancer.so, because Troupe looks for the kind "dancer" in a file of this name.
 ///
 /// A sensor or another device is a function that returns a DeviceKind (docs/extending.md). make_device_kind()
 /// makes one from a class (engine/device_kind.hpp); a function can also fill the members itself:
@@ -151,11 +151,11 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
   list_all(measures);
 }
 
-/// Whether the compiler contracts a product and a sum to one fused multiply-add, which changes bits of
-/// results. The exact product x * y cannot be represented as a double. The rounded product equals z, so that
-/// x * y - z is 0 if the product is rounded; a fused operation returns the rounding error instead, 2^-54. The
-/// operands are volatile so that the expression is computed at run time, as the arithmetic of a controller
-/// is, and not folded by the compiler.
+/// Whether the compiler contracts a product and a sum (x * y + z) to one fused multiply-add, which changes
+/// bits of results. The exact product x * y cannot be represented as a double. The rounded product equals z,
+/// so that x * y - z is 0 if the product is rounded. A fused operation returns the rounding error, 2^-54,
+/// instead. The operands are volatile so that the expression is computed at run time, as the arithmetic of a
+/// controller is, and not by the compiler.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;
   const volatile double rounded_square = 0x1.0000004p0;
@@ -193,9 +193,10 @@ troupe_plugin() {
   static const ::troupe::plugin::Entry<::troupe::engine::DeviceKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::device_of<make>);
 
-/// Registers a class derived from Measure as the measure of this name. It has the constructor that
-/// make_measure_kind() needs, a description `static constexpr std::string_view text`, and may have `unit`,
-/// `definition` and `formula` (engine/measure_kind.hpp). Use the macro at namespace scope, once per measure.
+/// Registers a class derived from Measure as the measure of this name. The class must have the constructor
+/// that make_measure_kind() needs and a description `static constexpr std::string_view text`. It may have
+/// `unit`, `definition` and `formula` (engine/measure_kind.hpp). Use the macro at namespace scope, once per
+/// measure.
 #define TROUPE_MEASURE(name, ...)                                                                       \
   static_assert(::troupe::plugin::is_name(name),                                                        \
                 "a measure's name is one word, without / : = and without a leading dot");               \

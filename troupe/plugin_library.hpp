@@ -44,8 +44,8 @@ inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
     ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
 
 /// Returns a hash of the sizes of all types that plug-in and program exchange, and of the types whose members
-/// the inline functions of SensingView and World read. It differs if the plug-in was compiled with headers of
-/// another revision of Troupe that has the same version number.
+/// the inline functions of SensingView and World read. If the hashes of plug-in and program differ although
+/// their version numbers are equal, they were compiled with headers of different revisions of Troupe.
 constexpr std::uint64_t layout() {
   using namespace engine;
   constexpr std::array k_sizes{

@@ -30,7 +30,7 @@ class RankProcesses {
   /// transport: the connection to the other processes; it must outlive this object
   /// nodes: number of computers on which the processes run
   RankProcesses(partition::Transport& transport, unsigned nodes) : transport_(transport), nodes_(nodes) {}
-  /// On rank 0: tells the other processes that no order follows.
+  /// On rank 0: tells the other processes that no order follows; their follow() then returns.
   ~RankProcesses();
   RankProcesses(const RankProcesses&) = delete;
   RankProcesses& operator=(const RankProcesses&) = delete;

@@ -68,7 +68,7 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
     const bool is_there = known != recording.meta().end();
     if (is_free(key) || (is_there && known->second == value)) continue;
     throw std::runtime_error(fmt::format(
-        "{}: error: {} is {} in the recording, \"{}\" in this run: the recording belongs to another run",
+        "{}: error: {} is {} in the recording, but \"{}\" in this run: the recording belongs to another run",
         file.string(), key, is_there ? fmt::format("\"{}\"", known->second) : "not given", value));
   }
   const auto tick = std::ranges::find(recording.ticks(), simulation.tick());

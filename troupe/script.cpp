@@ -81,7 +81,8 @@ void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, 
         TypeSpec& type = world.types[t];
         if (given[t] != nullptr) {
           diagnostics.error(
-              where, fmt::format("controller {}: the robots of type \"{}\" already get the controller {}",
+              where, fmt::format("controller {}: the robots of type \"{}\" already get the controller {}; a "
+                                 "type can have only one controller from scripts",
                                  controller.kind.name, type.name, given[t]->kind.name));
           continue;
         }

@@ -40,8 +40,8 @@ std::string difference(const worldio::SessionHeader& header, const Simulation& s
     const std::string then = value_of(header.options, key);
     const std::string now = value_of(here, key);
     if (then != now)
-      text +=
-          fmt::format("{}{} is {} in the session, {} in this run", text.empty() ? "" : "; ", key, then, now);
+      text += fmt::format("{}{} is {} in the session, but {} in this run", text.empty() ? "" : "; ", key,
+                          then, now);
   };
   const auto is_free = [](const std::string& key) { return key == "world" || changes_no_result(key); };
   for (const auto& [key, value] : header.options)

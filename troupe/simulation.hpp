@@ -145,8 +145,8 @@ struct Statistics {
   std::uint64_t ticks = 0;            ///< completed ticks (time steps)
   double time_s = 0;                  ///< world time, s
   std::uint64_t beams = 0;            ///< rays that sensors have cast
-  std::size_t stalled = 0;            ///< robots whose last motion was blocked or out of bounds
-  std::size_t held_at_bounds = 0;     ///< robots whose last motion was out of bounds
+  std::size_t stalled = 0;            ///< robots whose last motion was blocked or would have left the bounds
+  std::size_t held_at_bounds = 0;     ///< robots whose last motion would have left the bounds of the world
   double mean_displacement_m = 0;     ///< mean straight-line distance of robots from their start or birth, m
   std::uint64_t conflict_rounds = 0;  ///< rounds in which conflicting motions were resolved, since tick 0
   std::size_t state_bytes = 0;        ///< memory of all state tables, bytes
@@ -409,12 +409,12 @@ class Simulation {
   /// once when a run is resumed; before the first step the result is empty.
   std::optional<std::string> stopped() const;
 
-  /// Advances the world by one tick, in the phases intervene, sense, actuate, decide, move and
-  /// index. It does so also if a stop condition ended the run (stopped()). Throws engine::StepError, a
-  /// std::runtime_error that names tick and robot, if a commanded speed is not finite or if a controller or a
-  /// device throws. Exceptions of an on_phase() callback pass through unchanged. After an exception the state
-  /// is incomplete. Until reset(), all functions that read or advance the state then throw std::logic_error,
-  /// also those of models, swarms and observers of this simulation.
+  /// Advances the world by one tick, in the phases intervene, sense, actuate, decide, move and index. step()
+  /// ignores stop conditions: it also advances a run that stopped() reports as ended. Throws
+  /// engine::StepError, a std::runtime_error that names tick and robot, if a commanded speed is not finite or
+  /// if a controller or a device throws. Exceptions of an on_phase() callback pass through unchanged. After
+  /// an exception the state is incomplete. Until reset(), all functions that read or advance the state then
+  /// throw std::logic_error, also those of models, swarms and observers of this simulation.
   void step();
   /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or until a stop
   /// condition ends the run (stopped()). Throws std::invalid_argument if `seconds` is negative, NaN or more
@@ -442,11 +442,11 @@ class Simulation {
   /// robot or until reset(), and checkpoints contain it. Throws ActRefused (troupe/acts.hpp), and changes
   /// nothing, if the act is impossible.
   void act(const engine::Act& act);
-  /// Returns to the state after loading, bit for bit: tick 0 and the same hashes, and the same run follows.
-  /// Models, swarms, callbacks and subscriptions stay valid; commanded speeds are discarded. A recording of
-  /// record() is closed. reset() is also the way to continue after a step that threw. It reads no file, and
-  /// allocates no memory unless the world has `stop_when`, so that a program can run thousands of trials of
-  /// one world for little more than the cost of their steps.
+  /// Returns to the state after loading, bit for bit: the tick is 0, the hashes are those after loading, and
+  /// the same run follows. Models, swarms, callbacks and subscriptions stay valid; commanded speeds are
+  /// discarded. A recording of record() is closed. After a step that threw, call reset() to continue. reset()
+  /// reads no file, and allocates no memory unless the world has `stop_when`. Therefore a program can run
+  /// thousands of trials of one world for little more than the cost of their steps.
   void reset();
   /// Returns to the state that the world has after loading with the given seed, bit for bit: populations are
   /// placed again, and all random numbers depend on the new seed. Otherwise it is like reset(), but allocates

@@ -142,8 +142,8 @@ std::size_t Swarm::beams(std::string_view sensor) const {
   for_rangers(sensor, [&](const Ranger& ranger, Row, std::size_t i) {
     if (const std::size_t own = ranger.device->prepared.bearings.size(); own != beams)
       throw std::invalid_argument(
-          fmt::format("robots with different rangers: the ranger of \"{1}\" has {0} beams, that of \"{3}\" "
-                      "has {2}; use a swarm of one type",
+          fmt::format("the robots have different rangers: the ranger of \"{1}\" has {0} beams, that of "
+                      "\"{3}\" has {2}; use a swarm of one type",
                       beams, world_->spec().name(ids_.front()), own, world_->spec().name(ids_[i])));
   });
   return beams;
@@ -196,8 +196,8 @@ const engine::BodyType::Device& device_of(const engine::World& world, Row row, s
     if (wanted(device)) return device;
     if (counts(device)) known.push_back(device.name);
   }
-  throw std::out_of_range(unknown_name(
-      fmt::format("{} (robot \"{}\")", what, world.spec().name(world.body(row))), name, std::move(known)));
+  throw std::out_of_range(fmt::format("robot \"{}\": {}", world.spec().name(world.body(row)),
+                                      unknown_name(what, name, std::move(known))));
 }
 
 std::size_t index_of(std::span<const engine::StateField> fields, std::string_view name) {
@@ -210,7 +210,7 @@ std::size_t index_of(std::span<const engine::StateField> fields, std::string_vie
   std::vector<std::string_view> known;
   for (const engine::StateField& field : fields) known.push_back(field.name);
   throw std::out_of_range(
-      unknown_name(fmt::format("{} (device \"{}\")", what, device), name, std::move(known)));
+      fmt::format("device \"{}\": {}", device, unknown_name(what, name, std::move(known))));
 }
 
 }  // namespace
@@ -221,7 +221,7 @@ Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_vie
     return index_of(fields, field) < fields.size();
   };
   const engine::BodyType::Device& device = device_of(
-      *world_, row, wanted.empty() ? "field of the devices" : "device", wanted.empty() ? field : wanted,
+      *world_, row, wanted.empty() ? "device with the field" : "device", wanted.empty() ? field : wanted,
       [&](const engine::BodyType::Device& each) {
         return wanted.empty() ? has_field(each) : each.name == wanted;
       },
@@ -256,8 +256,8 @@ void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field,
       const Cells its = (this->*find)(rows_[i], field, device);
       if (type && (its.field->element != cells.field->element || its.field->columns != cells.field->columns))
         throw std::invalid_argument(
-            fmt::format("robots with different devices: \"{}\" of \"{}\" has {} columns of type {}, that of "
-                        "\"{}\" has {} of type {}; use a swarm of one type",
+            fmt::format("the robots have different devices: \"{}\" of \"{}\" has {} columns of type {}, that "
+                        "of \"{}\" has {} of type {}; use a swarm of one type",
                         field, world_->spec().name(ids_.front()), cells.field->columns,
                         engine::element_name(cells.field->element), world_->spec().name(ids_[i]),
                         its.field->columns, engine::element_name(its.field->element)));

@@ -35,7 +35,7 @@ namespace troupe {
 ///           pose of NaN
 /// sizes     every span must have one element per robot (spans of ranges: one per beam of each robot); other
 ///           sizes throw std::invalid_argument
-/// where     the parameter of the commands that selects robots: one byte per robot, 0 skips the robot; an
+/// where     the commands have this parameter to select robots: one byte per robot, 0 skips the robot; an
 ///           empty span selects all. Commands always skip robots that are not in the world
 /// valid     while the simulation lives, also after a reset
 ///
@@ -53,7 +53,7 @@ class Swarm {
 
   /// Writes 1 for each robot that is in the world (docs/lives.md), else 0.
   void alive(std::span<std::uint8_t> out) const;
-  /// Writes 1 for each robot whose last motion was blocked or out of bounds, else 0.
+  /// Writes 1 for each robot whose last motion was blocked or would have left the world's bounds, else 0.
   void stalled(std::span<std::uint8_t> out) const;
   /// Writes the poses in the world frame, m and rad.
   void poses(std::span<Pose> out) const;

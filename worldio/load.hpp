@@ -15,9 +15,9 @@
 namespace troupe::worldio {
 
 /// A function that places the populations of a loaded world again, with another seed. The argument `bodies`
-/// is a copy of WorldSpec::bodies of this world. The function gives the bodies of the populations in it the
-/// poses and random colours that they have with the seed `seed`. It throws InputError if a population does
-/// not fit into its region. Several threads may call it at the same time.
+/// is a copy of WorldSpec::bodies of this world. The function overwrites the poses and random colours of
+/// those bodies in it that belong to populations with the values that follow from `seed`. It throws
+/// InputError if a population does not fit into its region. Several threads may call it at the same time.
 using PlaceAgain = std::function<void(std::vector<engine::BodySpec>& bodies, std::uint64_t seed)>;
 
 /// Options of the functions that load a world, among them the changes that the command line makes to it.
@@ -39,11 +39,11 @@ struct LoadOptions {
   /// Greatest number of bodies in all populations of a world together; more are an error. Programs that read
   /// untrusted files set it lower.
   double most_bodies = 10000000;
-  /// If not null, the loader stores the function that places the populations of this world again in the
-  /// object to which this points. The object stays empty if the world has no populations.
+  /// If not null: the object in which the loader stores a function that places the populations of this world
+  /// again. The object stays empty if the world has no populations.
   PlaceAgain* place_again = nullptr;
-  /// If not null, the loader adds the names of the types that other types of a JSON world extend to this
-  /// list.
+  /// If not null: the list to which the loader adds the names of all base types of a JSON world, that is, of
+  /// the types that other types extend.
   std::vector<std::string>* base_types = nullptr;
 };
 

@@ -235,9 +235,9 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
   if (options.controllers) decisions.emplace(variants.front());
 
   if (std::ranges::max(options.ranks) > 1)
-    fmt::print("delays between ranks: --rank-seed {}\n", rank_seed_of(options));
+    fmt::print("random delays between ranks: --rank-seed {}\n", rank_seed_of(options));
   if (options.simulation.processes)
-    fmt::print("division of the robots among the processes: --rank-seed {}\n", rank_seed_of(options));
+    fmt::print("random division of the robots among the processes: --rank-seed {}\n", rank_seed_of(options));
   const std::vector<std::string> differences =
       step_to_end(variants, decisions ? &*decisions : nullptr, end_s);
   print_table(variants, decisions ? &*decisions : nullptr);

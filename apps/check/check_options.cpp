@@ -10,17 +10,17 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_check_footer = R"(
-Checks that the results of a world depend neither on the number of threads or ranks nor on the size of the tiles, the
-squares of the world that threads process. Runs one variant of the world for each combination of --threads, --tile-size
-and --ranks, all side by side, and compares every component of the state after each tick. Stops at the first tick at
-which a variant differs from the first variant. Prints the component, the robot, the field, the value in the variant and
-the value in the first variant.
+Checks that the number of threads, the number of ranks and the size of the tiles (the squares of the world that threads
+process) do not change the results of a world. Runs one variant of the world for each combination of --threads,
+--tile-size and --ranks, all side by side, and compares every component of the state after each tick. Stops at the first
+tick at which a variant differs from the first variant. Prints the component, the robot, the field, the value in the
+variant and the value in the first variant.
 
 With --ranks, the world also runs on each given number of ranks, which are replicas of the world that divide its robots
 among themselves (docs/cluster.md). The ranks are threads of this process. Their messages arrive late and in a shuffled
 order, and in each tick robots move to other ranks, both at random with the seed --rank-seed (default: 1). After each
-tick, the data that every rank computes are compared between the ranks. Under mpirun, --ranks is not allowed: the world
-also runs on all processes.
+tick, the data that every rank computes are compared between the ranks. Under mpirun, --ranks is not allowed; instead,
+the world also runs on all processes.
 
 --amnesia adds two variants. In one, all data that are not part of the state are overwritten with junk after each tick
 and computed again. In the other, the world is discarded after each tick and rebuilt from its description and its state,
@@ -87,7 +87,7 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
   add_rank_seed_option(check, options);
   check
       .add_flag("--amnesia", options.amnesia,
-                "Also compare runs that discard all data except the state after each tick")
+                "Also compare runs that, after each tick, discard all data except the state")
       ->disable_flag_override();
   check
       .add_flag("--reach", options.reach,

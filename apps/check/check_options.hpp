@@ -15,7 +15,7 @@ struct CheckOptions : WorldOptions {
   std::vector<double> tile_sizes_m{0, 1.7};
   std::vector<unsigned> ranks{1};  ///< numbers of ranks, each of which is a variant
   bool amnesia = false;      ///< also check variants that discard caches or rebuild the world in each tick
-  bool reach = false;        ///< also check a variant that hides from each device the bodies beyond its reach
+  bool reach = false;        ///< also check a variant in which devices cannot see bodies beyond their reach
   bool controllers = false;  ///< also repeat each decision of the controllers and compare the results
 };
 

@@ -81,11 +81,11 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
     return k_failed;
   }
   if (a || b) {
-    fmt::print("differs in length: {} ends at tick {}, {} continues; same bits from tick {} until then\n",
+    fmt::print("differs in length: {} ends at tick {}, but {} continues; same bits from tick {} until then\n",
                (a ? second : first).file().string(), last.tick, (a ? first : second).file().string(), begin);
     return k_failed;
   }
-  fmt::print("same bits, tick {} to {}; the last state is {}\n", begin, last.tick, hex(last.state));
+  fmt::print("same bits, tick {} to {}; the last state has the hash {}\n", begin, last.tick, hex(last.state));
   return k_finished;
 }
 

@@ -155,12 +155,12 @@ ExitCode compare_frames(const RecordingReader& first, const RecordingReader& sec
     throw InputError(fmt::format("{}: error: the recording has no tick in common with {}",
                                  second.file().string(), first.file().string()));
   if (const RecordingReader* ended = shorter(first, second)) {
-    fmt::print("differs in length: {} ends at tick {}, {} continues; same bits from tick {} until then\n",
+    fmt::print("differs in length: {} ends at tick {}, but {} continues; same bits from tick {} until then\n",
                ended->file().string(), ended->ticks().back(),
                (ended == &first ? second : first).file().string(), begin);
     return k_failed;
   }
-  fmt::print("same bits, tick {} to {}, in {} frames of {}; the last state is {}\n", begin,
+  fmt::print("same bits, tick {} to {}, in {} frames of {}; the last state has the hash {}\n", begin,
              first.ticks()[last], frames, components_of(pairs), hex(first.hashes()[last]));
   return k_finished;
 }

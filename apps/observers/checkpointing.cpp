@@ -87,7 +87,7 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
               })
         ->needs(checkpoint);
     add_value(app, "--wall-limit", "S",
-              "Stop when S seconds of real time have passed since the program's start",
+              "Stop when S seconds of real time have passed since the start of the program",
               [&options](const std::string& text) {
                 options.wall_limit_s = positive_seconds("--wall-limit", text, "a real time");
               });

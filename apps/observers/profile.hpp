@@ -38,7 +38,8 @@ struct ProfileLimits {
 /// with the ticks and their phases, one track per worker thread with its tasks (batches of robots), one track
 /// per rank if there are several, and counters of memory and robots.
 ///
-/// file    valid after each tick: it can be read during the run, and after the program was killed
+/// file    the file is complete JSON after each tick: it can be read during the run, and after the program
+///         was killed
 /// tasks   the argument of a task is its index in its parallel loop; in the sense phase, tasks are batches of
 ///         neighbouring robots, in the order of the tiles. A phase may run several parallel loops
 /// ranks   in each tick, the track of a rank shows the times that the rank spent in the phases sense, actuate

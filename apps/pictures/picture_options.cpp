@@ -79,10 +79,10 @@ constexpr std::array k_looks = {"--size",   "--camera",   "--center",      "--an
 
 void add_files(CLI::App& app, PictureFiles& pictures) {
   CLI::Option* const snapshot = add_value(
-      app, "--snapshot", "FILE", "Draw the end of the run into a .png, or as a map into a .svg or .pdf",
+      app, "--snapshot", "FILE", "Draw the end of the run as a .png picture, or as a .svg or .pdf map",
       [&pictures](const std::string& text) { set_snapshot(pictures, "--snapshot", text); });
   add_value(app, "--snapshot-at", "T,...",
-            "Draw at these simulated times, s, instead of the end; {time} in FILE becomes the time",
+            "Draw these simulated times, s, instead of the end; {time} in FILE is replaced by the time",
             [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); })
       ->needs(snapshot);
   add_film_options(app, pictures);

@@ -34,8 +34,8 @@ namespace {
 
 constexpr const char* k_render_footer = R"(
 Draws a world, a checkpoint or a recording. By default, a world is drawn at its start, a checkpoint at the time at which
-it was saved, and a recording at its end. --at draws other times: a world is run, or a checkpoint resumed, until these
-times; of a recording, the last frame at or before each time is drawn. For worlds and checkpoints, --for S has the
+it was saved, and a recording at its end. --at selects other times: a world is run, or a checkpoint is resumed, until
+these times; a recording is drawn at its last frame at or before each time. For worlds and checkpoints, --for S has the
 effect of --at S, and a film (--film) ends at S. A recording needs no other file, but its pictures show only recorded
 fields (troupe run --record-fields): the layer scans needs the field ranges, and outlines of stalled robots need the
 field stall.

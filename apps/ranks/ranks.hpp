@@ -20,13 +20,14 @@ namespace troupe::apps {
 ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
-/// Lets the processes (ranks) of a launcher divide independent runs, such as those of a sweep: rank 0 shares
-/// the list of runs, and gathers the results. All processes must call the functions in the same order.
+/// Exchanges messages between the processes (ranks) of a launcher that divide independent runs, such as those
+/// of a sweep: rank 0 shares the list of runs, and gathers the results. All processes must call the functions
+/// in the same order.
 class RankDeal {
  public:
   /// transport: the connection to the other processes; null: this process is the only one
   explicit RankDeal(partition::Transport* transport = nullptr) : transport_(transport) {}
-  /// On rank 0: if share() was not called, tells the other ranks, whose shared() then returns std::nullopt.
+  /// On rank 0: if share() was not called, makes shared() return std::nullopt on the other ranks.
   ~RankDeal();
   RankDeal(const RankDeal&) = delete;
   RankDeal& operator=(const RankDeal&) = delete;

@@ -24,7 +24,7 @@ one of the two must be given. The run ends with the first tick whose time is S o
 
 --session repeats a session of troupe view: the actions of its users (moving, removing or steering robots) are applied
 at the same ticks as in the session. Without --for the run ends at the tick at which the session ended. The program
-exits with an error if the first line of the session file describes another world, seed or other options than those of
+exits with an error if the world, the seed or the options in the first line of the session file differ from those of
 this run, or if an action is not possible.
 
 --view prints the address of a web page in which users can watch, pause and change the run, as with troupe view. Their
@@ -80,10 +80,10 @@ std::string resume_footer() {
       changeable.replace(at + end_of_line.size() - 1, 1, "\n  ");
   return fmt::format(R"(
 Continues a run from its checkpoint with the same bits as an uninterrupted run, on any number of threads and without the
-files of the world. --for S is a simulated time in seconds, counted from tick 0 as in troupe run. The outputs are those
-of troupe run. An existing hash log, recording or table is continued after the tick of the checkpoint, without gaps or
-repetitions; a new file begins at that tick. --checkpoint may name the checkpoint that is resumed, without --force.
-On SIGUSR1, the file of --checkpoint is saved after the current tick, as in troupe run.
+files of the world. --for S is a simulated time in seconds, counted from tick 0 as in troupe run. The output options are
+those of troupe run. An existing hash log, recording or table is continued after the tick of the checkpoint, without
+gaps or repetitions; a new file begins at that tick. --checkpoint may name the checkpoint that is resumed, without
+--force. On SIGUSR1, the file of --checkpoint is saved after the current tick, as in troupe run.
 
 --set changes values of the stored world from the tick of the checkpoint on. The command h5dump -d /world CHECKPOINT
 prints the stored world. Only values that do not change the layout of the state can be changed:

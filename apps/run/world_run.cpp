@@ -126,7 +126,8 @@ WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulatio
   ticks_ = engine::ticks_until(report_.end_s, report_.tick_s);
   if (ticks_ < report_.first_tick)
     throw InputError(fmt::format(
-        "{}: error: the checkpoint was saved at {:g} s, after the end of the run, {:g} s: give a later --for",
+        "{}: error: the checkpoint was saved at {:g} s, after the end of the run at {:g} s: give a later "
+        "--for",
         options_.world.string(), simulation_.time_s(), report_.end_s));
   report_.threads = simulation_.threads();
   report_.checkpoint = options_.checkpoint.string();

@@ -34,7 +34,7 @@ class WorldRun {
 
   const RunOptions& options() const { return options_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Gives each output whose file the command line does not name the file that the world names, if any.
+  /// Takes the file names of outputs from the world if the world has them and the command line does not.
   /// Returns the options with these names. Throws InputError if a name is not allowed.
   const RunOptions& take_names_from_world();
 

@@ -28,15 +28,16 @@ struct SweepTable {
 /// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas reads it without
 /// options. Replaces the file only when it is complete. Throws OutputError.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
-/// Writes the table `run,time_s,MEASURES...` into the folder, with one row per sample of each run, by
-/// concatenating the files of series_file(). measures: names of the columns of measures
-/// (Measures::columns()). Replaces the file only when it is complete. Throws OutputError.
+/// Writes the table `run,time_s,MEASURES...` into the folder, with one row for each time at which a run was
+/// measured (Study::measure_every_s), by concatenating the files of series_file(). measures: names of the
+/// columns of measures (Measures::columns()). Replaces the file only when it is complete. Throws OutputError.
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
                   const std::filesystem::path& folder);
-/// Returns the path of the file with the samples of one run, without a line of column names. write_series()
-/// concatenates these files.
+/// Returns the path of the file with the rows of one run for write_series(), which concatenates these files.
+/// The file has no line of column names.
 std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
-/// Appends the row of one sample of a run, as in write_series(), to `rows`.
+/// Appends one row of the table of write_series() to `rows`. time_s: world time at which the run was
+/// measured, s; values: the values of the measures at this time.
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
 
 /// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md): each column as a dataset of the group

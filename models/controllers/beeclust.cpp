@@ -41,7 +41,7 @@ struct Beeclust {
           "square of the ground's brightness (0 to 1) at which a robot waits for half of `max_wait`");
       d.member<&Params::meet>(
           "meet", meters, at_least(0),
-          "distance between two radios within which a robot meets another robot that is ahead of it");
+          "a robot meets another robot that is ahead of it if their radios are at most this far apart");
       describe_min_front(d);
     }
   };

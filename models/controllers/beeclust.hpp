@@ -4,8 +4,9 @@
 
 namespace troupe::models {
 
-/// Aggregation at a cue: the brightness of the ground. Robots do not sense the direction of the cue. A robot
-/// that meets another robot waits there, and it waits longer on brighter ground.
+/// Aggregation on bright ground. A robot senses the brightness of the ground only below itself, not the
+/// direction of brighter ground. A robot that meets another robot waits there, and it waits longer on
+/// brighter ground.
 ///
 /// walks     The robot drives straight on. It turns by a random angle (90 to 180 degrees) away from obstacles
 ///           nearer than the parameter `min_front` (m).

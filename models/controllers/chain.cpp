@@ -56,7 +56,8 @@ struct Chain {
       describe_min_front(d);
       d.member<&Params::joins>(
           "joins", within(0, 1),
-          "probability per decision that a robot at the place for the next link becomes this link");
+          "probability per decision that a robot becomes the next link of a chain while it is at the place "
+          "of this link");
       d.member<&Params::leaves>("leaves", within(0, 1),
                                 "probability per decision that the last link of a chain leaves the chain, as "
                                 "long as the chain has not reached the prey");

@@ -95,7 +95,8 @@ struct Clustering {
 
 engine::ControllerKind clustering_controller() {
   return engine::make_controller_kind<Clustering>(
-      "clustering", "push pucks together: drive until there are too many to push, back off, turn");
+      "clustering",
+      "push pucks together: drive until the pucks ahead are too many to push, then back off and turn");
 }
 
 }  // namespace troupe::models

@@ -43,9 +43,9 @@ struct CollectivePerception {
           "explore", seconds, above(0), at_most(1e6),
           "mean time for which a robot explores the floor before it shares its opinion");
       d.member<&Params::share>("share", seconds, above(0), at_most(1e6),
-                               "mean time for which a robot broadcasts an opinion of quality 1; for other "
-                               "qualities, from 0 to 1, this time is multiplied by the quality, the fraction "
-                               "of the floor readings that agree with the opinion");
+                               "mean time for which a robot broadcasts its opinion if all its floor readings "
+                               "agree with the opinion; otherwise, this time is multiplied by the fraction "
+                               "of the readings that agree");
       d.member<&Params::rule>(
           "rule",
           "how a robot adopts an opinion. majority: the most frequent opinion among those "

@@ -37,8 +37,8 @@ class DeviceChoice {
   /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable) and returns its Scanner. It takes the
   /// first such ranger that has a transducer (fan of beams) with k_least_samples or more beams, as in Stage.
   /// If there is none, it takes the first such ranger whose transducers have that many beams together. If no
-  /// ranger can be used, the error says for each ranger of the robot why. share: the second argument of the
-  /// constructor of Scanner.
+  /// ranger can be used, the error states the reason for each ranger of the robot. share: the second argument
+  /// of the constructor of Scanner.
   Result<Scanner> take_scanner(std::size_t share) {
     Scanner scanner;
     const auto is_usable = [&](const engine::DeviceInfo& device) {

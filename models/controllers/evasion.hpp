@@ -15,14 +15,14 @@ namespace troupe::models {
 /// 0 at the start.
 struct Evasion {
   double avoid_speed = 0.05;  ///< forward speed while the robot turns away
-  double avoid_turn = 0.5;    ///< turn rate while the robot turns away, to either side
+  double avoid_turn = 0.5;    ///< absolute turn rate while the robot turns away, left or right
   double min_front = 0.7;     ///< the robot turns away when a reading ahead is below this
   double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
-  double back_speed = 0.1;    ///< speed of backing out
+  double back_speed = 0.1;    ///< absolute speed while the robot backs out
   /// The robot backs out after more than this number of consecutive decisions in which a command did not move
   /// it. The number is larger than the number of decisions after which a command takes effect.
   std::uint32_t stuck = 5;
-  /// The argument `share` with which the Scanner of the controller must be made.
+  /// Value for the argument `share` of the constructor of Scanner, for the scanner passed to avoids().
   static constexpr std::size_t window_share = 4;
 
   /// Turns away from obstacles as the controller `wander` does, with two differences, because many robots

@@ -36,7 +36,8 @@ struct Gradient {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::beacon>("beacon",
-                                "true: the robot is a beacon: it stands still, and hops are counted from it");
+                                "true: the robot is a beacon, which stands still and from which hops are "
+                                "counted");
       d.member<&Params::spacing>(
           "spacing", meters, within(0, 10'000),
           "a robot settles (stands still for good) only where the nearest settled robot that it hears is at "
@@ -46,8 +47,8 @@ struct Gradient {
       describe_min_front(d);
       d.member<&Params::patience>(
           "patience", within(1, 1'000'000),
-          "a robot forgets its number of hops to the beacon when no message has confirmed this number for so "
-          "many decisions");
+          "number of decisions without a confirming message after which a robot forgets its number of hops "
+          "to the beacon");
     }
   };
   struct Memory {

@@ -22,7 +22,7 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 ///           `spacing` when it has stopped. A robot without a ranger is settled from the start.
 /// counts    The hop count of a settled robot is one more than the smallest count that it hears. It
 ///           broadcasts this count, and forgets a count that no message has confirmed for `patience`
-///           decisions. So the loss of a single message has no effect, but the loss of a robot has.
+///           decisions. So a single lost message has no effect, but counts change after a robot has failed.
 /// LED       If the robot has an LED, the LED is grey while the robot roams. On a settled robot, its colour
 ///           goes from red near the beacon to blue at twelve hops or more.
 /// needs     a radio; to roam, also a drive and a ranger with more than 8 beams that sees ahead

@@ -42,8 +42,8 @@ struct InformedAggregation {
       using enum engine::Unit;
       d.member<&Params::informed>(
           "informed",
-          "colour of the only sites (areas of the ground) on which the robot stops; no: the robot stops on "
-          "black and on white sites");
+          "colour of the sites (black or white areas of the ground) on which the robot stops; no: it stops "
+          "on sites of both colours");
       d.member<&Params::speed>("speed", meters_per_second, at_least(0), "forward speed");
       d.member<&Params::enter>(
           "enter", seconds, within(0, 1e6),

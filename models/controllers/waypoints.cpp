@@ -34,8 +34,8 @@ struct Goal {
                           "time at which the robot is to arrive, counted from tick 0 or, with `again`, from "
                           "the start of the present round of the goals; 0: no time is set");
     d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
-                           "speed at which the robot moves straight to the goal; 0: the speed follows from "
-                           "`at` or, if `at` is also 0, from the rule by which the drive goes to goals "
+                           "speed at which the robot moves straight to the goal; 0: `at` determines the "
+                           "speed; if `at` is also 0, the drive determines the path and the speed "
                            "(docs/driving.md)");
     d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
                             "how long the robot waits at the goal before it goes on");

@@ -76,9 +76,9 @@ struct PowerContactState {
 ///           the bodies are obstacles.
 /// transfer  In each tick, the energy min(give, take) times the length of the tick is transferred, but at
 ///           most what the giving pack holds and what the taking pack has room for. Transfers happen one
-///           after another, ordered by the id of the giving body and then that of the taking body, and each
-///           sees the results of those before it. A contact that touches more than k_most_takers taking
-///           contacts serves those of the bodies with the lowest ids.
+///           after another, ordered by the id of the giving body and then that of the taking body. Each
+///           transfer uses the energies that the packs have after the transfers before it. A contact that
+///           touches more than k_most_takers taking contacts serves those of the bodies with the lowest ids.
 /// state     PowerContactState; no commands
 /// needs     for each of the two contacts, a power pack on the part of the contact or on a part that carries
 ///           this part. Contacts of the same body, and of bodies that carry one another directly or

@@ -34,9 +34,9 @@ struct SpawnerState {
 ///         flags that this body receives, and on the command of a controller. It stays due until it succeeds.
 ///         In each tick, the spawner tries at most one birth.
 /// where   Bodies are born at the pose of the spawner. With `within` (m) above 0, they are born at a random
-///         position in the circle of this radius around the spawner, with a random heading. The pose is drawn
-///         again for each try. If another body or a wall occupies the place, or if the place is outside the
-///         bounds of the world, the try fails and is repeated in the next tick.
+///         position in the circle of this radius around the spawner, with a random heading. Each try uses a
+///         new random pose. If another body or a wall occupies the place, or if the place is outside the
+///         bounds of the world, the try fails, and the spawner tries again in the next tick.
 /// which   The next body of the reserve is born (docs/lives.md). Once the reserve is used up, the spawner
 ///         tries no more births.
 /// state   SpawnerState; commands: SpawnerCommand

@@ -117,7 +117,7 @@ engine::FaultKind slow_wheels_fault() {
 
 engine::FaultKind drop_out_fault() {
   return engine::make_fault_kind<DropOut>(
-      "drop_out", "a robot that stops completely at a random time, for good or for a while");
+      "drop_out", "a robot that stops completely at a random time, permanently or for a limited time");
 }
 
 }  // namespace troupe::models

@@ -2,9 +2,9 @@
 
 #include "engine/measure_kind.hpp"
 
-/// Measures of the clusters that pushable bodies or robots form, as the parameter `bodies` says. Two bodies
-/// are in one cluster if their origins are at most the parameter `distance` (m) apart, or if a chain of such
-/// bodies connects them. `troupe describe` prints the definitions of the measures.
+/// Measures of the clusters that pushable bodies or robots form; the parameter `bodies` selects which of the
+/// two. Two bodies are in one cluster if their origins are at most the parameter `distance` (m) apart, or if
+/// a chain of such bodies connects them. `troupe describe` prints the definitions of the measures.
 namespace troupe::models {
 
 engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters

@@ -42,6 +42,7 @@ from ._core import (
     __version__,
     version_line,
 )
+from ._files import cmake_dir, worlds_dir
 from ._script import Controller, measure
 from ._sweep import sweep
 
@@ -67,10 +68,12 @@ __all__ = [
     "Table",
     "View",
     "__version__",
+    "cmake_dir",
     "math",
     "measure",
     "sweep",
     "version_line",
+    "worlds_dir",
 ]
 
 for _name in __all__:  # messages and help() then show the public module, not troupe._core

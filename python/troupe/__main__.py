@@ -1,9 +1,19 @@
 """Runs the program `troupe` in a Python interpreter: `python3 -m troupe run world.json`. The program itself starts this
-module for commands that need Python, such as `troupe run world.json --controller my.py`."""
+module for commands that need Python, such as `troupe run world.json --controller my.py`. The command `troupe` that pip
+installs is the function main()."""
 
+import os
 import sys
 
 from ._core import _run_program
 
+
+def main() -> int:
+    """Runs the program with the arguments of this process and returns its exit code."""
+    if not os.environ.get("TROUPE_PYTHON") and sys.executable:
+        os.environ["TROUPE_PYTHON"] = sys.executable  # for commands that start Python, such as troupe plot
+    return _run_program(["troupe", *sys.argv[1:]])
+
+
 if __name__ == "__main__":
-    sys.exit(_run_program(["troupe", *sys.argv[1:]]))
+    sys.exit(main())

@@ -22,6 +22,12 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from checks import difference, options_of  # noqa: E402
 
 
+def names_of_living(simulation):
+    """The names of all bodies that are alive, also of those that no swarm contains because they have no drive."""
+    ids = sorted({int(id) for table in simulation.tables() for id in table.ids})
+    return [model.name for model in map(simulation.model, ids) if model.is_alive()]
+
+
 class Job:
     def __init__(self, request):
         self.world, self.ticks = request["world"], request["ticks"]
@@ -68,8 +74,7 @@ class Job:
                 yield self.steps(simulation, self.ticks)
             simulation = troupe.Simulation.resume(file, threads=check["threads"][i + 1], tile_size_m=check["tiles"][i + 1])
             if self.cover:
-                swarm = simulation.swarm()
-                self.resumed += [name for name, alive in zip(swarm.names, swarm.alive()) if alive]
+                self.resumed += names_of_living(simulation)
         yield self.steps(simulation, self.ticks)
 
     def reset(self, check):

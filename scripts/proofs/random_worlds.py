@@ -170,15 +170,9 @@ class Generator(Parameters):
             if one.get("drive", {}).get("kind") != "omni":
                 for goal in made[0].get("goals", ()):  # other drives do not go straight
                     goal.pop("speed_mps", None)
-        operable = [device for device in one["devices"] if device["kind"] in ("gripper", "actuator")]
+        operable = _operable(one)
         if operable and controller != "collector" and (controller == "operate" or self.chance(0.6)):
-            orders, at = [], 0
-            for _ in range(self.draws.randint(1, 4)):
-                device = self.draws.choice(operable)
-                at = rounded(at + self.tick_s * self.draws.randint(0, 15))
-                order = self.draws.choice(("open", "close", "up", "down") if device["kind"] == "gripper" else ("go_to", "speed"))
-                orders.append({"at_s": at, "device": device["name"], "order": order,
-                               **({"value": rounded(self.draws.uniform(0, 0.3))} if order in ("go_to", "speed") else {})})
+            orders = self._orders(operable)
             if controller == "operate":
                 made[0]["orders"] = orders
             else:
@@ -188,6 +182,17 @@ class Generator(Parameters):
         if made and "drive" not in one and self.chance(0.2):
             made[0]["period_s"] = rounded(2 * self.tick_s)
         return [each for each in made if each["kind"] != "operate" or each["orders"]]
+
+    def _orders(self, operable):
+        """Orders of an `operate` controller for some of these devices."""
+        orders, at = [], 0
+        for _ in range(self.draws.randint(1, 4)):
+            device = self.draws.choice(operable)
+            at = rounded(at + self.tick_s * self.draws.randint(0, 15))
+            order = self.draws.choice(("open", "close", "up", "down") if device["kind"] == "gripper" else ("go_to", "speed"))
+            orders.append({"at_s": at, "device": device["name"], "order": order,
+                           **({"value": rounded(self.draws.uniform(0, 0.3))} if order in ("go_to", "speed") else {})})
+        return orders
 
     def _marks(self, one):
         if self.chance(0.3):
@@ -438,6 +443,8 @@ class Generator(Parameters):
             changed = {"every_s": rounded(self.tick_s * self.draws.randint(1, 9))}
         if family == "device" and kind.name == "power_pack" and "capacity_J" in changed:
             changed["capacity_J"] = rounded(part.get("capacity_J", 100) * self.draws.choice((0.5, 2)))
+        if family == "controller" and kind.name == "operate":
+            changed = {"orders": self._orders(_operable(one))}
         if one.get("drive", {}).get("kind") != "omni":
             for goal in changed.get("goals", ()):
                 goal.pop("speed_mps", None)
@@ -477,6 +484,11 @@ class Generator(Parameters):
                 one["of"] = "focus"
             one["name"] = f"m{len(self.world['measures'])}"
             self.world["measures"].append(one)
+
+
+def _operable(one):
+    """The devices of a type that an `operate` controller can work."""
+    return [device for device in one["devices"] if device["kind"] in ("gripper", "actuator")]
 
 
 def make_world(kinds, seed, index, pairs=None):

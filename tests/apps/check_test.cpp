@@ -89,7 +89,7 @@ TEST_F(CheckProgram, ComparesNumbersOfRanks) {
                                   "auto", "--ranks", "1,3", "--rank-seed", "9"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(lines_of(outcome.out),
-              ElementsAre("delays between ranks: --rank-seed 9", StartsWith("variant "),
+              ElementsAre("random delays between ranks: --rank-seed 9", StartsWith("variant "),
                           MatchesRegex("1 thread, automatic tiles .* same bits  [0-9a-f]{16}"),
                           MatchesRegex("2 threads, automatic tiles .* same bits  [0-9a-f]{16}"),
                           MatchesRegex("3 ranks, 1 thread, automatic tiles .* same bits  [0-9a-f]{16}"),
@@ -334,7 +334,7 @@ TEST_F(Check, ReachFindsAnEffectThatChangesMoreThanItsKindDeclares) {
   EXPECT_THAT(
       [&] { check(blinkered); },
       ThrowsMessage<engine::StepError>("tick 1: device \"it\" (meddler) of \"r0\" changed the component "
-                                       "\"meddler/it\" of \"r1\", but this body is outside the scope "
+                                       "\"meddler/it\" of \"r1\", but that body is outside the scope "
                                        "that the device's kind declares (DeviceKind::scope)"));
 }
 

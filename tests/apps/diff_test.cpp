@@ -59,7 +59,7 @@ TEST_F(Diff, SameBits) {
   const Outcome outcome =
       diff(header() + lines(0, 10), header("# threads: 2", "# threads: 8") + lines(0, 10));
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out, "same bits, tick 0 to 10; the last state is 0000000000000013\n");
+  EXPECT_EQ(outcome.out, "same bits, tick 0 to 10; the last state has the hash 0000000000000013\n");
 }
 
 TEST_F(Diff, FindsTheFirstTickAndItsGroups) {
@@ -81,12 +81,13 @@ TEST_F(Diff, ALogThatEndsEarlierDiffers) {
   const Outcome outcome = diff(header() + lines(0, 10), header() + lines(0, 7));
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.out,
-            "differs in length: b.log ends at tick 7, a.log continues; same bits from tick 0 until then\n");
+            "differs in length: b.log ends at tick 7, but a.log continues; same bits from tick 0 until "
+            "then\n");
 }
 
 TEST_F(Diff, ALogMayBeginLater) {
   EXPECT_EQ(diff(header() + lines(0, 10), header() + lines(5, 10)).out,
-            "same bits, tick 5 to 10; the last state is 0000000000000013\n");
+            "same bits, tick 5 to 10; the last state has the hash 0000000000000013\n");
   const Outcome apart = diff(header() + lines(0, 3), header() + lines(5, 10));
   EXPECT_EQ(apart.code, 2);
   EXPECT_EQ(apart.err, "a.log: error: the log ends before tick 5, at which b.log begins\n");
@@ -95,9 +96,9 @@ TEST_F(Diff, ALogMayBeginLater) {
 TEST_F(Diff, OtherDomainsAreComparedOnlyWhenToldTo) {
   const std::string clang = header("GNU 12.2.0; Release -O3", "Clang 14.0.6; Debug -Og") + lines(0, 3);
   EXPECT_EQ(error_of(clang),
-            "b.log:2: error: compiler is \"Clang 14.0.6\", but in a.log \"GNU 12.2.0\": the results may "
+            "b.log:2: error: compiler is \"Clang 14.0.6\", but \"GNU 12.2.0\" in a.log: the results may "
             "differ; --across-domains compares the files anyway\nb.log:2: error: flags is \"Debug -Og\", but "
-            "in a.log \"Release -O3\": the results may differ; --across-domains compares the files anyway\n");
+            "\"Release -O3\" in a.log: the results may differ; --across-domains compares the files anyway\n");
   EXPECT_THAT(error_of(header("x86_64", "aarch64") + lines(0, 3)),
               HasSubstr("instruction set is \"aarch64\""));
   EXPECT_THAT(error_of(header("0.1.0", "0.2.0") + lines(0, 3)), HasSubstr("version is \"troupe 0.2.0\""));
@@ -116,14 +117,14 @@ TEST_F(Diff, AnotherInstructionSetOfTheKernelsIsNoOtherDomainOrRun) {
 TEST_F(Diff, OtherRunsAreComparedOnlyWhenToldTo) {
   const std::string seed = header("# seed: 1", "# seed: 7") + lines(0, 3);
   EXPECT_EQ(error_of(seed),
-            "b.log:4: error: seed is \"7\", but in a.log \"1\": these are different runs; --across-runs "
+            "b.log:4: error: seed is \"7\", but \"1\" in a.log: these are different runs; --across-runs "
             "compares the files anyway\n");
   EXPECT_THAT(
       error_of(header("room", "hall") + lines(0, 3)),
       StartsWith(
-          "b.log:3: error: world is \"hall.json\", but in a.log \"room.json\": these are different runs"));
+          "b.log:3: error: world is \"hall.json\", but \"room.json\" in a.log: these are different runs"));
   EXPECT_THAT(error_of(header() + "# set /a: 3\n" + lines(0, 3)),
-              StartsWith("b.log:10: error: set /a is \"3\", but in a.log \"\": these are different runs"));
+              StartsWith("b.log:10: error: set /a is \"3\", but \"\" in a.log: these are different runs"));
   EXPECT_EQ(diff(header() + lines(0, 3), seed, {"--across-runs"}).code, 0);
   EXPECT_EQ(diff(header() + lines(0, 3), header("worlds/room", "/elsewhere/room") + lines(0, 3)).code, 0);
 }
@@ -183,8 +184,8 @@ TEST_F(Diff, TakesWhatARunWrites) {
   run("seven.log", {"--seed", "7"});
   const Outcome same = troupe({"diff", "one.log", "three.log"});
   EXPECT_EQ(same.code, 0) << same.err;
-  EXPECT_THAT(same.out, MatchesRegex("same bits, tick 0 to 20; the last state is [0-9a-f]{16}\n"));
-  EXPECT_THAT(troupe({"diff", "one.log", "seven.log"}).err, HasSubstr("seed is \"7\", but in one.log \"1\""));
+  EXPECT_THAT(same.out, MatchesRegex("same bits, tick 0 to 20; the last state has the hash [0-9a-f]{16}\n"));
+  EXPECT_THAT(troupe({"diff", "one.log", "seven.log"}).err, HasSubstr("seed is \"7\", but \"1\" in one.log"));
   const Outcome other = troupe({"diff", "one.log", "seven.log", "--across-runs"});
   EXPECT_EQ(other.code, 1);
   EXPECT_THAT(other.out,

@@ -173,8 +173,8 @@ TEST_F(Record, ThreadsAndTilesLeaveNoTrace) {
   const Outcome same = troupe({"diff", "one.h5", "three.h5"});
   EXPECT_EQ(same.code, 0) << same.err;
   EXPECT_THAT(same.out,
-              MatchesRegex("same bits, tick 0 to 20, in 21 frames of sensors/.*, pose; the last state is "
-                           "[0-9a-f]{16}\n"));
+              MatchesRegex("same bits, tick 0 to 20, in 21 frames of sensors/.*, pose; the last state has "
+                           "the hash [0-9a-f]{16}\n"));
 }
 
 TEST_F(Record, ChangesNothing) {
@@ -276,8 +276,8 @@ TEST_F(Record, ARecordingOfAnotherRunDoesNotGoOn) {
   const Outcome refused = resume("other.h5");
   EXPECT_EQ(refused.code, k_bad_input);
   EXPECT_EQ(refused.err,
-            "other.h5: error: seed is \"7\" in the recording, \"1\" in this run: the recording belongs to "
-            "another run\n");
+            "other.h5: error: seed is \"7\" in the recording, but \"1\" in this run: the recording belongs "
+            "to another run\n");
   EXPECT_EQ(read("other.h5"), other);
   EXPECT_THAT(resume("room.world").err, HasSubstr("room.world: error: has no complete HDF5 header"));
 
@@ -308,7 +308,7 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   record("first.h5", {"--record-fields", "all"});
   record("seed.h5", {"--seed", "7", "--record-fields", "all"});
   EXPECT_THAT(error_of({"diff", "a.h5", "seed.h5"}),
-              StartsWith("seed.h5: error: seed is \"7\", but in a.h5 \"1\": these are different runs; "
+              StartsWith("seed.h5: error: seed is \"7\", but \"1\" in a.h5: these are different runs; "
                          "--across-runs compares"));
   const Outcome other = troupe({"diff", "first.h5", "seed.h5", "--across-runs"});
   EXPECT_EQ(other.code, 1);
@@ -322,7 +322,7 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   EXPECT_EQ(length.code, 1);
   EXPECT_EQ(
       length.out,
-      "differs in length: short.h5 ends at tick 10, a.h5 continues; same bits from tick 0 until then\n");
+      "differs in length: short.h5 ends at tick 10, but a.h5 continues; same bits from tick 0 until then\n");
 
   record("rare.h5", {"--record-every", "0.7", "--record-fields", "stall"});
   const Outcome rare = troupe({"diff", "a.h5", "rare.h5"});

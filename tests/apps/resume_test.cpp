@@ -253,7 +253,7 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
       {{"resume", "room.world", "--for", "2"}, "room.world: error: this is not a checkpoint"},
       {{"resume", "c.h5"}, "c.h5: error: no end time: give --for SECONDS, or --set /quit_time_s=SECONDS"},
       {{"resume", "c.h5", "--for", "0.5"},
-       "c.h5: error: the checkpoint was saved at 1 s, after the end of the run, 0.5 s"},
+       "c.h5: error: the checkpoint was saved at 1 s, after the end of the run at 0.5 s"},
       {{"resume", "c.h5", "--for", "2", "--hash-log", "c.h5"},
        "c.h5: error: cannot be written: it is the checkpoint, which is read as input"},
       {{"resume", "c.h5", "--for", "2", "--seed", "3"}, "troupe resume: error: unknown option \"--seed\""},

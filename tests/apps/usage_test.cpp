@@ -281,12 +281,12 @@ TEST_F(Describe, FieldsHaveKeyDefaultRangeAndMeaning) {
 
 TEST_F(Describe, DevicesShowWhatTheyReadAndChangeOfOthers) {
   EXPECT_THAT(troupe({"describe", "radio"}).out,
-              HasSubstr("other bodies\n  reads of other bodies, in addition to their poses and shapes: "
+              HasSubstr("other bodies\n  reads, in addition to the poses and shapes of other bodies: "
                         "radio/command, runs\n"));
   EXPECT_THAT(
       troupe({"describe", "flags"}).out,
       HasSubstr("other bodies\n  changes: its own body, a target anywhere in the world, and the bodies "
-                "that these carry or are carried by\n"));
+                "that carry them or that they carry\n"));
   EXPECT_THAT(troupe({"describe", "ranger"}).out, Not(HasSubstr("other bodies\n")));
 }
 

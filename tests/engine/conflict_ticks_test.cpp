@@ -147,6 +147,30 @@ TEST(ConflictTicks, ASolidDoesNotHoldWhoIsInIt) {
   EXPECT_EQ(drive(0.06), Outcome::blocked) << "the other wall never was open to it";
 }
 
+// The poses of bodies that are meant to touch a wall are rounded, so they may overlap it slightly.
+TEST(ConflictTicks, AWallBlocksABodyThatOverlapsItByRounding) {
+  const auto outcome = [](double overlap_m, const Pose& by) {
+    TestCrowd crowd;
+    crowd.kinds.push_back(make_kind({{{rectangle(-0.1, -0.1, 0.1, 0.1)}, {0, 1}}}));
+    crowd.walls.push_back({{rectangle(1, -1, 3, 1)}, {0, 1}});
+    crowd.add(crowd.kinds[0], {0.9 + overlap_m, 0, 0, 0});
+    Motion& m = crowd.motions[0];
+    m.to = {m.from.x + by.x, m.from.y + by.y, 0, by.heading};
+    m.turn = by.heading;
+    m.moves = true;
+    return Ticks(crowd, 1).step()[0];
+  };
+  for (const double rounding_m : {0.0, 2e-16, 0.9e-9}) {
+    EXPECT_EQ(outcome(rounding_m, {0.05, 0, 0, 0}), Outcome::blocked) << rounding_m;
+    EXPECT_EQ(outcome(rounding_m, {0, 0, 0, 0.1}), Outcome::blocked)
+        << rounding_m << ": its corners turn into it";
+    EXPECT_EQ(outcome(rounding_m, {0, 0.05, 0, 0}), Outcome::moved) << rounding_m << ": along the wall";
+    EXPECT_EQ(outcome(rounding_m, {-0.05, 0, 0, 0}), Outcome::moved) << rounding_m;
+  }
+  EXPECT_EQ(outcome(1e-8, {0.05, 0, 0, 0}), Outcome::moved)
+      << "no rounding: it may leave the wall on any way";
+}
+
 /// A room of 0.02 m walls about the origin: four blocks, or one region with a hole as bitmaps make them.
 std::vector<Solid> room(double half, bool region) {
   const double out = half + 0.02;

@@ -198,7 +198,7 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
   EXPECT_THAT(error_of("throwing"), EndsWith("cannot list its kinds: it threw: a table is missing"));
   for (const char* number : {"throwing_a_number", "throwing_at_once"})
     EXPECT_THAT(error_of(number),
-                EndsWith("cannot list its kinds: it threw an exception that is no std::exception"));
+                EndsWith("cannot list its kinds: it threw an exception that is not a std::exception"));
   EXPECT_THAT(error_of("null"), EndsWith("cannot be used: troupe_plugin returns null"));
   EXPECT_THAT(error_of("clash"),
               EndsWith("has two kinds with the name \"clash:idle\", each a controller: rename one"));
@@ -232,7 +232,7 @@ TEST_F(PluginsTest, WhoseControllersThrowAreNamedWithTickAndRobot) {
     EXPECT_EQ(thrown_by("says", threads),
               "tick 3: controller \"thrower:says\" of \"r4\" threw: the map is missing");
     EXPECT_EQ(thrown_by("says_nothing", threads),
-              "tick 3: controller \"thrower:says_nothing\" of \"r4\" threw an exception that is no "
+              "tick 3: controller \"thrower:says_nothing\" of \"r4\" threw an exception that is not a "
               "std::exception");
     EXPECT_THAT(
         thrown_by("for_many", threads),
@@ -241,7 +241,7 @@ TEST_F(PluginsTest, WhoseControllersThrowAreNamedWithTickAndRobot) {
   }
   EXPECT_THAT(
       error_of(json_world(R"({"kind": "thrower:when_made"})"), options({folder_of("plugins")})),
-      EndsWith("error: controller \"thrower:when_made\" threw an exception that is no std::exception"));
+      EndsWith("error: controller \"thrower:when_made\" threw an exception that is not a std::exception"));
 }
 
 TEST_F(PluginsTest, FilesThatAreNoLibrariesAreNotLoaded) {
@@ -404,7 +404,7 @@ TEST_F(PluginSensors, ThatThrowAreNamedWithTickAndRobot) {
   } catch (const engine::StepError& error) {
     EXPECT_THAT(error.what(),
                 MatchesRegex("tick 3: device \"eye\" .thrower:sensor. of \"r[0-2]\", the first of a "
-                             "batch of 3 robots, threw an exception that is no std::exception"));
+                             "batch of 3 robots, threw an exception that is not a std::exception"));
   }
   EXPECT_EQ(error(bots("unpreparable")),
             ":2: error: device \"eye\" (thrower:unpreparable) threw: the map is missing");

@@ -205,7 +205,7 @@ TEST_F(PluginProgram, GoesOnFromACheckpoint) {
 TEST_F(PluginProgram, AControllerThatThrowsEndsTheRunWithAnError) {
   for (const auto& [controller, thrown] :
        {std::pair("says", "threw: the map is missing"),
-        std::pair("says_nothing", "threw an exception that is no std::exception")}) {
+        std::pair("says_nothing", "threw an exception that is not a std::exception")}) {
     write_world(std::string("thrower:") + controller);
     const std::string expected =
         fmt::format("troupe: error: tick 3: controller \"thrower:{}\" of \"r4\" {}\n", controller, thrown);

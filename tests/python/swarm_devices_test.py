@@ -85,9 +85,9 @@ class Devices(unittest.TestCase):
 
     def test_what_is_wrong_changes_nothing(self):
         for error, text, call in (
-            (LookupError, r'unknown field \(device "radio"\) "cuont"; known: ', lambda: self.swarm.readings("cuont", "radio")),
+            (LookupError, r'device "radio": unknown field "cuont"; known: ', lambda: self.swarm.readings("cuont", "radio")),
             (LookupError, 'did you mean "lamp"', lambda: self.swarm.command("lump", red=1)),
-            (LookupError, 'unknown command field .device "lamp". "rde"; known: ',
+            (LookupError, 'device "lamp": unknown command field "rde"; known: ',
              lambda: self.swarm.command("lamp", red=1, rde=1)),
             (ValueError, '"red" has shape .5,.; for a swarm of 6 robots give one number, or one per robot',
              lambda: self.swarm.command("lamp", green=1, red=np.zeros(5))),

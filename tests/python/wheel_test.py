@@ -1,49 +1,73 @@
-"""Tests the wheel that the build backend makes of this build, installed with pip in a temporary folder."""
+"""Tests what the wheel's metadata says of this build, and the functions that find the files of an installation. The wheel
+itself is tested by `scripts/wheel --check` (wheel_check.py), which needs the network."""
 
-import email
-import importlib.util
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import unittest
-import zipfile
 
 import troupe
 from support import HOSPITAL, ROOT, InAFolder
 
-BUILD = pathlib.Path(troupe.__file__).parents[4]
-spec = importlib.util.spec_from_file_location("build_backend", ROOT / "python" / "build_backend.py")
-backend = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(backend)
+PACKAGE = pathlib.Path(troupe.__file__).parent
+PROJECT = (ROOT / "pyproject.toml").read_text()
 
 
-class TheWheel(InAFolder):
-    def test_installs_and_runs(self):
-        name = backend.build_wheel(self.folder, {"build-dir": os.path.relpath(BUILD, ROOT)})
-        self.assertRegex(name, rf"^troupe-{troupe.__version__}-cp3\d+-cp3\d+-linux_\w+\.whl$")
-        with zipfile.ZipFile(name) as wheel:
-            names = set(wheel.namelist())
-            recorded = wheel.read(f"troupe-{troupe.__version__}.dist-info/RECORD").decode().splitlines()
-            about = email.message_from_bytes(wheel.read(f"troupe-{troupe.__version__}.dist-info/METADATA"))
-        self.assertEqual({line.split(",")[0] for line in recorded}, names)
-        self.assertEqual((about["Name"], about["Version"]), ("troupe", troupe.__version__))
-        for file in ("__init__.py", "math.py", "_core.pyi", "py.typed", "envs/__init__.py", "envs/vector.py", "envs/tasks.py"):
-            self.assertIn(f"troupe/{file}", names)
-        if importlib.util.find_spec("pip") is None:
-            zipfile.ZipFile(name).extractall("site")
-        else:
-            pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--target", "site", name]
-            subprocess.run(pip, check=True)
-        code = ("import troupe; world = troupe.Simulation(%r, robots=10); world.step(3); "
-                "print(troupe.__file__); print(world.state_hash())" % str(HOSPITAL))
-        done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(self.folder / "site")},
-                              stdout=subprocess.PIPE, text=True, check=True)
-        where, state = done.stdout.split()
-        self.assertTrue(where.startswith(str(self.folder)), where)
-        world = troupe.Simulation(HOSPITAL, robots=10)
-        world.step(3)
-        self.assertEqual(int(state), world.state_hash())
+def value(key):
+    return re.search(rf"^{key} = (.*?)(?:  #.*)?$", PROJECT, re.M)[1].strip('"')
+
+
+class TheProject(unittest.TestCase):
+    def test_version_is_that_of_cmake(self):
+        expression = value("regex").replace("\\\\", "\\")
+        found = re.search(expression, (ROOT / value("input")).read_text())
+        self.assertEqual(found["value"], troupe.__version__)
+
+    def test_command(self):
+        self.assertEqual(value("troupe"), "troupe.__main__:main")
+        code = ("import os, sys; from troupe.__main__ import main; sys.argv = ['troupe', '--version']; code = main(); "
+                "sys.stdout.flush(); print(os.environ['TROUPE_PYTHON'], code)")
+        environment = {name: text for name, text in os.environ.items() if name != "TROUPE_PYTHON"}
+        lines = subprocess.run([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True,
+                               check=True).stdout.splitlines()
+        self.assertTrue(any(line.startswith(troupe.version_line()) for line in lines), lines)
+        self.assertIn(f"{sys.executable} 0", lines)
+        environment["TROUPE_PYTHON"] = "another"  # a choice of the user
+        done = subprocess.run([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True, check=True)
+        self.assertIn("another 0", done.stdout)
+
+
+class Folders(InAFolder):
+    def test_of_the_build_tree(self):
+        self.assertEqual(troupe.worlds_dir(), HOSPITAL.parent)
+        self.assertEqual(troupe.cmake_dir(), PACKAGE.parents[3])
+
+    def installed(self, *files):
+        """Copies the package to a folder like that of a wheel, with these files in it."""
+        for file in ("__init__.py", *files):
+            path = self.folder / "troupe" / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text("")
+        (self.folder / "troupe" / "_files.py").write_text((PACKAGE / "_files.py").read_text())
+
+    def call(self, function):
+        code = f"import troupe._files as files\ntry: print(files.{function}())\nexcept FileNotFoundError as e: print(e)"
+        return subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(self.folder)},
+                              stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+
+    def test_of_a_wheel(self):
+        self.installed("lib/cmake/troupe/troupeConfig.cmake", "share/troupe/worlds/hospital.json")
+        self.assertEqual(self.call("cmake_dir"), f"{self.folder}/troupe/lib/cmake/troupe")
+        self.assertEqual(self.call("worlds_dir"), f"{self.folder}/troupe/share/troupe/worlds")
+
+    def test_of_neither(self):
+        self.installed()
+        self.assertRegex(self.call("cmake_dir"),
+                         f"^this installation of troupe has no CMake package: there is no troupeConfig.cmake in "
+                         f"{self.folder}/troupe/lib/cmake/troupe; wheels, and the prefix of cmake --install, contain it$")
+        self.assertRegex(self.call("worlds_dir"), "^this installation of troupe has no worlds: ")
 
 
 if __name__ == "__main__":

@@ -330,11 +330,11 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   constexpr std::invalid_argument* k_argument = nullptr;
   constexpr std::out_of_range* k_name = nullptr;
   is_wrong(
-      k_argument, [](auto& s, auto&) { s.copies = 0; }, "0 copies of the world: give 1 to 1000000");
+      k_argument, [](auto& s, auto&) { s.copies = 0; }, "has 0 copies of the world: give 1 to 1000000");
   is_wrong(
-      k_argument, [](auto& s, auto&) { s.ticks = 0; }, "0 ticks per step");
+      k_argument, [](auto& s, auto&) { s.ticks = 0; }, "has 0 ticks: give 1 or more");
   is_wrong(
-      k_argument, [](auto& s, auto&) { s.seconds = NAN; }, "episodes of nan s");
+      k_argument, [](auto& s, auto&) { s.seconds = NAN; }, "episodes are nan s long");
   is_wrong(
       k_argument, [](auto& s, auto&) { s.teams.clear(); }, "has no teams");
   is_wrong(
@@ -358,10 +358,10 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       k_name, [](auto&, auto& t) { t.actions[0].command = "forwards"; }, "unknown command of a drive");
   is_wrong(
       k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; },
-      "unknown command (device \"lamp\") \"reed\"");
+      "device \"lamp\": unknown command \"reed\"");
   is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[0].of.array = "gold"; },
-      "unknown array (team \"bots\") \"gold\"");
+      "team \"bots\": unknown array \"gold\"");
   is_wrong(
       k_argument, [](auto&, auto& t) { t.rewards[0].of.column = 4; },
       "there is no column 4 in array \"goal\", which has 4 columns");

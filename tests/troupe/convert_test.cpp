@@ -247,7 +247,7 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
                     "the value of \"most_targets\""),
           HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": its device "
                     "\"pack\" of kind power_pack: Stage has no such device"),
-          HasSubstr("that it has no device \"power\": when the written file is")));
+          HasSubstr("it has no device \"power\", but when the written file is")));
 }
 
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {

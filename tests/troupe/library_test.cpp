@@ -474,11 +474,11 @@ TEST(Readings, TellEverySensor) {
 TEST(Readings, SayWhatThereIsInstead) {
   Simulation simulation(show());
   const Model robot = simulation.find("r0");
-  EXPECT_THAT(message_of<std::out_of_range>([&] { robot.readings<float>("dept"); }),
-              AllOf(HasSubstr("unknown field (all devices of \"r0\") \"dept\""),
-                    HasSubstr("did you mean \"depth\"")));
+  EXPECT_THAT(
+      message_of<std::out_of_range>([&] { robot.readings<float>("dept"); }),
+      AllOf(HasSubstr("devices of \"r0\": unknown field \"dept\""), HasSubstr("did you mean \"depth\"")));
   EXPECT_THAT(message_of<std::out_of_range>([&] { robot.readings<float>("depth", "eye"); }),
-              HasSubstr("unknown field (device \"eye\" of \"r0\") \"depth\"; known: bearing, body"));
+              HasSubstr("device \"eye\" of \"r0\": unknown field \"depth\"; known: bearing, body"));
   EXPECT_THAT(
       message_of<std::out_of_range>([&] { robot.readings<float>("depth", "came"); }),
       HasSubstr("\"r0\" has no device \"came\"; it has: eye, blobs, skin, cam, floor, sun, talk, lamp"));

@@ -126,8 +126,8 @@ TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {
               HasSubstr("run.h5: error: /frames/tick ends before tick 6, but the run continues at tick 15"));
   Simulation other(world_, {.robots = {{"r", 7}}});
   EXPECT_THAT(error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),
-              HasSubstr("run.h5: error: robots is \"8\" in the recording, \"7\" in this run: the recording "
-                        "belongs to another run"));
+              HasSubstr("run.h5: error: robots is \"8\" in the recording, but \"7\" in this run: the "
+                        "recording belongs to another run"));
 }
 
 TEST_F(RecordingTest, ForgottenToCloseIsClosedAllTheSame) {

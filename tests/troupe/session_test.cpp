@@ -288,7 +288,7 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
   EXPECT_THAT(refusal({.kind = Kind::hold, .whom = "rock", .speed = {1, 0, 0}}), HasSubstr("has no drive"));
   EXPECT_THAT(
       refusal({.kind = Kind::speed, .whom = "b0", .speed = {std::numeric_limits<double>::infinity(), 0, 0}}),
-      HasSubstr("speed inf"));
+      HasSubstr("a speed is inf"));
   EXPECT_THAT(refusal({.kind = Kind::release, .whom = "b0"}), HasSubstr("not held"));
   EXPECT_THAT(refusal({.kind = Kind::enable, .whom = "b0"}), HasSubstr("not disabled"));
   EXPECT_THAT(refusal({.kind = Kind::add, .whom = "x"}), HasSubstr("no population \"x\" with a reserve"));
@@ -327,8 +327,8 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
   EXPECT_EQ(error(good + move), "");
   EXPECT_THAT(
       error(good, 6),
-      HasSubstr(
-          "s.jsonl:1: error: the session belongs to another run: seed is 5 in the session, 6 in this run"));
+      HasSubstr("s.jsonl:1: error: the session belongs to another run: seed is 5 in the session, but 6 in "
+                "this run"));
   std::string other = good;
   other.replace(other.find("\"hash\":\"") + 8, 4, "0000");
   EXPECT_THAT(error(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 with state hash 0000"));
@@ -340,8 +340,8 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
                     "\n"),
               HasSubstr("s.jsonl:3: error: at tick 4: \"b0\" is not in the world"));
   for (const auto& [line, message] : std::vector<std::pair<std::string, std::string>>{
-           {R"({"tick":3,"n":2,"do":"remove","robot":"b0"})", "found act 2 after act 0"},
-           {R"({"tick":3,"n":1,"do":"fly","robot":"b0"})", "unknown act \"fly\""},
+           {R"({"tick":3,"n":2,"do":"remove","robot":"b0"})", "found action 2 after action 0"},
+           {R"({"tick":3,"n":1,"do":"fly","robot":"b0"})", "unknown action \"fly\""},
            {R"({"tick":3,"n":1,"do":"remove","robot":"b0","x":1})", "x"},
            {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1,2]})",
             "expected [x, y, z, heading], m and rad"},
@@ -380,7 +380,7 @@ TEST_F(Sessions, SpareBodiesComeBehindAllOthersAndAreAdded) {
   EXPECT_THAT(
       [&] { const SessionReplay replay(session, other); },
       ::testing::ThrowsMessage<InputError>(HasSubstr(
-          ":1: error: the session belongs to another run: spare is 2 in the session, 1 in this run")));
+          ":1: error: the session belongs to another run: spare is 2 in the session, but 1 in this run")));
 }
 
 TEST_F(Sessions, AreNeverReplaced) {

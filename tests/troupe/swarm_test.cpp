@@ -180,8 +180,8 @@ TEST(Swarms, SayWhatIsWrong) {
   EXPECT_EQ(message_of<std::out_of_range>([&] { bots.ranges(ranges, "ear"); }),
             "\"b0\" has no ranger \"ear\"; it has: eye, nape");
   EXPECT_EQ(message_of<std::invalid_argument>([&] { static_cast<void>(simulation.swarm().beams("eye")); }),
-            "robots with different rangers: the ranger of \"b0\" has 3 beams, that of \"t0\" has 5; use a "
-            "swarm of one type");
+            "the robots have different rangers: the ranger of \"b0\" has 3 beams, that of \"t0\" has 5; use "
+            "a swarm of one type");
   ranges.pop_back();
   EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.ranges(ranges); }),
             "found a span of 8 elements, but 3 robots with 3 beams each need 9, one per robot and beam");
@@ -319,19 +319,19 @@ TEST(SwarmDevices, SayWhatIsWrong) {
   Swarm all = simulation.swarm();
   std::vector<std::byte> bytes(4);
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "cuont", "radio"); }),
-              HasSubstr("unknown field (device \"radio\") \"cuont\"; known: bearing, count, "));
+              HasSubstr("device \"radio\": unknown field \"cuont\"; known: bearing, count, "));
   EXPECT_THAT(
       message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
-      HasSubstr("unknown device (robot \"b0\") \"radoi\"; known: lamp, radio (did you mean \"radio\"?)"));
+      HasSubstr("robot \"b0\": unknown device \"radoi\"; known: lamp, radio (did you mean \"radio\"?)"));
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.command_fields("eye"); }),
-              HasSubstr("unknown device that takes commands (robot \"b0\") \"eye\"; known: lamp, radio"));
+              HasSubstr("robot \"b0\": unknown device that takes commands \"eye\"; known: lamp, radio"));
   EXPECT_THAT(message_of<std::invalid_argument>([&] { all.readings(bytes, "count", "radio"); }),
               HasSubstr("found 4 bytes for \"count\" of 4 robots with 1 columns each"));
   bytes.resize(4 * 5 * 4);
   EXPECT_THAT(
       message_of<std::invalid_argument>([&] { all.readings(bytes, "payload", "radio"); }),
-      HasSubstr("robots with different devices: \"payload\" of \"b0\" has 20 columns of type uint8, that of "
-                "\"t0\" has 40"));
+      HasSubstr("the robots have different devices: \"payload\" of \"b0\" has 20 columns of type uint8, that "
+                "of \"t0\" has 40"));
 }
 
 }  // namespace

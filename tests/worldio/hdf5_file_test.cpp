@@ -129,7 +129,7 @@ TEST_F(Hdf5, AttributesAndTexts) {
   EXPECT_THAT(error_of([&] { file.text("layout"); }), HasSubstr("that is not a text"));
   EXPECT_THAT(error_of([&] { file.integer("tick_s"); }), HasSubstr("that is not an integer"));
   EXPECT_THAT(error_of([&] { file.number("layout"); }), HasSubstr("that is not a number"));
-  EXPECT_THAT(error_of([&] { file.read_text("names"); }), HasSubstr("/names is not one text"));
+  EXPECT_THAT(error_of([&] { file.read_text("names"); }), HasSubstr("/names must be one text, but it is "));
 }
 
 TEST_F(Hdf5, RowsAreAppendedAndCutOff) {
@@ -146,7 +146,7 @@ TEST_F(Hdf5, RowsAreAppendedAndCutOff) {
     tick.append(std::span<const std::uint64_t>());
     tick.resize(2);
     EXPECT_THAT(error_of([&] { x.append(std::span<const double>(values).first(3)); }),
-                HasSubstr("/x has rows of 2 values: 3 values are no whole number of rows"));
+                HasSubstr("/x has rows of 2 values: 3 values are not a whole number of rows"));
   }
   const Hdf5File file = Hdf5File::open(file_);
   std::vector<double> row(2);

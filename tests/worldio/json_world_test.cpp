@@ -165,7 +165,7 @@ TEST(JsonWorld, ModelsMayHaveNumbersForFinders) {
       ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: give the model a type "
                   "without \"fiducial_return\" instead",
                   "maze.json:4: error: /models/1/fiducial_return: a model can have its own "
-                  "\"fiducial_return\" only if that of its type is not 0"));
+                  "\"fiducial_return\" only if its type has one that is not 0"));
 }
 
 TEST(JsonWorld, SettingsAndUnits) {
@@ -636,8 +636,8 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:18: error: /populations/0/place: unknown key "pitch_m"; known: heading_deg, heading_rad, polygon_m, region_m, rule, z_cm, z_m, z_mm)"},
         Wrong{R"("rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25)",
               R"("rule": "uniform", "region_m": [[0, 0], [0.1, 0.1]])",
-              "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: 1000 random poses "
-              "for the next body were not free"},
+              "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: none of 1000 random "
+              "poses for the next body was free"},
         Wrong{
             R"("region_m": [[0, 0], [1, 1]], )", "",
             R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]], or "polygon_m": one of them is needed, because the world has no bounds, floor plans or arena)"},
@@ -813,7 +813,8 @@ TEST(JsonWorld, RobotsSetAPopulation) {
               ElementsAre("--robots t=3: error: unknown population \"t\"; known: r, s"));
   EXPECT_THAT(
       load("{\"troupe\": 1}", {{"", 3}}).found,
-      ElementsAre("--robots 3: error: the world has no population whose number of robots could be set"));
+      ElementsAre("--robots 3: error: the number of robots can be set only for a population, but the world "
+                  "has none"));
   EXPECT_THAT(
       load(k_world, {{"r", ~std::size_t{0}}}).found,
       ElementsAre(

@@ -903,7 +903,7 @@ TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: controller \"wander\" must be in a model of type "
                                       "position, which has a drive; this model is of type model",
                                       "w.world:2: error: controller \"wander\" must be in a model of type "
-                                      "position, which has a drive; this one, inside another "
+                                      "position, which has a drive; this model, inside another "
                                       "model, is of type ranger"));
 }
 

@@ -44,7 +44,7 @@ enum class Form : std::uint8_t {
   contours,         ///< std::vector<Ring>: a list of outlines, each [[x, y], ...], m
   joint,            ///< JointName: a text or null
   comparison,       ///< ComparisonDocument: a text such as `>= 0.9`
-  kept,             ///< JsonNode: stored unread, because its keys depend on other objects
+  kept,             ///< JsonNode: stored uninterpreted, because its valid keys depend on other objects
   kind,             ///< std::string: the name of one of DocumentTable::kinds
   parameters,       ///< engine::Record: the parameters of the kind, which are keys of the same object
   faults,  ///< std::vector<FaultDocument::Impairment>: each entry is a key of the object, the name of
@@ -63,12 +63,12 @@ struct DocumentKey {
   std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors
   std::size_t least = 0;          ///< minimum number of entries of a list, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
-  bool always = false;         ///< the writer writes even a default value, except a z of 0 in a pose
+  bool always = false;         ///< true: the writer also writes default values, except a z of 0 in a pose
   bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
   std::optional<engine::Field>
       other;  ///< used in place of `field` if the kind of the object has a parameter of the same name
-  std::uint32_t variants = ~0u;               ///< bit i: whether an object may have this key if the value
-                                              ///< of the key DocumentTable::variant is its i-th choice
+  std::uint32_t variants = ~0u;               ///< bit i is 1 if an object may have this key when its key
+                                              ///< DocumentTable::variant has the i-th of its choices
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
   /// Returns whether a JSON object may have this key, given its other keys. Null: it always may.
@@ -120,7 +120,8 @@ struct DocumentKey {
     most = at_most;
     return *this;
   }
-  /// Sets the name that the key has in objects whose kind has a parameter with the usual name of the key.
+  /// Sets another name for the key. The key has this name in objects whose kind has a parameter that is
+  /// called like the key, so that the names do not clash.
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
@@ -188,7 +189,7 @@ struct DocumentShorthand {
   std::optional<std::string> (*write)(const void* object, const engine::Registry& registry);
   /// Returns the JSON schemas of the texts: a text is valid if it fits one of them.
   std::vector<JsonNode> (*schemas)(const engine::Registry& registry);
-  bool before_object = false;  ///< in the schema, the text is the alternative before the object
+  bool before_object = false;  ///< true: the schema lists the text before the object; false: after it
 };
 
 /// The description of a struct: its keys, and rules for them.
@@ -212,8 +213,8 @@ struct DocumentTable {
   const DocumentKey* find(std::string_view name) const;
 };
 
-/// Reads `text`, which is all or part of the value at `at`, as a comparison such as `>= 0.9`. Empty, with an
-/// error at `at`, if the text is not a comparison.
+/// Reads `text`, which is all or part of the value at `at`, as a comparison such as `>= 0.9`. If the text is
+/// not a comparison, reports an error at `at` and returns nothing.
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
 /// Returns the regular expression that comparisons match, for the schema.
 std::string comparison_pattern();
@@ -225,9 +226,9 @@ const DocumentTable& document_table();
 /// Returns the field that describes the angle of a HeadingDocument, in radians or degrees. It is the field
 /// `heading` of a pose.
 const engine::Field& heading_field();
-/// Returns the field that describes a key in an object whose kind has the parameters `params` (null if the
-/// object has no kind): DocumentKey::other if it is set and one of the parameters has the usual name of the
-/// key, else DocumentKey::field.
+/// Returns the field that describes a key of an object. `params` are the parameters of the object's kind;
+/// null if the object has no kind. The result is DocumentKey::other if this is set and one of the parameters
+/// has the usual name of the key, else DocumentKey::field.
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
 namespace detail {

@@ -259,7 +259,7 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
     model.body.fiducial = *document.fiducial_return;
     if (model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
       DocumentPath(at, "fiducial_return", document.where_of("fiducial_return"))
-          .error("a model can have its own \"fiducial_return\" only if that of its type is not 0");
+          .error("a model can have its own \"fiducial_return\" only if its type has one that is not 0");
   }
   models_.push_back(std::move(model));
 }
@@ -498,7 +498,7 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
                                                    : std::string_view());
     }
   if (names.empty()) {
-    diagnostics.error(where, "the world has no population whose number of robots could be set");
+    diagnostics.error(where, "the number of robots can be set only for a population, but the world has none");
     return std::nullopt;
   }
   if (name.empty()) {

@@ -33,8 +33,8 @@ void contract_experiment(const engine::WorldSpec& spec, std::span<const std::str
 
 /// Reads new parameters of a type from JSON: {"drive": {...}}, {"device": {"name": ..., ...}} or
 /// {"controller": {"kind": ..., ...}}, as in the intervention `set` of a world file. type: TypeSpec::name of
-/// a type of `spec`. Empty, with errors that have no place in a file, if the JSON is wrong or the type does
-/// not have these parameters.
+/// a type of `spec`. If the JSON is wrong or the type does not have these parameters, returns nothing and
+/// reports errors, which name no file.
 std::optional<engine::SettingSpec> read_setting(std::string_view type, std::string_view json,
                                                 const engine::Registry& registry,
                                                 const engine::WorldSpec& spec, Diagnostics& diagnostics);

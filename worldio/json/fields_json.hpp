@@ -39,8 +39,8 @@ engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 
-/// Reads a colour: an X11 name, or [r, g, b] or [r, g, b, a] with numbers from 0 to 1. Empty, with an error,
-/// if the value is none of these.
+/// Reads a colour: an X11 name, or [r, g, b] or [r, g, b, a] with numbers from 0 to 1. If the value is none
+/// of these, reports an error and returns nothing.
 std::optional<Color> read_color(const JsonCursor& at);
 
 // Every written value reads back as the same bits. An angle is therefore written in degrees only if the

@@ -13,8 +13,8 @@ namespace troupe::worldio {
 /// types of the world. An included file is an object with the keys `types`, `include`, `troupe` and
 /// `$schema`. Its path is relative to the file that includes it; paths of images in it are relative to its
 /// own folder. A file that is included several times counts once. `file` is the file of the world. Each node
-/// keeps its file and line. Reports files that cannot be read, circles of includes, other keys, and two types
-/// of one name.
+/// keeps its file and line. Reports files that cannot be read, files that include each other in a circle,
+/// keys that an included file must not have, and two types of one name.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// Replaces the key `extends` of each type of a world, which names another type, by the keys of that base

@@ -18,14 +18,15 @@
 /// Converts the shapes of body types and of their parts between JSON documents and specs (engine::PartSpec).
 namespace troupe::worldio {
 
-/// Reads a list of points [[x, y], ...], m. Empty, with an error, if a value is wrong or if there are fewer
-/// than `least` or more than `most` points.
+/// Reads a list of points [[x, y], ...], m. If a value is wrong, or if there are fewer than `least` or more
+/// than `most` points, reports an error and returns an empty list.
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least,
                               std::size_t most = std::numeric_limits<std::size_t>::max());
 /// Returns the list [[x, y], ...] of these points, m.
 JsonNode points_node(std::span<const Vec2> points);
 
-/// Reads a box [[x_min, y_min], [x_max, y_max]], m. Empty, with an error, if the value is not such a box.
+/// Reads a box [[x_min, y_min], [x_max, y_max]], m. If the value is not such a box, reports an error and
+/// returns nothing.
 std::optional<Box> read_box(const JsonCursor& at);
 
 /// Checks that a ring, which must not be empty, can be the outline of a block. Returns an error if a point
@@ -50,9 +51,9 @@ struct ExpandedImage {
   Eigen::Vector3d size{0, 0, 0};  ///< m; for a ROS map, x and y follow from the map
 };
 /// Reads the image of a part or floor plan. `object` is this part or floor plan, and `at` is its path; both
-/// are used for errors. Empty, with an error, if the image cannot be read or has nothing solid. Also empty,
-/// without an error, if the document has no image, or if the size of the image is missing: the reader of
-/// documents has already reported a missing size.
+/// are used for errors. Returns nothing if the document has no image. If the image cannot be read or has no
+/// solid pixel, reports an error and returns nothing. If the size of the image is missing, returns nothing
+/// without an error, because the reader of documents has already reported the missing size.
 std::optional<ExpandedImage> expand_image(const ImageDocument& document, const Placed& object,
                                           const DocumentPath& at, ImageFolder& images);
 /// The inverse of expand_image(): returns the document of an image that is scaled to `size`, m. The path of
@@ -75,9 +76,9 @@ Eigen::Vector3d contract_shape(const engine::PartSpec& part, const std::filesyst
 void contract_extent(const engine::PartSpec& part, const Eigen::Vector3d& size_expanded,
                      PartDocument& document);
 
-/// Returns the solids, in the frame of the body, of a box of `size`, m, (if given) and of `blocks`. The box
-/// and the blocks whose `frame` is `part` are in the frame of the part, whose pose in the body is
-/// `pose_body_part`.
+/// Returns the solids of a part in the frame of the body: those of `blocks` and, if `size` is given, a box of
+/// this size, m. The box, and the blocks whose `frame` is `part`, are given in the frame of the part;
+/// `pose_body_part` is the pose of the part in the frame of the body.
 std::vector<Solid> expand_solids(const std::optional<Eigen::Vector3d>& size,
                                  std::span<const BlockDocument> blocks, const Pose& pose_body_part);
 /// Sets the size of a part, m, to the extent of its solids along x, y and z of the body. A part without

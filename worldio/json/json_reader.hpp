@@ -86,10 +86,10 @@ class JsonObject {
   std::vector<std::string> known_;
 };
 
-/// Returns the list at a cursor. Null, with an error, if the value is not a list.
+/// Returns the list at a cursor. If the value is not a list, reports an error and returns null.
 const JsonNode::List* read_list(const JsonCursor& at);
-/// Returns the text at a cursor. Null, with an error, if the value is not a text or is empty. The error says
-/// that `what` is expected, such as "the name of a type".
+/// Returns the text at a cursor. If the value is not a text or is empty, returns null and reports an error,
+/// which says that `what` is expected, such as "the name of a type".
 const std::string* read_text(const JsonCursor& at, std::string_view what);
 
 }  // namespace troupe::worldio

@@ -26,8 +26,8 @@ WorldDocument read_json_document(const JsonNode& document, const engine::Registr
                                  const LoadOptions& options, Diagnostics& diagnostics);
 
 /// Parses `text`, applies the changes in `options` with change_json_world(), and reads the result with
-/// read_json_document(). `file` is the name of the world in error messages. Empty, with errors, if the text
-/// is not JSON.
+/// read_json_document(). `file` is the name of the world in error messages. If the text is not JSON, reports
+/// errors and returns nothing.
 std::optional<WorldDocument> load_json_document(const std::filesystem::path& file, const std::string& text,
                                                 const engine::Registry& registry, const LoadOptions& options,
                                                 Diagnostics& diagnostics);
@@ -57,8 +57,9 @@ engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonN
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics);
 
-/// Returns the document that, as the content of `file`, reads back as this world to the last bit. The result
-/// is read back to check this. Empty, with errors, if JSON cannot express the world.
+/// Returns a document from which, as the content of `file`, the loader makes this world again, to the last
+/// bit. The function loads the document to check this. If JSON cannot express the world, it reports errors
+/// and returns nothing.
 /// - The bodies of populations are written one by one, as entries of `models`.
 /// - An angle is written in degrees if the degrees convert back to the same radians.
 /// - An image is written with a path relative to the folder of `file` if it still gives the same solids;

@@ -142,7 +142,7 @@ std::optional<Act> act_of(JsonObject& object, std::string_view what) {
   const std::vector<std::string_view> known(engine::k_acts.begin(), engine::k_acts.end());
   const auto kind = std::ranges::find(known, what);
   if (kind == known.end()) {
-    object.at().error(unknown_name("act", what, known));
+    object.at().error(unknown_name("action", what, known));
     return {};
   }
   Act act{.kind = static_cast<Kind>(kind - known.begin())};
@@ -150,7 +150,7 @@ std::optional<Act> act_of(JsonObject& object, std::string_view what) {
   return act;
 }
 
-std::string read_do(JsonObject& object) { return read_name(object, "do", "the name of an act"); }
+std::string read_do(JsonObject& object) { return read_name(object, "do", "the name of an action"); }
 
 SessionHeader read_header(JsonObject& object) {
   SessionHeader header;
@@ -177,8 +177,8 @@ SessionHeader read_header(JsonObject& object) {
 /// Reads a line after the header, which has an act or the end of the session, and adds it to `session`.
 void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.findings().size();
-  LoggedAct logged{.tick = read_count(object, "tick", "the tick at whose end the act was done"),
-                   .n = read_count(object, "n", "the number of the act, counted from 1"),
+  LoggedAct logged{.tick = read_count(object, "tick", "the tick at the end of which the action was applied"),
+                   .n = read_count(object, "n", "the number of the action, counted from 1"),
                    .act = {},
                    .where = object.at().where()};
   const std::string what = read_do(object);
@@ -190,11 +190,11 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
     object.at().error("no line may follow the line that ends the session");
   else if (logged.tick < last)
     object.at().error(fmt::format(
-        "tick {} is less than tick {} of an earlier line: acts must be in the order of their ticks",
+        "tick {} is less than tick {} of an earlier line: actions must be in the order of their ticks",
         logged.tick, last));
   else if (logged.n != session.acts.size() + 1)
-    object.at().error(fmt::format("found act {} after act {}: acts must be numbered 1, 2, 3, ...", logged.n,
-                                  session.acts.size()));
+    object.at().error(fmt::format("found action {} after action {}: actions must be numbered 1, 2, 3, ...",
+                                  logged.n, session.acts.size()));
   else if (what == k_end)
     session.end = logged.tick;
   else if (act) {

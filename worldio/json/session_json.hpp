@@ -26,9 +26,9 @@ struct SessionHeader {
   std::vector<std::pair<std::string, std::string>> options;
 };
 
-/// An act and the tick at whose end it was done.
+/// An act, and the tick after which it was done.
 struct LoggedAct {
-  std::uint64_t tick = 0;  ///< the act was done at the end of this tick
+  std::uint64_t tick = 0;  ///< number of ticks that were completed when the act was done
   std::uint64_t n = 0;     ///< number of the act in the session, from 1
   engine::Act act;
   Where where;  ///< line of the act in the file
@@ -44,8 +44,9 @@ struct Session {
 };
 
 /// Return the header, the line of an act, and the last line of a session, without line ends. `tick` is the
-/// tick at whose end the act was done or the session ended. `n` is the number of the line, where the first
-/// line after the header has number 1. The functions throw std::invalid_argument for text that is not UTF-8.
+/// number of ticks that were completed when the act was done or the session ended. `n` is the number of the
+/// line; the first line after the header has number 1. The functions throw std::invalid_argument for text
+/// that is not UTF-8.
 ///@{
 std::string header_line(const SessionHeader& header);
 std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act);
@@ -53,7 +54,7 @@ std::string end_line(std::uint64_t tick, std::uint64_t n);
 ///@}
 
 /// Reads an act: `{"do": "move", "robot": "r0", "pose": [1, 2, 0, 0.5]}`. The keys in `also` are allowed and
-/// ignored. Empty, with errors at `where`, if it is not an act.
+/// ignored. If `json` is not an act, reports errors at `where` and returns nothing.
 std::optional<engine::Act> read_act(std::string_view json, const std::vector<std::string_view>& also,
                                     Where where, Diagnostics& diagnostics);
 

@@ -42,7 +42,7 @@ StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& reg
 /// cannot represent these. Throws it also for a kind that is not registered.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// Returns the keys that stand for the types of a world when the world is stored: "0", "1", ...
+/// Returns the keys that the types of a world have in a stored world: their indices "0", "1", ...
 std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
 
 /// JSON pointers to the values of a stored world that --set may change, for messages. These values affect

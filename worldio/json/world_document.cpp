@@ -439,7 +439,7 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
                                 "name of the joint that moves the device; null: no joint moves it");
   };
   if (is_own) kind();
-  d.template other<&D::name>(Form::name, "name", "name, which no other device of the type may have",
+  d.template other<&D::name>(Form::name, "name", "name of the device; unique within the type",
                              is_own             ? "the device's name"
                              : word == "sensor" ? "the sensor's name"
                                                 : "the device's name");
@@ -522,7 +522,7 @@ void describe_body(DocumentKeys<P>& d) {
 
 template <class P>
 void describe_contents(DocumentKeys<P>& d) {
-  d.template object<&P::device>("device", "the device that the body or the part itself is");
+  d.template object<&P::device>("device", "makes the body or the part itself a device, such as an actuator");
   d.template list<&P::sensors>("sensors", "devices that only observe the world");
   d.template list<&P::devices>("devices", "devices that act, by themselves or on command");
   d.template object<&P::controller>("controller");
@@ -983,7 +983,8 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
       Form::box, "bounds_m",
       "rectangle that robots may not leave; default: that of the floor plans and the arena");
   d.object<&WorldDocument::ground>("ground");
-  d.object<&WorldDocument::record>("record", "which file a run records, and which fields of the state");
+  d.object<&WorldDocument::record>(
+      "record", "recording of a run: its file, its interval and the fields of the state that it contains");
   d.other<&WorldDocument::watch>(Form::block, "watch", "whether a run prints the time, and how fast it runs")
       .block = &engine::watch_fields();
   d.other<&WorldDocument::window>(Form::block, "window", "the view that --camera window draws").block =

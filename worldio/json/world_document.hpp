@@ -163,7 +163,7 @@ struct PartDocument : Placed {
   std::string kind;                ///< type of the Stage model; empty: "position" with a drive, else "model"
   std::optional<Pose> pose;        ///< in the frame of the body
   std::optional<JointName> joint;  ///< joint that moves the part; empty: that of the enclosing part
-  ImageDocument image;             ///< without a bitmap, only `size` is used: of the box or the fitted blocks
+  ImageDocument image;             ///< without a bitmap: only the `size` of the box or of the fitted blocks
   bool fit = false;                ///< true: the blocks together are scaled to image.size
   std::optional<Pose> origin;      ///< pose of the centre of the image or of the fitted blocks, part frame
   std::optional<DiscDocument> disc;  ///< a cylinder about the origin, in addition to the blocks
@@ -215,7 +215,7 @@ struct ModelDocument : Placed {
   std::string name;            ///< unique in the world
   std::string alias;           ///< another name; empty: none
   std::string type;            ///< a key of WorldDocument::types
-  std::string reserve_of;      ///< population whose reserve has the body; empty: it exists from the start
+  std::string reserve_of;      ///< population to whose reserve it belongs; empty: it exists from the start
   Pose pose;                   ///< in the world frame
   std::optional<Color> color;  ///< colour of the body; empty: that of its type
   std::optional<std::int32_t> fiducial_return;  ///< number that fiducial finders read; empty: the type's
@@ -316,7 +316,8 @@ struct MoveDocument : Placed {
 };
 
 /// New parameters of the drive, a device or a controller, for all bodies of a type. Exactly one of `drive`,
-/// `device` and `controller` is given, as unread JSON, because the type decides which parameters are valid.
+/// `device` and `controller` is given. It is stored as uninterpreted JSON, because the type determines which
+/// parameters are valid.
 struct SettingDocument : Placed {
   std::string type;                                        ///< a key of WorldDocument::types
   std::optional<JsonNode> drive;                           ///< new parameters of the drive

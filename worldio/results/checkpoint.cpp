@@ -275,7 +275,7 @@ Memories Checkpoint::memories() const {
     for (const std::string& name : group.names()) {
       const Hdf5Dataset dataset = group.dataset(name);
       if (dataset.element() != Element::u8)
-        dataset.fail("does not consist of bytes, as the memory of an observer must");
+        dataset.fail("must consist of bytes, because it is the memory of an observer");
       std::vector<std::byte>& memory = memories[dataset.text("name")];
       memory.resize(dataset.values());
       dataset.read_bytes(0, memory);
@@ -296,8 +296,8 @@ void Checkpoint::restore(engine::World& world) const {
     const auto fill = [this](std::span<StateTable> tables) { restore_tables(tables); };
     if (!world.restore(tick_, counters_, state_hash_, fill))
       throw InputError(
-          fmt::format("{}: error: the state does not have the hash that it had when it was saved, {}: the "
-                      "file is damaged, or this program reads it differently from the one that wrote it",
+          fmt::format("{}: error: the hash of the state is not {}, its value when the state was saved: the "
+                      "file is damaged, or this program reads it differently from the program that wrote it",
                       file_.string(), hex(state_hash_)));
   });
 }

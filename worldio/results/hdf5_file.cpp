@@ -116,7 +116,7 @@ hid_t datasets() {
 Result<> check_own(hid_t dataset) {
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
   if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
-    return Error{"stores its values in other files; allowed are values in the same file"};
+    return Error{"stores its values in other files; they must be in this file"};
   const int filters = H5Pget_nfilters(creation.get());
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;
@@ -124,8 +124,9 @@ Result<> check_own(hid_t dataset) {
     const H5Z_filter_t filter = H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values,
                                                nullptr, 0, nullptr, nullptr);
     if (filter >= H5Z_FILTER_RESERVED)
-      return Error{fmt::format("is compressed by filter {}, a plug-in of HDF5, which no file of Troupe needs",
-                               filter)};
+      return Error{fmt::format(
+          "is compressed by filter {}, a plug-in of HDF5; only filters that are part of HDF5 are allowed",
+          filter)};
   }
   return {};
 }
@@ -476,7 +477,7 @@ void Hdf5Dataset::append(const void* from, std::size_t values, engine::Element e
   check_element(element);
   const std::size_t row = std::max<std::size_t>(row_values(), 1);
   if (values % row != 0)
-    fail(fmt::format("has rows of {} values: {} values are no whole number of rows", row, values));
+    fail(fmt::format("has rows of {} values: {} values are not a whole number of rows", row, values));
   const std::size_t first = rows();
   resize(first + values / row);
   write_rows(first, values / row, from, values, element);
@@ -677,7 +678,8 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
 
 std::string Hdf5Group::read_text(const std::string& name) const {
   std::vector<std::string> texts = read_texts(name);
-  if (texts.size() != 1) fail_with(file_, fmt::format("{} is not one text", path_of(name)));
+  if (texts.size() != 1)
+    fail_with(file_, fmt::format("{} must be one text, but it is {} texts", path_of(name), texts.size()));
   return std::move(texts.front());
 }
 

@@ -98,8 +98,8 @@ class Hdf5Dataset : public Hdf5Object {
   /// that a damaged file cannot make the caller allocate terabytes.
   std::size_t values() const;
 
-  /// Write and read all values. The span must have values() elements of the type element(); bool is stored as
-  /// uint8.
+  /// Writes (write()) or reads (read()) all values. The span must have values() elements of the type
+  /// element(); bool is stored as uint8.
   template <class T>
   void write(std::span<const T> from) {
     write_rows(0, rows(), from.data(), from.size(), engine::element_of<T>());
@@ -114,7 +114,7 @@ class Hdf5Dataset : public Hdf5Object {
     read(std::span<T>(into));
     return into;
   }
-  /// Reads rows from `first` on, as many as the span can hold.
+  /// Reads rows from the row `first` on, as many as the span can hold.
   template <class T>
   void read_rows(std::size_t first, std::span<T> into) const {
     read_rows(first, into.data(), into.size(), engine::element_of<T>());
@@ -203,8 +203,8 @@ class Hdf5File : public Hdf5Group {
   /// Creates a file, replacing an existing file of the same name. The first `user_block` bytes of the file
   /// (0, or a power of two, at least 512) belong to the caller: HDF5 does not touch them.
   static Hdf5File create(const std::filesystem::path& file, std::size_t user_block = 0);
-  /// Creates a file in memory, where errors of the disk cannot damage it. image() returns its bytes. `file`
-  /// is only the name that error messages give.
+  /// Creates a file in memory, where errors of the disk cannot damage it. image() returns its bytes. No file
+  /// on the disk is created: error messages use the name `file`.
   static Hdf5File create_in_memory(const std::filesystem::path& file, std::size_t user_block = 0);
   /// Opens a closed file for reading.
   static Hdf5File open(const std::filesystem::path& file);

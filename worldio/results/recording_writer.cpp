@@ -233,7 +233,7 @@ void RecordingWriter::open_outputs() {
     const std::vector<std::size_t>& extent = dataset.extent();
     if (dataset.element() != element ||
         !std::equal(extent.begin() + !extent.empty(), extent.end(), row.begin(), row.end()))
-      dataset.fail("belongs to another world: its rows have another size or type than in this run");
+      dataset.fail("belongs to another world: its rows differ in size or type from those of this run");
     return dataset;
   };
   for (const RecordedComponent& component : components_) {

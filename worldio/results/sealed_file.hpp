@@ -21,15 +21,16 @@ namespace troupe::worldio {
 inline constexpr std::size_t k_seal_bytes = 512;
 
 /// Writes `bytes` as a sealed file. `kind` is the word in the first line, and `layout` the number in the
-/// second. The file has the head in place of the first 512 elements of `bytes`. The function writes to
-/// another name in the same folder (worldio/partial_file.hpp), syncs that file to the disk and renames it to
-/// `file`. If that fails, throws std::runtime_error `run.h5: error: ...`; no partial file remains, and `file`
-/// is unchanged.
+/// second. The head replaces the first 512 bytes (k_seal_bytes) of `bytes`. The function writes to another
+/// name in the same folder (worldio/partial_file.hpp), syncs that file to the disk and renames it to `file`.
+/// If that fails, throws std::runtime_error `run.h5: error: ...`; no partial file remains, and `file` is
+/// unchanged.
 void write_sealed(const std::filesystem::path& file, std::string_view kind, unsigned layout,
                   std::span<const std::byte> bytes);
 
-/// Reads the whole file and checks its head and hash. Throws InputError if it does not exist, is another kind
-/// of file, has another layout, was cut off or is damaged. The message says which.
+/// Reads the whole file and checks its head and hash. Throws InputError if the file does not exist, is
+/// another kind of file, has another layout, was cut off or is damaged. The message states which of these is
+/// the case.
 void check_seal(const std::filesystem::path& file, std::string_view kind, unsigned layout);
 
 /// Whether the first line of a file is that of a sealed file of this kind.

@@ -41,8 +41,8 @@ class StageBodies {
 
  private:
   bool flag(const StageModel& model, std::string_view key);
-  /// Reads the image of a `bitmap` and sets the path in `spec`. Null, with an error, if the image cannot be
-  /// read or has no solid pixel.
+  /// Reads the image of a `bitmap` and sets the path in `spec`. If the image cannot be read or has no solid
+  /// pixel, reports an error and returns null.
   const FloorImage* read_image(const StageProperty& property, engine::ImageSpec& spec);
   /// Reports properties of the model that a ROS map overrides, because the map has its own size and place.
   void check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,

@@ -13,7 +13,8 @@
 namespace troupe::worldio {
 
 /// Converts the properties of Stage models to Troupe's devices, drives and controllers. A property is ignored
-/// if the kind of the device or drive has no parameter for it.
+/// if the kind of the device or drive has no parameter for it. If a property is wrong, the functions report
+/// an error; those that return a std::optional then return an empty one.
 class StageKinds {
  public:
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)
@@ -22,30 +23,27 @@ class StageKinds {
   /// Returns the time between two updates of a model, s; 0: every tick.
   double period_s(const StageModel& model);
 
-  /// Reads a ranger and its `sensor` children. Empty, with a warning, if there are no sensors. Empty, with
-  /// errors, if a property is wrong.
+  /// Reads a ranger and its `sensor` children. If there are no sensors, warns and returns nothing.
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
-  /// Reads a model that is a device of this kind. Empty, with errors, if a property is wrong.
+  /// Reads a model that is a device of this kind.
   std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
   /// Like device(), for a gripper. `size` is the size of its model, m.
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
                                             const Eigen::Vector3d& size);
-  /// Reads the drive of a position model. Empty, with errors, if a property is wrong.
+  /// Reads the drive of a position model.
   std::optional<engine::DriveSpec> drive(const StageModel& model);
-  /// Reads the drive of a position model inside another model, as a device. Empty, with errors, if a property
-  /// is wrong.
+  /// Reads the drive of a position model inside another model, as a device.
   std::optional<engine::DeviceSpec> wheels(const StageModel& model, const engine::DeviceKind& kind);
   /// Reads the property `ctrl`, one or more strings "name arguments". Arguments are in the order of the
-  /// parameters of the controller, or are written as parameter=value. A wrong string is an error, and the
-  /// result omits it.
+  /// parameters of the controller, or are written as parameter=value. The result omits wrong strings.
   std::vector<engine::ControllerSpec> controllers(const StageModel& model);
 
  private:
   /// Reads `velocity_bounds` or `acceleration_bounds`: [xmin xmax ymin ymax zmin zmax amin amax], in m and
   /// rad per second or per second squared. Returns the defaults of Stage if the model does not have the
-  /// property. Empty, with an error, if the property is wrong.
+  /// property.
   std::optional<std::vector<double>> drive_bounds(const StageModel& model, std::string_view key);
-  /// Reads how the robot estimates its pose (gps or odometry). False, with errors, if a property is wrong.
+  /// Reads how the robot estimates its pose (gps or odometry). Returns false if a property is wrong.
   bool localize(const StageModel& model, const engine::FieldTable& table, engine::Record& params);
   bool is_always_on(const StageModel& model);
   std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,

@@ -43,8 +43,8 @@ class StageMacros {
   /// Adds a macro. The first definition of a name is used; a later one is ignored with a warning.
   void define(const StageItem& item);
   /// Applies the macros of an entity: follows the chain of their bases, then replaces an older name of a
-  /// type, such as "laser", by the present name. Empty, with an error, if the chain of bases is a cycle or
-  /// does not end at a type.
+  /// type, such as "laser", by the present name. If the chain of bases is a cycle or does not end at a type,
+  /// reports an error and returns nothing.
   std::optional<StageModel> resolve(const StageEntity& entity);
   /// Whether models of this type have a device: a ranger, a gripper, ...
   bool is_device(std::string_view type) const;

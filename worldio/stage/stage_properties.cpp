@@ -58,7 +58,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "color", fixed,
      "X11 name, or \"random\": a random colour, which depends on the seed and on the id of the body (for a "
      "top-level model) or the name of the model (for a child)"},
-    {"model", "color_rgba", honoured, "used if `color` is not given"},
+    {"model", "color_rgba", honoured,
+     "[red green blue opacity], each from 0 to 1; used if `color` is not given"},
     {"model", "bitmap", fixed,
      "an image whose solid pixels, stretched to `size`, are the body, or the YAML file of a ROS map; whole "
      "regions are solid, in Stage only their outlines"},
@@ -91,7 +92,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "event_queue", no_effect, "Stage overwrites the value"},
     {"model", "friction", no_effect, "Stage stores it and does not use it"},
     {"model", "map_resolution", no_effect, "Stage stores it and does not use it"},
-    {"model", "debug", no_effect, "in Stage, prints a line"},
+    {"model", "debug", no_effect, "in Stage, the model prints a line"},
     {"model", "mass", honoured,
      "kg; used for a top-level `position`: its drive draws 1 W, plus 10 W times the mass in kg times the "
      "speed in m/s"},
@@ -208,7 +209,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"sensor", "samples", honoured,
      "number of beams; a single beam points straight ahead; for cones see `beam_width`"},
     {"sensor", "noise", fixed,
-     "[variance share angle], each 0 or above: the variance of the error of a range, the largest further "
+     "[variance share angle], each 0 or above: the variance of the error of a range, the largest additional "
      "error as a fraction of the range, and the largest error of the direction of a beam. Differences from "
      "Stage: readings stay between 0 and the maximum, and the errors follow from the seed"},
     {"sensor", "beam_width", honoured,
@@ -274,7 +275,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"radio", "mac", no_effect, "messages go to all radios in range"},
 
     {"blobfinder", "image", fixed,
-     "[columns rows]; a single column looks straight ahead, where Stage divides by 0"},
+     "[columns rows]; a single column looks straight ahead; in Stage, it causes a division by 0"},
     {"blobfinder", "range", honoured, "largest distance, m, whatever `unit_length` says"},
     {"blobfinder", "fov", fixed, "opening angle; unlike in Stage, no column between two blobs is skipped"},
     {"blobfinder", "pan", honoured, "angle that is added to the heading of the blob finder"},
@@ -293,7 +294,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
 
     {"gripper", "paddle_size", fixed,
      "[x y z], fractions of the gripper's `size`; paddles move as solid parts of the body and stop at what "
-     "they touch, where those of Stage jump"},
+     "they touch; in Stage, they jump"},
     {"gripper", "paddle_state", fixed,
      "[\"open\" or \"closed\" \"up\" or \"down\"]; a held body rises with the paddles and stays where it is "
      "released"},
@@ -327,7 +328,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"camera", "pitch", obsolete, ""},
 
     {"blinkenlight", "period", fixed,
-     "time from one flash to the next, ms; the light blinks, where Stage draws nothing"},
+     "time from one flash to the next, ms; the light blinks; in Stage, it is not drawn"},
     {"blinkenlight", "dutycycle", fixed, "fraction of the period for which the light is lit"},
     {"blinkenlight", "enabled", fixed,
      "0: the light is dark until a controller switches it on; Stage never reads this property"},

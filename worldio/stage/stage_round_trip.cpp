@@ -134,8 +134,8 @@ void RoundTrip::check_devices() {
   }
   for (const DeviceSpec& device : back_.devices)
     if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
-      lacks(type_.parts.front().where, fmt::format("that it has no device \"{}\": when the written file is "
-                                                   "read, the type has this device, of kind {}",
+      lacks(type_.parts.front().where, fmt::format("it has no device \"{}\", but when the written file is "
+                                                   "read, the type gets this device, of kind {}",
                                                    device.name, device.kind));
   // The order of devices of one kind matters, because controllers choose among them in this order.
   for (const engine::DeviceKind& kind : registry_.devices) {

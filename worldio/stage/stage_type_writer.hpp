@@ -22,8 +22,8 @@ struct StagePlaces {
   Diagnostics& diagnostics;
 };
 
-/// Returns, for each part of a type, whether it must not be written because a controller adds it when a
-/// `.world` file is read (worldio/stage/stage_demos.hpp).
+/// Returns, for each part of a type, whether it must be omitted from the file: a controller adds such a part
+/// each time a `.world` file is read (worldio/stage/stage_demos.hpp).
 std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
                               const engine::Registry& registry);
 

@@ -45,7 +45,7 @@ class StageValues {
 
   /// Returns a single value as text, with or without quotes in the file.
   std::optional<std::string_view> text(const StageProperty& property);
-  /// Like text(), for names. Empty, with a warning, for the names "" and "/".
+  /// Like text(), for names. For the names "" and "/", warns and returns nothing.
   std::optional<std::string_view> name(const StageProperty& property);
   /// Returns the single value, or all values of a tuple, as texts.
   std::vector<std::string_view> texts(const StageProperty& property);

@@ -626,7 +626,7 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
       values_.error(values_.where(*ctrl),
                     fmt::format("controller \"{}\" must be in a model of type position, which "
                                 "has a drive; {} is of type {}",
-                                controller.kind, is_root ? "this model" : "this one, inside another model,",
+                                controller.kind, is_root ? "this model" : "this model, inside another model,",
                                 model.type));
       continue;
     }

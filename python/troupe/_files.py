@@ -1,0 +1,36 @@
+"""Where the files are that come with the package."""
+
+import pathlib
+
+_PACKAGE = pathlib.Path(__file__).parent  # not resolved: in a build tree this file is a link
+_SOURCE = pathlib.Path(__file__).resolve().parent
+
+
+def _roots() -> "list[pathlib.Path]":
+    """The folders below which an installation has its files: the package, as in a wheel, and a prefix or a build tree."""
+    is_below_prefix = _PACKAGE.parts[-4:-1] == ("lib", "python3", "dist-packages")
+    return [_PACKAGE, *([_PACKAGE.parents[3]] if is_below_prefix else [])]
+
+
+def _first(what: str, file: str, folders: "list[pathlib.Path]") -> pathlib.Path:
+    for folder in folders:
+        if (folder / file).is_file():
+            return folder
+    raise FileNotFoundError(
+        f"this installation of troupe has no {what}: there is no {file} in " + ", ".join(map(str, folders))
+        + "; wheels, and the prefix of cmake --install, contain it")
+
+
+def cmake_dir() -> pathlib.Path:
+    """Returns the folder for CMake's option -Dtroupe_DIR=, with which find_package(troupe) finds this installation. A wheel
+    contains what plug-ins need; a build tree or an installation from source contains the whole library. Raises
+    FileNotFoundError if there is none, as after `pip install .`."""
+    roots = _roots()
+    return _first("CMake package", "troupeConfig.cmake", [*(root / "lib" / "cmake" / "troupe" for root in roots), *roots[1:]])
+
+
+def worlds_dir() -> pathlib.Path:
+    """Returns the folder of the worlds that come with Troupe, for example
+    `troupe.Simulation(troupe.worlds_dir() / "hospital.json")`. Raises FileNotFoundError if there is none."""
+    folders = [root / "share" / "troupe" / "worlds" for root in _roots()]
+    return _first("worlds", "hospital.json", [*folders, _SOURCE.parents[1] / "worlds"])
