@@ -17,7 +17,9 @@ namespace {
 constexpr unsigned k_region_bits = 6;  // 64 cells per edge
 constexpr std::int32_t k_region = 1 << k_region_bits;
 constexpr std::int32_t k_block = 8;
-constexpr std::uint32_t k_link = 1u << 31;  // set in a mark that is the number of a Link
+constexpr std::int32_t k_square = 32;                     // cells per edge of a square, a quarter of a region
+constexpr std::uint64_t k_blocks_of_square = 0x0F0F0F0F;  // the blocks of the first square of a region
+constexpr std::uint32_t k_link = 1u << 31;                // set in a mark that is the number of a Link
 constexpr std::uint32_t k_unmarked = ~0u;
 constexpr std::uint32_t k_share = 128;        // outlines per drawing task
 constexpr std::size_t k_batch = 8;            // regions per assembling task
@@ -129,18 +131,31 @@ class RayGrid::Rasterizer {
   Cell region_;
 };
 
-/// The path of a ray through the cells. A cell on the path is i steps along x and j steps along y from the
-/// first cell, both counted in the direction of the ray. Step i along x crosses the i-th border between
-/// columns of cells, step j along y the j-th border between rows. `across` and `up` are the magnitudes of the
-/// direction's x and y. The line from the middle of the first cell reaches border i along x at the parameter
-/// (2 i - 1) / across and border j along y at (2 j - 1) / up.
+/// A ray on its way. Its position is in cells. Where something is drawn it takes steps from cell to cell:
+/// after i steps along x and j steps along y, both in the direction of the ray, step i + 1 along x crosses a
+/// border between columns of cells, and step j + 1 along y a border between rows. Elsewhere it jumps.
+///
+/// `across` and `up` are the extents of the ray along x and y over its whole range, in whole cells. The order
+/// of the steps is that of a line which crosses border i along x at the parameter (2 i - 1) / across and
+/// border j along y at (2 j - 1) / up. Jumps do not change this order.
 class RayGrid::Line {
  public:
-  explicit Line(const Vec2& direction)
-      : step_x(direction.x() < 0 ? -1 : 1),
-        step_y(direction.y() < 0 ? -1 : 1),
-        across(units(direction.x())),
-        up(units(direction.y())) {}
+  Line(const GridRay& ray, double cell_m)
+      : step_x(ray.direction.x() < 0 ? -1 : 1),
+        step_y(ray.direction.y() < 0 ? -1 : 1),
+        across(extent(ray.direction.x(), ray, cell_m)),
+        up(extent(ray.direction.y(), ray, cell_m)),
+        left(across + up),
+        start_(ray.origin / cell_m),
+        at_(start_),
+        forward_(ray.direction.cwiseAbs()),
+        per_(forward_.cwiseInverse()),
+        cell_m_(cell_m) {}
+
+  /// False if the ray starts so far away that its cells have no numbers.
+  bool starts_on_grid() const { return start_.cwiseAbs().maxCoeff() < static_cast<double>(k_farthest); }
+  /// The cell of the position, which is rounded towards zero.
+  Cell cell() const { return {static_cast<std::int32_t>(at_.x()), static_cast<std::int32_t>(at_.y())}; }
 
   /// Negative if the ray crosses border i along x before border j along y.
   std::int64_t order(std::int64_t i, std::int64_t j) const { return up * (2 * i - 1) - across * (2 * j - 1); }
@@ -149,24 +164,64 @@ class RayGrid::Line {
   std::int64_t y_steps(std::int64_t i) const { return (up * (2 * i - 1) + across) / (2 * across); }
   std::int64_t x_steps(std::int64_t j) const { return (across * (2 * j - 1) + up - 1) / (2 * up); }
 
-  /// The number of steps along x, or along y, by which the ray leaves the group of cells (a block or a region
-  /// of `size` by `size` cells) that contains this cell.
-  std::int64_t x_to_border(std::int32_t x, std::int32_t size) const {
-    return step_x > 0 ? size - (x & (size - 1)) : (x & (size - 1)) + 1;
+  /// The number of steps along x, or along y, by which the ray leaves the block that contains this cell.
+  std::int64_t x_to_border(std::int32_t x) const { return step_x > 0 ? k_block - (x & 7) : (x & 7) + 1; }
+  std::int64_t y_to_border(std::int32_t y) const { return step_y > 0 ? k_block - (y & 7) : (y & 7) + 1; }
+
+  /// Jumps from the cell `from`, in an empty square, to the next square: to its border if the ray moves
+  /// upwards, and to one cell beyond the border if it moves downwards.
+  void jump(Cell from) {
+    const double border_x = step_x > 0 ? (from.x | (k_square - 1)) + 1 : (from.x & -k_square) - 1;
+    const double border_y = step_y > 0 ? (from.y | (k_square - 1)) + 1 : (from.y & -k_square) - 1;
+    const double to_x = std::abs(border_x - at_.x());
+    const double to_y = std::abs(border_y - at_.y());
+    const double along_x = to_x * per_.x();  // cells along the ray; infinite if the ray runs along y
+    const double along_y = to_y * per_.y();
+    // The minimum keeps rounding from carrying the ray past the other border.
+    if (along_x < along_y)
+      at_ = {border_x, at_.y() + step_y * std::min(along_x * forward_.y(), to_y)};
+    else
+      at_ = {at_.x() + step_x * std::min(along_y * forward_.x(), to_x), border_y};
+    left = static_cast<std::int64_t>(static_cast<double>(left) - std::min(along_x, along_y) * forward_.sum());
   }
-  std::int64_t y_to_border(std::int32_t y, std::int32_t size) const {
-    return step_y > 0 ? size - (y & (size - 1)) : (y & (size - 1)) + 1;
+  /// Takes steps until i and j are the given numbers.
+  void step_to(std::int64_t to_i, std::int64_t to_j) {
+    at_ = after(to_i, to_j);
+    left -= to_i - i + to_j - j;
+    i = to_i;
+    j = to_j;
   }
+  /// The range after the steps i and j, m: how far the position has moved along x or y, over the direction.
+  float range(std::int64_t to_i, std::int64_t to_j) const {
+    const Vec2 moved = (after(to_i, to_j) - start_).cwiseAbs();
+    return static_cast<float>((across > up ? moved.x() / forward_.x() : moved.y() / forward_.y()) * cell_m_);
+  }
+  /// The number of steps, i + j, after which the ray ends.
+  std::int64_t last() const { return i + j + left; }
 
   const std::int32_t step_x, step_y;
   const std::int64_t across, up;
+  std::int64_t i = 0;
+  std::int64_t j = 0;
+  std::int64_t left;  // steps that may follow; a jump counts as the steps that it replaces
 
  private:
-  /// The magnitude of a component of the direction, as an integer in units of 2^-20. Directions are thus
-  /// accurate to a millionth of a radian, and order() fits in 51 bits.
-  static std::int64_t units(double component) {
-    return (static_cast<std::int64_t>(std::abs(component) * (2 << 20)) + 1) / 2;
+  /// The limit keeps order() below 2^62: a ray takes at most 2^30 steps.
+  static std::int64_t extent(double component, const GridRay& ray, double cell_m) {
+    return static_cast<std::int64_t>(
+        std::abs(component) *
+        std::min(static_cast<double>(ray.range_max) / cell_m, static_cast<double>(k_farthest)));
   }
+  Vec2 after(std::int64_t to_i, std::int64_t to_j) const {
+    return {at_.x() + step_x * static_cast<double>(to_i - i),
+            at_.y() + step_y * static_cast<double>(to_j - j)};
+  }
+
+  Vec2 start_;
+  Vec2 at_;
+  Vec2 forward_;  // magnitudes of the direction's components
+  Vec2 per_;      // their inverses
+  double cell_m_;
 };
 
 RayGrid::RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
@@ -453,6 +508,8 @@ float RayGrid::met(std::uint32_t mark, const GridRay& ray) const {
 struct RayGrid::CellPosition {
   CellPosition(std::int32_t x, std::int32_t y) : at(x | y << 4) {}
   bool inside() const { return (at & 0x88) == 0; }
+  /// True if both blocks are in the same square: all bits but the lower two of x and of y are equal.
+  bool same_square(CellPosition other) const { return ((at ^ other.at) & ~0x33) == 0; }
   std::uint32_t bit() const { return static_cast<std::uint32_t>((at & 7) | (at >> 1 & 0x38)); }
   std::int32_t x() const { return at & 7; }
   std::int32_t y() const { return at >> 4 & 7; }
@@ -465,62 +522,61 @@ struct RayGrid::CellPosition {
 };
 
 GridHit RayGrid::cast(const GridRay& ray) const {
-  const Line line(ray.direction);
-  const Cell start = cells_.cell(ray.origin);
-  const GridHit nothing{ray.range_max, 0};
-  // After this many steps every cell is out of range.
-  const double reach =
-      (std::abs(ray.direction.x()) + std::abs(ray.direction.y())) * ray.range_max / cells_.cell_m;
-  const auto most_steps = static_cast<std::int64_t>(std::min(reach + 4, static_cast<double>(k_farthest)));
-  const auto cell_at = [&](std::int64_t i, std::int64_t j) {
-    return Cell{start.x + line.step_x * static_cast<std::int32_t>(i),
-                start.y + line.step_y * static_cast<std::int32_t>(j)};
-  };
+  GridHit hit{ray.range_max, 0};
+  Line line(ray, cells_.cell_m);
+  if (!line.starts_on_grid()) return hit;
+  Cell here;
+  const Region* region = nullptr;
+  for (bool is_known = false; line.left > 0; is_known = true) {
+    const Cell at = line.cell();
+    if (const Cell now = cells_.tile(at); !is_known || now != here) {
+      here = now;
+      const std::uint32_t slot = directory_.find(here);
+      region = slot == TileDirectory::k_none ? nullptr : slots_[slot].seen;
+    }
+    const CellPosition first(at.x >> 3 & 7, at.y >> 3 & 7);
+    const std::uint64_t blocks = region ? region->blocks & (k_blocks_of_square << (first.bit() & 0x24)) : 0;
+    if (blocks == 0) {
+      // Nothing is drawn beyond the outermost regions.
+      if (!region && ((line.step_x > 0 ? here.x > high_.x : here.x < low_.x) ||
+                      (line.step_y > 0 ? here.y > high_.y : here.y < low_.y)))
+        return hit;
+      line.jump(at);
+      continue;
+    }
 
-  std::int64_t i = 0;
-  std::int64_t j = 0;
-  for (;;) {
-    const Cell at = cell_at(i, j);
-    const Cell here = cells_.tile(at);
-    const std::uint32_t slot = directory_.find(here);
-    const Region* region = slot == TileDirectory::k_none ? nullptr : slots_[slot].seen;
-    const std::int32_t size = region ? k_block : k_region;
-    std::int64_t border_i = i + line.x_to_border(at.x, size);
-    std::int64_t border_j = j + line.y_to_border(at.y, size);
+    std::int64_t border_i = line.i + line.x_to_border(at.x);
+    std::int64_t border_j = line.j + line.y_to_border(at.y);
+    std::int64_t borders = border_i + border_j;
     std::int64_t order = line.order(border_i, border_j);
     std::int64_t along_x = order >> 63;  // all ones: the next border is one along x
-    if (!region) {
-      // Nothing is drawn beyond the outermost regions.
-      if ((line.step_x > 0 ? here.x > high_.x : here.x < low_.x) ||
-          (line.step_y > 0 ? here.y > high_.y : here.y < low_.y) ||
-          border_i + border_j - k_region > most_steps)
-        return nothing;
-    } else {
-      std::int64_t borders = border_i + border_j;
-      CellPosition block(at.x >> 3 & 7, at.y >> 3 & 7);
-      for (bool first = true;; first = false) {
-        if (region->blocks >> block.bit() & 1 && region->owners[block.bit()] != ray.body) {
-          if (!first) {  // computes where the ray entered the block, only if needed
-            border_j = borders - border_i;
-            i = along_x ? border_i - k_block : line.x_steps(border_j - k_block);
-            j = along_x ? line.y_steps(i) : border_j - k_block;
-          }
-          GridHit hit = nothing;
-          if (met_in_block(*region, block.bit(), ray, line, cell_at(i, j), i, j, hit)) return hit;
+    CellPosition block = first;
+    for (bool is_first = true;; is_first = false) {
+      if (blocks >> block.bit() & 1 && region->owners[block.bit()] != ray.body) {
+        std::int64_t i = line.i;
+        std::int64_t j = line.j;
+        if (!is_first) {  // computes where the ray entered the block, only if needed
+          border_j = borders - border_i;
+          i = along_x ? border_i - k_block : line.x_steps(border_j - k_block);
+          j = along_x ? line.y_steps(i) : border_j - k_block;
         }
-        if (borders - k_block > most_steps) return nothing;
-        along_x = order >> 63;
-        block.step(line.step_x, line.step_y, along_x);
-        if (!block.inside()) break;
-        borders += k_block;
-        border_i += k_block & along_x;
-        order += (2 * k_block * (line.up + line.across) & along_x) - 2 * k_block * line.across;
+        const Cell entry{at.x + line.step_x * static_cast<std::int32_t>(i - line.i),
+                         at.y + line.step_y * static_cast<std::int32_t>(j - line.j)};
+        if (met_in_block(*region, block.bit(), ray, line, entry, i, j, hit)) return hit;
       }
-      border_j = borders - border_i;
+      if (borders - k_block >= line.last()) return hit;
+      along_x = order >> 63;
+      block.step(line.step_x, line.step_y, along_x);
+      if (!block.same_square(first)) break;
+      borders += k_block;
+      border_i += k_block & along_x;
+      order += (2 * k_block * (line.up + line.across) & along_x) - 2 * k_block * line.across;
     }
-    i = along_x ? border_i : line.x_steps(border_j);
-    j = along_x ? line.y_steps(i) : border_j;
+    border_j = borders - border_i;
+    const std::int64_t i = along_x ? border_i : line.x_steps(border_j);
+    line.step_to(i, along_x ? line.y_steps(i) : border_j);
   }
+  return hit;
 }
 
 /// Follows a ray through one block from the cell `at`, which the ray reaches after i steps along x and j
@@ -538,14 +594,10 @@ bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const Grid
   for (CellPosition cell = entry; cell.inside();) {
     if (drawn >> cell.bit() & 1) {
       if (const float most = met(marks_[region.marks[block] + rank(drawn, cell.bit())], ray); most >= 0) {
-        // The range is the distance along the ray between the middles of the first and the last cell, minus a
-        // quarter of the length of a step.
-        const std::int64_t steps =
-            line.across >= line.up ? i + std::abs(cell.x() - entry.x()) : j + std::abs(cell.y() - entry.y());
-        const double step_m =
-            cells_.cell_m / std::max(std::abs(ray.direction.x()), std::abs(ray.direction.y()));
-        const auto range = static_cast<float>(std::max(0.0, (static_cast<double>(steps) - 0.25) * step_m));
-        if (range < ray.range_max) hit = {range, most};
+        i += std::abs(cell.x() - entry.x());
+        j += std::abs(cell.y() - entry.y());
+        const float range = line.range(i, j);
+        if (i + j < line.last() && range < ray.range_max) hit = {range, most};
         return true;
       }
     }

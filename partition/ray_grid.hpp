@@ -28,10 +28,10 @@ namespace troupe::partition {
 /// the cell of its end, which the next edge draws. An outline within one cell draws that cell. The inside of
 /// an outline is not drawn.
 ///
-/// A ray follows the same kind of staircase from the middle of the cell of its origin. It ends in the first
-/// cell with a surface that it can hit; the cell of the origin counts. Empty regions and empty blocks are
-/// skipped as a whole. This does not change which cells the ray passes, because the line is computed in
-/// integers. docs/sensing.md gives the errors of readings.
+/// A ray moves as in Stage: through squares of 32 x 32 cells in which anything is drawn it follows the same
+/// kind of staircase, and it jumps over empty squares. It ends in the first cell with a surface that it can
+/// hit; the cell of the origin counts. Empty blocks are skipped as a whole; this does not change which cells
+/// the ray passes, because the staircase is computed in integers. docs/sensing.md gives all rules.
 
 /// An outline of a mobile body.
 struct MovingOutline {

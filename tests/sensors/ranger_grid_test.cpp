@@ -15,7 +15,7 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::FloatNear;
 
-constexpr float k_half_cell = 0.01f;  // along an axis; and a quarter of a cell that readings are short
+constexpr float k_cell = 0.0201f;  // the error of a reading along an axis
 
 std::span<const float> readings(const World& world, BodyId body, std::size_t sensor = 0,
                                 std::size_t field = 0) {
@@ -46,8 +46,8 @@ TEST(RangerGrid, SeesWallsAndOthersButNotItself) {
   yard.wall(-5, -2, 5, -1.29, {.ranger = 0});
   World world = yard.world();
   world.step();
-  EXPECT_THAT(readings(world, me), ElementsAre(FloatNear(1.295f, k_half_cell), FloatNear(1.795f, k_half_cell),
-                                               3.0f, FloatNear(1.295f, k_half_cell)));
+  EXPECT_THAT(readings(world, me),
+              ElementsAre(FloatNear(1.3f, k_cell), FloatNear(1.8f, k_cell), 3.0f, FloatNear(1.3f, k_cell)));
   EXPECT_THAT(readings(world, me, 0, 1), ElementsAre(0.5f, 1.0f, 0.0f, 0.0f));
 }
 
@@ -83,7 +83,7 @@ TEST(RangerGrid, CellsAreAsLargeAsTheWorldSays) {
   yard.wall(2.6, -5, 3, 5);
   World world = yard.world();
   world.step();
-  EXPECT_EQ(readings(world, me)[0], (5 - 0.25f) * 0.5f);  // from [0, 0.5) to [2.5, 3)
+  EXPECT_EQ(readings(world, me)[0], 5 * 0.5f);  // from [0, 0.5) to [2.5, 3)
 }
 
 TEST(RangerGrid, AnOutlineThatTheWorldCannotHoldIsSaidAtTheResolution) {

@@ -12,11 +12,11 @@ each beam, all edges of the world are tried:
 - exact: the nearest crossing of the beam and an edge, in double precision;
 - grid: as in docs/sensing.md, "The grid engine": the line from the middle of the first cell of an edge to the middle of its
   last cell crosses borders between cells; the edge is drawn into the cells that this line passes. The order of the crossings
-  is computed with fractions. A ray passes cells by the same rule.
+  is computed with fractions. A ray passes cells by the same rule where anything is drawn, and jumps over empty squares.
 
 A reading is null if rounding may decide it: if it changes by more than a fifth of a millimetre when the beam is moved by two
-micrometres and turned by two microradians (exact; the beam grazes an edge or a corner), or if it changes at all when the
-origin is moved by a nanometre or the direction by one unit of 2^-20 (grid).
+micrometres and turned by two microradians (exact; the beam grazes an edge or a corner), or if it changes by more than a
+micrometre when the origin is moved by a nanometre or the beam is turned by a nanoradian (grid).
 
 Each line of a .jsonl file is a record in the form of Stage's readings: t (s), model, pose of the robot (m, rad) at t, and the
 ranges of each transducer (m) at the pose of the previous tick.
@@ -213,51 +213,51 @@ def drawn(edges, cell, into):
     return into
 
 
-def unit(component):
-    return math.floor(abs(component) * 2 ** 20 + 0.5)
+def square_of(at):
+    return at[0] // 32, at[1] // 32
 
 
-def ray_cells(across, up):
-    """Yields, for each cell of a ray, the numbers of steps along x and y from the first cell."""
-    i = j = 0
-    while True:
-        yield i, j
-        # The ray crosses the next border along x at (2 i + 1) / across, and the next one along y at (2 j + 1) / up.
-        if up * (2 * i + 1) < across * (2 * j + 1):
-            i += 1
-        else:
-            j += 1
+def grid_range(maps, squares, origin, heading, z, range_max, cell):
+    """maps: the cells that the ray can hit; squares: the squares of 32 x 32 cells in which anything is drawn. Computes with
+    fractions, so nothing is rounded except where the rules of the grid engine round."""
+    direction = (math.cos(heading), math.sin(heading))
+    forward = [fractions.Fraction(abs(component)) for component in direction]
+    step = [-1 if component < 0 else 1 for component in direction]
+    start = [fractions.Fraction(value) / fractions.Fraction(cell) for value in origin]
+    # The extents of the ray in whole cells: they decide the order of its steps and how many there are.
+    extent = [int(part * fractions.Fraction(range_max) / fractions.Fraction(cell)) for part in forward]
+    left = sum(extent)
+    at, steps = start, [0, 0]
+    while left > 0:
+        here = [int(value) for value in at]  # towards zero
+        square = square_of(here)
+        if square not in squares:
+            borders = [32 * number + (32 if sign > 0 else -1) for number, sign in zip(square, step)]
+            times = [abs(border - value) / part if part else math.inf for border, value, part in zip(borders, at, forward)]
+            axis = 0 if times[0] < times[1] else 1
+            at = [value + sign * times[axis] * part for value, sign, part in zip(at, step, forward)]
+            at[axis] = fractions.Fraction(borders[axis])
+            left = int(left - times[axis] * sum(forward))
+            continue
+        while left > 0 and square_of(here) == square:
+            if any(z_min <= z <= z_max for each in maps for z_min, z_max in each.get(tuple(here), ())):
+                axis = 0 if extent[0] > extent[1] else 1
+                return min(float(abs(at[axis] - start[axis]) / forward[axis] * fractions.Fraction(cell)), range_max)
+            # Of the next border along x, at (2 i + 1) / extent x, and the next one along y, the ray crosses the nearer one.
+            axis = 0 if extent[1] * (2 * steps[0] + 1) < extent[0] * (2 * steps[1] + 1) else 1
+            steps[axis] += 1
+            here[axis] += step[axis]
+            at = [value + (step[axis] if k == axis else 0) for k, value in enumerate(at)]
+            left -= 1
+    return range_max
 
 
-def grid_range(maps, origin, direction, z, range_max, cell, nudge=(0, 0)):
-    x, y = cell_of(origin, cell)
-    across, up = unit(direction[0]) + nudge[0], unit(direction[1]) + nudge[1]
-    step_x, step_y = (-1 if direction[0] < 0 else 1), (-1 if direction[1] < 0 else 1)
-    step_m = cell / max(abs(direction[0]), abs(direction[1]))
-    for i, j in ray_cells(max(across, 0), max(up, 0)):
-        steps = i if across >= up else j
-        reading = max(0.0, (steps - 0.25) * step_m)
-        if reading >= range_max:
-            return range_max
-        at = (x + i * step_x, y + j * step_y)
-        if any(z_min <= z <= z_max for each in maps for z_min, z_max in each.get(at, ())):
-            return reading
-
-
-def grid_reading(maps, origin, direction, z, range_max, cell):
-    reading = grid_range(maps, origin, direction, z, range_max, cell)
-    for dx, dy in ((1e-9, 0), (-1e-9, 0), (0, 1e-9), (0, -1e-9)):
-        if grid_range(maps, (origin[0] + dx, origin[1] + dy), direction, z, range_max, cell) != reading:
+def grid_reading(maps, squares, origin, heading, z, range_max, cell):
+    reading = grid_range(maps, squares, origin, heading, z, range_max, cell)
+    for dx, dy, turn in ((1e-9, 0, 0), (-1e-9, 0, 0), (0, 1e-9, 0), (0, -1e-9, 0), (0, 0, 1e-9), (0, 0, -1e-9)):
+        moved = grid_range(maps, squares, (origin[0] + dx, origin[1] + dy), heading + turn, z, range_max, cell)
+        if abs(moved - reading) > 1e-6:
             return None
-    # Only where a component lies halfway between two units can rounding change it.
-    for axis in (0, 1):
-        halves = abs(direction[axis]) * 2 ** 20 % 1
-        if abs(halves - 0.5) < 1e-6:
-            nudge = (1, 0) if axis == 0 else (0, 1)
-            for sign in (1, -1):
-                moved = (sign * nudge[0], sign * nudge[1])
-                if grid_range(maps, origin, direction, z, range_max, cell, moved) != reading:
-                    return None
     return reading
 
 
@@ -282,6 +282,7 @@ def records(world, engine):
         for r, (name, kind, _) in enumerate(robots):
             others = [edge for o, edges in enumerate(outlines) if o != r for edge in edges]
             maps = [fixed_cells] + [each for o, each in enumerate(cells) if o != r]
+            squares = {square_of(at) for each in [fixed_cells, *cells] for at in each}
             for ranger, transducers in kind["rangers"]:
                 sensors = []
                 for mount, z, range_max, angles in transducers:
@@ -291,8 +292,7 @@ def records(world, engine):
                         if engine == "exact":
                             reading = exact_reading(fixed + others, (x, y), heading + angle, z, range_max)
                         else:
-                            direction = (math.cos(heading + angle), math.sin(heading + angle))
-                            reading = grid_reading(maps, (x, y), direction, z, range_max, cell)
+                            reading = grid_reading(maps, squares, (x, y), heading + angle, z, range_max, cell)
                         ranges.append(None if reading is None else round(reading, 5))
                     sensors.append({"ranges": ranges})
                 lines.append({"t": round(tick * TICK, 3), "model": f"{name}.{ranger}",
